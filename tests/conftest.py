@@ -75,6 +75,10 @@ def _why_not(item: pytest.Item, *, is_slow_welcome: bool) -> str:
     return f"needs {names}: {', '.join(dict.fromkeys(r for _, r in missing))}" if missing else ""
 
 
+_MODULES = {"usd_core": "pxr"}
+"""Of packages whose module has another name."""
+
+
 @functools.cache
 def _remedy(need: str | tuple[str, ...]) -> str:
     """What brings something that `pytest.mark.needs` names, "" where it is there.
@@ -87,7 +91,8 @@ def _remedy(need: str | tuple[str, ...]) -> str:
         return "" if any(map(shutil.which, need)) else f"apt install {need[0].lower()}"
     if need not in _extras():
         raise pytest.UsageError(f"no extra of pyproject.toml brings '{need}', which a test needs")
-    return "" if importlib.util.find_spec(need) else f'pip install ".[{_extras()[need]}]"'
+    module = _MODULES.get(need, need)
+    return "" if importlib.util.find_spec(module) else f'pip install ".[{_extras()[need]}]"'
 
 
 @functools.cache

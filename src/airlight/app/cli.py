@@ -62,9 +62,9 @@ def _module(command: str) -> str:
 def airlight() -> None:
     """Light transport in air: a scene file in, a lit image out, with a GPU or without.
 
-    A SCENE is a scene file (.toml, .xml), a mesh (.gltf, .glb, .obj, .ply, .stl), a density grid
-    (.vdb, .nvdb, .npy, .npz, .vol, .vti, .nc, .zarr) or builtin:NAME; `airlight scenes` lists
-    the names.
+    A SCENE is a scene file (.toml, .xml), a mesh (.gltf, .glb, .obj, .ply, .stl, .usd), a density
+    grid (.vdb, .nvdb, .npy, .npz, .vol, .vti, .nc, .zarr) or builtin:NAME; `airlight scenes`
+    lists the names.
     """
 
 

@@ -23,9 +23,14 @@ _EXTRA_PURPOSE = {
     "view": "the viewer, in a window or a browser",
     "notebook": "the viewer in a notebook",
     "vdb": "OpenVDB files (.vdb)",
-    "gltf": "glTF meshes compressed with Draco",
-    "test": "the project's own tests",
+    "gltf": "glTF meshes compressed with Draco, KTX 2 images",
+    "usd": "USD scenes",
+    "science": "NetCDF and zarr grids",
+    "video": "videos of sequences",
+    "farm": "sequences on several machines",
 }
+_PROJECTS_OWN = ("docs", "test", "test-view")
+"""Extras that nobody needs who only uses airlight."""
 _REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['\"]$")
 
 
@@ -87,6 +92,8 @@ def extras() -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for match in filter(None, map(_REQUIREMENT.match, requirements)):
         package, extra = match.groups()
+        if extra in _PROJECTS_OWN:
+            continue
         entry = found.setdefault(
             extra,
             {

@@ -47,9 +47,12 @@ def test_a_toml_scene(tmp_path):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.md", "a scene file cannot end in '.md'. Known: .glb, .gltf, .npy, "),
+        ("a.md", "a scene file cannot end in '.md'. Known: .glb, .gltf, .nc, .nc4, .npy, "),
         ("a.fbx", "a scene file cannot end in '.fbx'. Export it as glTF (.glb) from the program"),
-        ("a.usdz", "a scene file cannot end in '.usdz'. Export it as glTF (.glb) from the program"),
+        (
+            "a.blend",
+            "a scene file cannot end in '.blend'. Export it as glTF (.glb) from the program",
+        ),
         ("a.tmol", "Did you mean '.toml'?"),
         ("a", "file not found. For a scene that ships with airlight, write builtin:NAME."),
         ("a.obj", "a.obj: file not found. Check the path."),

@@ -2,7 +2,8 @@
 
 toml          the scene format of airlight      mitsuba      a subset of Mitsuba's XML
 obj, mtl      Wavefront                         gltf         glTF 2.0 and GLB
-meshfile      PLY and STL                       images       textures, radiance maps, images
+meshfile      PLY and STL                       usd          OpenUSD, by an extra
+polygons      faces of many corners             images       textures, radiance maps, images
 volumes       density grids                     volume_scene one of them on its own
 defaults      the camera and the daylight of a file that has none
 files, ledger what may be read, and what was    doubts       warnings of unlikely values
@@ -25,9 +26,10 @@ from .files import naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
 GLTF_SUFFIXES = (".glb", ".gltf")
-MESH_SUFFIXES = (".obj", *GLTF_SUFFIXES, ".ply", ".stl")
+USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+MESH_SUFFIXES = (".obj", *GLTF_SUFFIXES, ".ply", ".stl", *USD_SUFFIXES)
 VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb", ".vti", ".nc", ".nc4", ".zarr")
-OTHER_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz", ".fbx", ".dae", ".blend", ".3ds", ".abc")
+OTHER_SUFFIXES = (".fbx", ".dae", ".blend", ".3ds", ".abc")
 """Of other programs' scenes, which are not read."""
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
@@ -49,7 +51,7 @@ def load(
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. With
     `ground` a mesh file that shows no room, has no floor and gets its daylight here stands on one.
 
-    Mesh files (OBJ, glTF, PLY, STL) without light get a default sun and sky, and without a
+    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a default sun and sky, and without a
     camera one that frames them, as density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) do; scene
     files (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
     scene's `warnings`. Raises SceneError.
@@ -162,6 +164,10 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
         from .meshfile import load_mesh_file
 
         return load_mesh_file
+    if suffix in USD_SUFFIXES:
+        from .usd import load_usd
+
+        return load_usd
     if not suffix:
         try:
             regular_file(file)

@@ -35,6 +35,13 @@ def load_volume_scene(file: Path) -> Scene:
     Where the file has flames or temperatures, too, it is a fire.
     """
     grid, emission, told = _with_emission(read_volume(file), file)
+    volume, chosen = grid_volume(grid, file)
+    shown = replace(volume, emission=emission)
+    return Scene(volumes=(shown,), name=file.stem, warnings=(*told, *chosen))
+
+
+def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
+    """A grid as a medium of what its units say, or else as smoke, and what was chosen for it."""
     colours, said = _colours(grid, file)
     optics = grid.optics or _chosen_optics(grid, file)
     volume = Volume(
@@ -45,14 +52,13 @@ def load_volume_scene(file: Path) -> Scene:
         g=(optics.g,) * 3,
         world_from_volume=grid.world_from_volume,
         source=str(file),
-        emission=emission,
         albedo_grid=colours,
     )
     chosen = f"{file.name} {optics.text}"
     if grid.optics:
         chosen = f"{file.name}: {optics.text}: sigma_t = {optics.sigma_t:g} m^-1, "
         chosen += f"albedo = {optics.albedo:g}, g = {optics.g}"
-    return Scene(volumes=(volume,), name=file.stem, warnings=(*grid.warnings, *told, *said, chosen))
+    return volume, (*grid.warnings, *said, chosen)
 
 
 def _chosen_optics(grid: VolumeGrid, file: Path) -> Optics:

@@ -1,0 +1,231 @@
+"""USD scenes (.usd, .usda, .usdc, .usdz) by the extra `usd` (usd-core, OpenUSD's own library).
+
+Read: meshes, cubes, spheres and planes, GeomSubsets, instances and point instancers, variants as
+selected, UsdPreviewSurface with images, UsdLux lights and domes, cameras, OpenVDB volumes, the up
+axis and metersPerUnit. What moves stands as it does at the first time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import SceneError
+from ..camera import Camera
+from ..checks import F64
+from ..environment import Environment
+from ..lights import Light
+from ..mesh import Geometry, Mesh
+from ..scene import Scene
+from ..volume import Volume
+from .images import read_radiance
+from .usd_lights import dome, usd_camera, usd_light
+from .usd_material import UsdMaterials
+from .usd_mesh import prim_geometries
+from .usd_stage import opened_stage, resolved_asset, told_by_usd
+
+_MOST_INSTANCES = 100_000
+_HIDDEN = ("proxy", "guide")
+_LEFT_OUT = ("BasisCurves", "Points", "Cylinder", "Cone", "Capsule", "NurbsPatch", "HermiteCurves")
+_UPRIGHT: F64 = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
+
+
+def load_usd(path: Path) -> Scene:
+    """What a USD file shows. Raises SceneError.
+
+    What had to be approximated or replaced is in the scene's warnings.
+    """
+    with told_by_usd() as told:
+        reader = _Reader(path)
+        reader.warnings += told()
+        return reader.scene()
+
+
+class _Reader:
+    """A stage on its way to a scene."""
+
+    def __init__(self, path: Path) -> None:
+        from pxr import Usd, UsdGeom
+
+        self._path, self._folder = path, path.parent.resolve()
+        self._stage = stage = opened_stage(path)
+        self._time = Usd.TimeCode.EarliestTime()
+        self.warnings: list[str] = []
+        if stage.HasAuthoredTimeCodeRange():
+            self._time = Usd.TimeCode(stage.GetStartTimeCode())
+            if stage.GetEndTimeCode() > stage.GetStartTimeCode():
+                self.warnings.append(f"what moves stands as at time {stage.GetStartTimeCode():g}")
+        self._metres = float(UsdGeom.GetStageMetersPerUnit(stage))
+        if not 0.0 < self._metres < 1e9:
+            raise SceneError(f"its metersPerUnit {self._metres} is no length")
+        self._root = np.diag([self._metres] * 3 + [1.0])
+        if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
+            self._root = self._root @ _UPRIGHT
+        self._places = UsdGeom.XformCache(self._time)
+        self._materials = UsdMaterials(self._folder, self._time)
+        self._shapes: dict[str, list[tuple[Geometry, str]]] = {}
+        self._meshes: list[Mesh] = []
+        self._lights: list[Light] = []
+        self._volumes: list[Volume] = []
+        self._environment: Environment | None = None
+        self._camera: Camera | None = None
+
+    def scene(self) -> Scene:
+        """Everything that the stage shows."""
+        self._walk(self._stage.GetPseudoRoot(), self._root)
+        if not self._meshes and not self._volumes:
+            raise SceneError("it has no triangles and no volumes", where=self._path)
+        told = dict.fromkeys([*self.warnings, *self._materials.warnings])
+        return Scene(
+            meshes=tuple(self._meshes),
+            lights=tuple(self._lights),
+            environment=self._environment,
+            camera=self._camera or Camera(),
+            volumes=tuple(self._volumes),
+            name=self._path.stem,
+            warnings=tuple(f"{self._path}: {text}" for text in told),
+        )
+
+    def _walk(self, top: Any, root: F64) -> None:
+        """All that is below a prim and seen; `root` comes after the prims' own places."""
+        from pxr import Usd, UsdGeom
+
+        visited = iter(Usd.PrimRange(top, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
+        for prim in visited:
+            if self._is_hidden(prim):
+                visited.PruneChildren()
+                continue
+            if prim.IsA(UsdGeom.PointInstancer):
+                visited.PruneChildren()
+                self._instances(prim, root)
+            elif prim.IsA(UsdGeom.Boundable) or prim.IsA(UsdGeom.Xformable):
+                self._take(prim, root)
+
+    def _is_hidden(self, prim: Any) -> bool:
+        from pxr import UsdGeom
+
+        if not prim.IsA(UsdGeom.Imageable):
+            return False
+        imageable = UsdGeom.Imageable(prim)
+        is_seen = imageable.GetVisibilityAttr().Get(self._time) != UsdGeom.Tokens.invisible
+        return not is_seen or imageable.GetPurposeAttr().Get(self._time) in _HIDDEN
+
+    def _take(self, prim: Any, root: F64) -> None:
+        """A mesh, a light, a camera or a volume."""
+        from pxr import UsdGeom, UsdLux, UsdVol
+
+        world = root @ np.array(self._places.GetLocalToWorldTransform(prim)).T
+        if not np.isfinite(world).all():
+            raise SceneError(f"'{prim.GetPath()}': its place is no finite number")
+        if prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdVol.Volume):
+            self._gprim(prim, world)
+        elif prim.IsA(UsdVol.Volume):
+            self._volume(prim, world)
+        elif prim.IsA(UsdLux.DomeLight) or prim.GetTypeName() == "DomeLight_1":
+            self._dome(prim, world)
+        elif prim.HasAPI(UsdLux.LightAPI):
+            light = usd_light(prim, world, self._time)
+            if light is None:
+                self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
+            else:
+                self._lights.append(light)
+        elif prim.IsA(UsdGeom.Camera) and self._camera is None:
+            self._camera = usd_camera(prim, world, self._time, self._metres)
+            if self._camera is None:
+                self.warnings.append(f"'{prim.GetPath()}': only perspective cameras are used")
+
+    def _gprim(self, prim: Any, world: F64) -> None:
+        if prim.GetTypeName() in _LEFT_OUT:
+            self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
+            return
+        prototype = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        key = str(prototype.GetPath())
+        if key not in self._shapes:
+            self._note(prim)
+            found = prim_geometries(prim, self._time, self._materials.uv_name)
+            # By name: each instance has subsets of its own, and perhaps other materials.
+            self._shapes[key] = [
+                (geometry, "" if bound == prim else bound.GetName()) for geometry, bound in found
+            ]
+        for geometry, name in self._shapes[key]:
+            bound = prim.GetChild(name) if name else prim
+            material = self._materials.of(bound, has_colors=geometry.colors is not None)
+            self._meshes.append(Mesh(geometry, material, world, str(prim.GetPath())))
+
+    def _note(self, prim: Any) -> None:
+        """What of a mesh is shown otherwise than it asks for."""
+        if prim.HasRelationship("skel:skeleton"):
+            self.warnings.append(f"'{prim.GetPath()}': its skeleton is left out: it stands at rest")
+
+    def _instances(self, prim: Any, root: F64) -> None:
+        """The prototypes of a point instancer at each of its places."""
+        from pxr import UsdGeom
+
+        instancer = UsdGeom.PointInstancer(prim)
+        prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
+        which = instancer.GetProtoIndicesAttr().Get(self._time)
+        if not prototypes or which is None or not len(which):
+            return
+        if len(which) > _MOST_INSTANCES:
+            raise SceneError(f"'{prim.GetPath()}' has {len(which):,} instances, too many")
+        places = instancer.ComputeInstanceTransformsAtTime(
+            self._time, self._time, UsdGeom.PointInstancer.IncludeProtoXform
+        )
+        mask = instancer.ComputeMaskAtTime(self._time)
+        world = root @ np.array(self._places.GetLocalToWorldTransform(prim)).T
+        # Masked places are left out of the list of transforms.
+        kept = [k for k in range(len(which)) if not mask or mask[k]]
+        for place, k in zip(places, kept, strict=len(places) == len(kept)):
+            if 0 <= which[k] < len(prototypes):
+                top = self._stage.GetPrimAtPath(prototypes[which[k]])
+                own = np.array(self._places.GetLocalToWorldTransform(top)).T
+                self._walk(top, world @ np.array(place).T @ np.linalg.inv(own))
+
+    def _dome(self, prim: Any, world: F64) -> None:
+        attribute = prim.GetAttribute("inputs:texture:file")
+        value = attribute.Get(self._time) if attribute else None
+        image = None
+        if value is not None and value.path:
+            stack = attribute.GetPropertyStack(self._time)
+            resolved = resolved_asset(stack[0].layer, str(value.path), self._folder)
+            if resolved and Path(resolved).is_file():
+                image = read_radiance(Path(resolved), self.warnings)
+            else:
+                self.warnings.append(f"'{prim.GetPath()}': its image '{value.path}' is missing")
+        if self._environment is not None:
+            self.warnings.append(f"'{prim.GetPath()}': of several domes the first is used")
+            return
+        self._environment, is_tilted = dome(prim, world, self._time, image)
+        if is_tilted:
+            self.warnings.append(f"'{prim.GetPath()}': a tilted dome is taken upright")
+
+    def _volume(self, prim: Any, world: F64) -> None:
+        """The density of a volume from its OpenVDB file."""
+        from pxr import UsdVol
+
+        from .volume_scene import grid_volume
+        from .volumes import read_volume
+
+        fields = UsdVol.Volume(prim).GetFieldPaths()
+        name = "density" if "density" in fields else next(iter(fields), None)
+        asset = self._stage.GetPrimAtPath(fields[name]) if name else None
+        if asset is None or not asset.IsA(UsdVol.OpenVDBAsset):
+            self.warnings.append(f"'{prim.GetPath()}': it has no density in an OpenVDB file")
+            return
+        vdb = UsdVol.OpenVDBAsset(asset)
+        attribute = vdb.GetFilePathAttr()
+        value, grid = attribute.Get(self._time), vdb.GetFieldNameAttr().Get(self._time)
+        layer = attribute.GetPropertyStack(self._time)[0].layer
+        resolved = resolved_asset(layer, str(value.path), self._folder) if value else ""
+        if not resolved or not Path(resolved).is_file():
+            self.warnings.append(f"'{prim.GetPath()}': its file is missing")
+            return
+        volume, told = grid_volume(read_volume(resolved, str(grid or name)), Path(resolved))
+        scale = float(np.cbrt(abs(np.linalg.det(world[:3, :3])))) or 1.0
+        r, g, b = (c / scale for c in volume.sigma_t)
+        matrix = world @ volume.world_from_volume
+        self._volumes.append(replace(volume, sigma_t=(r, g, b), world_from_volume=matrix))
+        self.warnings += told

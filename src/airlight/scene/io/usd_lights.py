@@ -1,0 +1,121 @@
+"""UsdLux lights, domes and UsdGeom cameras as airlight's own."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ...errors import SceneError
+from ...maths.blackbody import xyz
+from ..camera import Camera
+from ..checks import F64, Rgb, Vec3
+from ..environment import Environment
+from ..lights import AreaLight, DirectionalLight, Light, PointLight
+
+_RGB_FROM_XYZ = np.array(
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
+)
+_SMALL_M = 1e-6
+
+
+def strength(light: Any, time: Any) -> F64:
+    """Radiance before `normalize`: intensity 2^exposure colour; taken as W m^-2 sr^-1."""
+    color = np.array(light.GetColorAttr().Get(time), float)
+    if light.GetEnableColorTemperatureAttr().Get(time):
+        kelvin = float(np.clip(light.GetColorTemperatureAttr().Get(time), 1000.0, 10000.0))
+        rgb = np.maximum(_RGB_FROM_XYZ @ np.asarray(xyz(kelvin)), 0.0)
+        color = color * rgb / (rgb @ (0.2126, 0.7152, 0.0722))
+    scale = light.GetIntensityAttr().Get(time) * 2.0 ** light.GetExposureAttr().Get(time)
+    return np.asarray(np.maximum(color * scale, 0.0), np.float64)
+
+
+def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
+    """A light placed by `world` (4, 4), metres; None for kinds that airlight has not.
+
+    Raises SceneError for numbers that are none.
+    """
+    from pxr import UsdLux
+
+    api = UsdLux.LightAPI(prim)
+    radiance, is_whole = strength(api, time), bool(api.GetNormalizeAttr().Get(time))
+    if not np.isfinite(radiance).all():
+        raise SceneError(f"'{prim.GetPath()}': its light is no finite number")
+    position, ahead, up = _point(world[:3, 3]), _unit(-world[:3, 2]), _unit(world[:3, 1])
+    wide, high, deep = (float(n) for n in np.linalg.norm(world[:3, :3], axis=0))
+    if prim.IsA(UsdLux.DistantLight):
+        half = math.radians(float(UsdLux.DistantLight(prim).GetAngleAttr().Get(time))) / 2.0
+        solid = 1.0 if is_whole or half <= 0.0 else math.pi * math.sin(half) ** 2
+        return DirectionalLight(direction=ahead, irradiance=_rgb(radiance * solid))
+    if prim.IsA(UsdLux.RectLight):
+        rect = UsdLux.RectLight(prim)
+        size = (rect.GetWidthAttr().Get(time) * wide, rect.GetHeightAttr().Get(time) * high)
+        radiance = radiance / max(size[0] * size[1], 1e-12) if is_whole else radiance
+        return AreaLight(position, _rgb(radiance), "rectangle", ahead, up, size=_lengths(size))
+    if prim.IsA(UsdLux.DiskLight):
+        radius = UsdLux.DiskLight(prim).GetRadiusAttr().Get(time) * math.sqrt(wide * high)
+        radiance = radiance / max(math.pi * radius**2, 1e-12) if is_whole else radiance
+        return AreaLight(position, _rgb(radiance), "disk", ahead, up, radius=max(radius, _SMALL_M))
+    if not prim.IsA(UsdLux.SphereLight):
+        return None
+    sphere = UsdLux.SphereLight(prim)
+    radius = sphere.GetRadiusAttr().Get(time) * (wide * high * deep) ** (1.0 / 3.0)
+    if is_whole:
+        radiance = radiance / max(4.0 * math.pi * radius**2, 1e-12)
+    if radius <= _SMALL_M or sphere.GetTreatAsPointAttr().Get(time):
+        return PointLight(position, _rgb(radiance * math.pi * radius**2))
+    return AreaLight(position, _rgb(radiance), "sphere", radius=radius)
+
+
+def dome(prim: Any, world: F64, time: Any, image: Any) -> tuple[Environment, bool]:
+    """The environment of a DomeLight with its map `image` or None, and whether it was tilted."""
+    from pxr import UsdLux
+
+    radiance = strength(UsdLux.LightAPI(prim), time)
+    pole, ahead = _unit(world[:3, 1]), world[:3, 2]
+    yaw = math.degrees(math.atan2(ahead[0], ahead[2]))
+    if image is None:
+        return Environment(radiance=_rgb(radiance)), False
+    tinted = np.asarray(image * radiance.astype(np.float32), np.float32)
+    return Environment(map=tinted, rotation_deg=yaw), pole[1] < 0.99
+
+
+def usd_camera(prim: Any, world: F64, time: Any, metres: float) -> Camera | None:
+    """A perspective camera placed by `world`; `metres`: a unit of the stage."""
+    from pxr import Gf, UsdGeom
+
+    camera = UsdGeom.Camera(prim)
+    seen = camera.GetCamera(time)
+    if seen.projection != Gf.Camera.Perspective:
+        return None
+    fov = float(np.clip(seen.GetFieldOfView(Gf.Camera.FOVVertical), 0.1, 179.0))
+    ahead, f_stop = _unit(-world[:3, 2]), float(seen.fStop)
+    focus = float(seen.focusDistance) * metres
+    # A focal length is in tenths of the stage's unit.
+    aperture = 0.1 * float(seen.focalLength) * metres / f_stop if f_stop > 0.0 else 0.0
+    return Camera(
+        position=_point(world[:3, 3]),
+        target=_point(world[:3, 3] + np.array(ahead)),
+        up=_unit(world[:3, 1]),
+        fov_y_deg=fov,
+        exposure_stops=None,
+        aperture_m=aperture if focus > 0.0 else 0.0,
+        focus_m=focus if focus > 0.0 and aperture > 0.0 else None,
+    )
+
+
+def _lengths(size: tuple[float, float]) -> tuple[float, float]:
+    return max(size[0], _SMALL_M), max(size[1], _SMALL_M)
+
+
+def _point(v: Any) -> Vec3:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def _unit(v: Any) -> Vec3:
+    return _point(np.asarray(v) / max(float(np.linalg.norm(v)), 1e-30))
+
+
+def _rgb(v: Any) -> Rgb:
+    return (float(v[0]), float(v[1]), float(v[2]))

@@ -1,0 +1,198 @@
+"""USD's meshes and simple shapes as triangles, cut by material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import SceneError
+from .. import shapes
+from ..checks import F64
+from ..mesh import Geometry
+from .normals import compact, creased_normals
+from .polygons import triangulated
+
+I64 = NDArray[np.int64]
+
+
+def prim_geometries(prim: Any, time: Any, uv_name: Any) -> Iterator[tuple[Geometry, Any]]:
+    """(geometry, prim whose material it has) of a Mesh, Cube, Sphere or Plane; else nothing.
+
+    `uv_name(prim)` names the texture coordinates of a prim's material. Raises SceneError.
+    """
+    from pxr import UsdGeom
+
+    if prim.IsA(UsdGeom.Mesh):
+        mesh = UsdGeom.Mesh(prim)
+        faces = _Faces(mesh, time)
+        for chosen, bound in _subsets(prim, len(faces.sizes), time):
+            geometry = faces.geometry(chosen, uv_name(bound))
+            if geometry is not None:
+                yield geometry, bound
+    elif prim.IsA(UsdGeom.Cube):
+        yield _scaled(shapes.box(), (UsdGeom.Cube(prim).GetSizeAttr().Get(time),) * 3), prim
+    elif prim.IsA(UsdGeom.Sphere):
+        radius = UsdGeom.Sphere(prim).GetRadiusAttr().Get(time)
+        yield _scaled(shapes.sphere(), (2.0 * radius,) * 3), prim
+    elif prim.IsA(UsdGeom.Plane):
+        plane = UsdGeom.Plane(prim)
+        flat = (plane.GetWidthAttr().Get(time), 1.0, plane.GetLengthAttr().Get(time))
+        yield _turned(_scaled(shapes.quad(), flat), str(plane.GetAxisAttr().Get(time))), prim
+
+
+def _scaled(geometry: Geometry, size: tuple[float, ...]) -> Geometry:
+    return replace(geometry, positions=geometry.positions * np.array(size, np.float32))
+
+
+def _turned(geometry: Geometry, axis: str) -> Geometry:
+    """A shape about +Y, about another axis."""
+    order = {"X": [1, 2, 0], "Y": [0, 1, 2], "Z": [2, 0, 1]}[axis]
+    assert geometry.normals is not None
+    return replace(
+        geometry, positions=geometry.positions[:, order], normals=geometry.normals[:, order]
+    )
+
+
+def _subsets(prim: Any, count: int, time: Any) -> Iterator[tuple[I64, Any]]:
+    """Faces by the prim that says their material: GeomSubsets of the family materialBind."""
+    from pxr import UsdShade
+
+    rest = np.ones(count, bool)
+    for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
+        chosen = np.array(subset.GetIndicesAttr().Get(time) or [], np.int64)
+        chosen = chosen[(chosen >= 0) & (chosen < count)]
+        rest[chosen] = False
+        yield chosen, subset.GetPrim()
+    yield np.flatnonzero(rest), prim
+
+
+class _Faces:
+    """A mesh's polygons, and its values at their corners."""
+
+    def __init__(self, mesh: Any, time: Any) -> None:
+        self._mesh, self._time = mesh, time
+        where = str(mesh.GetPath())
+        self.positions = _array(mesh.GetPointsAttr().Get(time), 3)
+        self.sizes = np.array(mesh.GetFaceVertexCountsAttr().Get(time) or [], np.int64)
+        self.corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(time) or [], np.int64)
+        if not np.isfinite(self.positions).all():
+            raise SceneError(f"'{where}': its points hold NaN or infinite numbers")
+        if (self.sizes < 0).any() or int(self.sizes.sum()) != len(self.corners):
+            raise SceneError(f"'{where}': its faces and their corners do not fit together")
+        if len(self.corners) and not 0 <= self.corners.min() <= self.corners.max() < len(
+            self.positions
+        ):
+            raise SceneError(f"'{where}': a face has a point that there is not")
+        self._is_left_handed = mesh.GetOrientationAttr().Get(time) == "leftHanded"
+
+    def geometry(self, chosen: I64, uv_name: str) -> Geometry | None:
+        """The triangles of some faces; None where they have none."""
+        starts = np.cumsum(self.sizes) - self.sizes
+        sizes = self.sizes[chosen]
+        if int(sizes.sum()) == 0:
+            return None
+        first = np.repeat(starts[chosen] - (np.cumsum(sizes) - sizes), sizes)
+        held = first + np.arange(int(sizes.sum()))  # the faces' corners, in the mesh's numbers
+        at, polygon = triangulated(self.positions, self.corners[held], sizes)
+        if len(at) == 0:
+            return None
+        at = held[at]
+        if self._is_left_handed:
+            at = at[:, ::-1]
+        face = np.asarray(chosen)[polygon]
+        points = self.corners[at]
+        normals, normal_at = self._normals(points, at, face)
+        uvs, uv_at = self._primvar(uv_name, 2, points, at, face)
+        colors, color_at = self._primvar("displayColor", 3, points, at, face)
+        rows, indices = compact(np.stack([points, normal_at, uv_at, color_at], axis=-1))
+        taken = {
+            "normals": normals[rows[:, 1]].astype(np.float32),
+            "uvs": None if uvs is None else _image_uvs(uvs[rows[:, 2]]),
+            "colors": None if colors is None else _rgba(colors[rows[:, 3]]),
+        }
+        return Geometry(self.positions[rows[:, 0]].astype(np.float32), indices, **taken)
+
+    def _normals(self, points: I64, at: I64, face: I64) -> tuple[F64, I64]:
+        """A table of unit normals, and the row of each corner (T, 3)."""
+        from pxr import UsdGeom
+
+        found, rows = self._primvar("normals", 3, points, at, face)
+        if found is None:
+            values = self._mesh.GetNormalsAttr().Get(self._time)
+            if values is not None and len(values):
+                found = _array(values, 3)
+                kind = str(self._mesh.GetNormalsInterpolation())
+                rows = _rows(kind, len(found), None, points, at, face)
+        if found is None or rows is None or rows.max() >= len(found):
+            # A subdivided surface is smooth; others have the edges of what bends much.
+            scheme = self._mesh.GetSubdivisionSchemeAttr().Get(self._time)
+            if scheme != UsdGeom.Tokens.none:
+                from ..mesh import smooth_normals
+
+                smooth = smooth_normals(self.positions.astype(np.float32), points.astype(np.uint32))
+                return smooth.astype(np.float64), points
+            table, index = creased_normals(self.positions, points)
+            return table, np.asarray(index, np.int64)
+        length = np.linalg.norm(found, axis=1, keepdims=True)
+        up = np.array((0.0, 1.0, 0.0))
+        return np.where(length > 0.0, found / np.maximum(length, 1e-30), up), rows
+
+    def _primvar(
+        self, name: str, width: int, points: I64, at: I64, face: I64
+    ) -> tuple[F64 | None, I64]:
+        """Values of a primvar, and the row of each corner; None where it has none that fits."""
+        from pxr import UsdGeom
+
+        none = np.full(points.shape, -1, np.int64)
+        primvar = UsdGeom.PrimvarsAPI(self._mesh).FindPrimvarWithInheritance(name)
+        values = primvar.Get(self._time) if primvar and primvar.HasValue() else None
+        if values is None or not hasattr(values, "__len__") or not len(values):
+            return None, none
+        made = np.array(values, np.float64).reshape(len(values), -1)
+        if made.shape[1] != width or not np.isfinite(made).all():
+            return None, none
+        index = primvar.GetIndices(self._time) if primvar.IsIndexed() else None
+        kind = str(primvar.GetInterpolation())
+        rows = _rows(kind, len(made), index, points, at, face)
+        return (None, none) if rows is None else (made, rows)
+
+
+def _rows(kind: str, count: int, index: Any, points: I64, at: I64, face: I64) -> I64 | None:
+    """The row of each corner in a table of `count` values of an interpolation; None if too few."""
+    given: dict[str, I64] = {
+        "vertex": points,
+        "varying": points,
+        "faceVarying": at,
+        "uniform": np.repeat(face[:, None], 3, axis=1),
+        "constant": np.zeros(points.shape, np.int64),
+    }
+    rows = given.get(kind)
+    if rows is None:
+        return None
+    if index is not None:
+        table = np.array(index, np.int64)
+        if rows.max() >= len(table):
+            return None
+        rows = table[rows]
+    return rows if rows.min() >= 0 and rows.max() < count else None
+
+
+def _array(values: Any, width: int) -> F64:
+    if values is None:
+        return np.zeros((0, width))
+    return np.asarray(np.array(values, np.float64).reshape(-1, width), np.float64)
+
+
+def _image_uvs(uvs: F64) -> NDArray[np.float32]:
+    """USD's v runs upwards, airlight's downwards."""
+    return np.stack([uvs[:, 0], 1.0 - uvs[:, 1]], axis=1).astype(np.float32)
+
+
+def _rgba(colors: F64) -> NDArray[np.float32]:
+    return np.concatenate([np.maximum(colors, 0.0), np.ones((len(colors), 1))], axis=1).astype(
+        np.float32
+    )

@@ -1,0 +1,154 @@
+"""Opening a USD file with all of its layers, none of which lies outside of the file's folder.
+
+USD's own resolver opens whatever a layer names. So each layer is opened on its own first, without
+composition, and what it would compose is looked up and checked, before the stage is opened. The
+extra `usd` brings usd-core, OpenUSD's own library.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ...errors import SceneError
+from .files import regular_file
+from .ledger import note_read
+
+_MOST_LAYERS = 4096
+_MOST_TEXTS, _LONGEST_TEXT = 20, 300
+_CLIPS = ("clips", "clipSets")
+
+
+@contextmanager
+def told_by_usd() -> Iterator[Callable[[], list[str]]]:
+    """What the library would write to stderr, instead as texts that a call gives."""
+    try:
+        from pxr import UsdUtils
+    except ImportError:
+        yield list
+        return
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+
+    def told() -> list[str]:
+        found = [d.commentary.split("\n")[0] for d in delegate.TakeUncoalescedDiagnostics()]
+        return [text[:_LONGEST_TEXT] for text in found[:_MOST_TEXTS]]
+
+    yield told
+    told()
+
+
+def opened_stage(path: Path) -> Any:
+    """The composed stage. Raises SceneError for what is no USD, or reaches out of its folder."""
+    try:
+        from pxr import Sdf, Tf, Usd
+    except ImportError:
+        raise SceneError(
+            "needs the package usd-core, which is not installed",
+            remedy="Run: pip install 'airlight[usd]', or export glTF (.glb).",
+        ) from None
+    regular_file(path)
+    folder = path.parent.resolve()
+    try:
+        first = _layer(path.resolve(), Sdf)
+        todo, seen = [first], {first.identifier}
+        while todo:
+            for name in _named(todo.pop(), folder):
+                layer = Sdf.Layer.FindOrOpen(name)
+                if layer is not None and layer.identifier not in seen:
+                    if len(seen) >= _MOST_LAYERS:
+                        raise SceneError(f"has over {_MOST_LAYERS:,} layers")
+                    seen.add(layer.identifier)
+                    todo.append(layer)
+        stage = Usd.Stage.Open(first, None, _resolver_context(path), Usd.Stage.LoadAll)
+    except Tf.ErrorException as error:
+        raise SceneError(f"is no readable USD ({_said(error)})") from None
+    for layer in stage.GetUsedLayers():
+        if layer.realPath:
+            placed_inside(layer.realPath, folder, layer.identifier)
+    return stage
+
+
+def _resolver_context(path: Path) -> Any:
+    from pxr import Ar
+
+    return Ar.GetResolver().CreateDefaultContextForAsset(str(path.resolve()))
+
+
+def _layer(path: Path, sdf: Any) -> Any:
+    layer = sdf.Layer.FindOrOpen(str(path))
+    if layer is None:
+        raise SceneError("is no readable USD")
+    return layer
+
+
+def _said(error: Exception) -> str:
+    said = " ".join(str(error).split())
+    quoted = re.search(r": '(.*)'", said)
+    return (quoted[1] if quoted else said or type(error).__name__)[:200]
+
+
+def _named(layer: Any, folder: Path) -> list[str]:
+    """What a layer would compose, resolved, each in the folder. Raises SceneError."""
+    layer.Traverse("/", lambda path: _refuse_clips(layer, path))
+    found = []
+    for asset in layer.GetCompositionAssetDependencies():
+        resolved = resolved_asset(layer, asset, folder)
+        if resolved:
+            found.append(resolved)
+    return found
+
+
+def _refuse_clips(layer: Any, path: Any) -> None:
+    spec = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
+    if spec is not None and any(spec.HasInfo(name) for name in _CLIPS):
+        raise SceneError(f"'{path}' has value clips, which are not read", remedy="Flatten it.")
+
+
+def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
+    """Where an asset that `layer` names lies; "" for none. Raises SceneError for one outside."""
+    from pxr import Ar, Sdf
+
+    if asset.startswith("`"):
+        raise SceneError("names files by expressions, which are not read", remedy="Flatten it.")
+    if not asset:
+        return ""
+    written = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
+    resolved = str(Ar.GetResolver().Resolve(written))
+    if resolved:
+        placed_inside(resolved, folder, asset)
+    elif not _is_within(_outer(written), folder):
+        raise _outside(asset)
+    return resolved
+
+
+def placed_inside(resolved: str, folder: Path, asset: str) -> None:
+    """Raise SceneError where a resolved path lies outside of the folder, links followed."""
+    outer = _outer(resolved)
+    if not _is_within(outer, folder):
+        raise _outside(asset)
+    note_read(outer)
+
+
+def _outer(path: str) -> str:
+    """The file itself of a path into a package, such as a.usdz[b.png]."""
+    from pxr import Ar
+
+    while Ar.IsPackageRelativePath(path):
+        path = Ar.SplitPackageRelativePathOuter(path)[0]
+    return path
+
+
+def _is_within(path: str, folder: Path) -> bool:
+    try:
+        return (folder / path).resolve().is_relative_to(folder)
+    except (OSError, ValueError, RuntimeError):
+        return False
+
+
+def _outside(asset: str) -> SceneError:
+    return SceneError(
+        f"it names '{asset}', which is outside its folder", remedy="Copy the file beside it."
+    )

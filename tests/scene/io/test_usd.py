@@ -1,0 +1,293 @@
+"""USD: what stages show, where it stands, and layers that reach out of the folder."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from airlight.errors import SceneError
+from airlight.exports.vdb import VdbGrid, vdb_bytes
+from airlight.scene.io import load, load_meshes
+from airlight.scene.lights import AreaLight, DirectionalLight, PointLight
+
+pytestmark = pytest.mark.needs("usd_core")
+QUAD = """
+    def Mesh "quad" (prepend apiSchemas = ["MaterialBindingAPI"])
+    {
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        uniform token subdivisionScheme = "none"
+        %s
+    }
+"""
+MATERIAL = """
+    def Material "red"
+    {
+        token outputs:surface.connect = </World/red/s.outputs:surface>
+        def Shader "s"
+        {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0.5, 0.1, 0)
+            float inputs:roughness = 0.25
+            float inputs:metallic = 1
+            float inputs:opacity = 0.5
+            color3f inputs:emissiveColor = (0, 0, 2)
+            token outputs:surface
+        }
+    }
+"""
+
+
+def stage(text: str, head: str = "") -> str:
+    return f'#usda 1.0\n(\n{head}\n)\ndef Xform "World"\n{{\n{text}\n}}\n'
+
+
+def scene(folder, text: str, head: str = ""):
+    (folder / "a.usda").write_text(stage(text, head))
+    return load_meshes(folder / "a.usda")
+
+
+def test_up_axis_and_unit_become_metres_upwards(tmp_path):
+    made = scene(tmp_path, QUAD % "", 'upAxis = "Z"\nmetersPerUnit = 0.01')
+    (mesh,) = made.meshes
+    # x stays, the stage's z is up, its y goes away from the viewer.
+    np.testing.assert_allclose(mesh.world_bounds, [[0, 0, -0.01], [0.01, 0, 0]], atol=1e-9)
+    made = scene(tmp_path, QUAD % "", "metersPerUnit = 1")
+    np.testing.assert_allclose(made.meshes[0].world_bounds, [[0, 0, 0], [1, 1, 0]])
+
+
+def test_a_face_looks_the_way_of_its_orientation(tmp_path):
+    for token, z in (("rightHanded", 1.0), ("leftHanded", -1.0)):
+        (mesh,) = scene(tmp_path, QUAD % f'uniform token orientation = "{token}"').meshes
+        a, b, c = mesh.geometry.positions[mesh.geometry.indices[0]]
+        assert np.sign(np.cross(b - a, c - a)[2]) == z
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("vertex", "[(0, 0), (1, 0), (1, 1), (0, 1)]"),
+        ("faceVarying", "[(0, 0), (1, 0), (1, 1), (0, 1)]"),
+    ],
+)
+def test_texture_coordinates_run_downwards(tmp_path, kind, values):
+    uvs = f'texCoord2f[] primvars:st = {values} (interpolation = "{kind}")'
+    (mesh,) = scene(tmp_path, QUAD % uvs).meshes
+    points, uv = mesh.geometry.positions, mesh.geometry.uvs
+    np.testing.assert_allclose(uv, np.stack([points[:, 0], 1 - points[:, 1]], axis=1))
+
+
+def test_a_preview_surface_is_a_material(tmp_path):
+    binding = "rel material:binding = </World/red>"
+    (mesh,) = scene(tmp_path, QUAD % binding + MATERIAL).meshes
+    material = mesh.material
+    assert material.base_color == pytest.approx((0.5, 0.1, 0))
+    assert (material.roughness, material.metallic) == (0.25, 1.0)
+    assert material.alpha == 0.5 and material.is_blended
+    assert material.emission == (0, 0, 2)
+
+
+def test_an_image_is_found_beside_the_layer_and_not_outside(tmp_path):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    pixels = np.zeros((2, 2, 3), np.uint8)
+    pixels[0, 0] = (255, 0, 0)
+    for folder in (inner, tmp_path):
+        PIL.Image.fromarray(pixels).save(folder / "i.png")
+    for name, is_there in (("i.png", True), ("../i.png", False), ("/etc/hosts", False)):
+        shader = """
+        color3f inputs:diffuseColor.connect = </World/red/t.outputs:rgb>
+        """
+        image = f"""
+        def Shader "t"
+        {{
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @{name}@
+            float3 outputs:rgb
+        }}
+        """
+        text = MATERIAL.replace("color3f inputs:diffuseColor = (0.5, 0.1, 0)", shader)
+        text = text.replace('def Shader "s"', image + 'def Shader "s"')
+        made = scene(inner, QUAD % "rel material:binding = </World/red>" + text)
+        texture = made.meshes[0].material.base_color_texture
+        assert texture is not None
+        if is_there:
+            assert texture.is_srgb and texture.pixels[0, 0, 0] == 255 and not made.warnings
+        else:
+            assert "outside its folder; a magenta checker" in made.warnings[0]
+
+
+def test_subsets_have_materials_of_their_own(tmp_path):
+    text = """
+    def Mesh "two" (prepend apiSchemas = ["MaterialBindingAPI"])
+    {
+        int[] faceVertexCounts = [3, 3]
+        int[] faceVertexIndices = [0, 1, 2, 0, 2, 3]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        def GeomSubset "part" (prepend apiSchemas = ["MaterialBindingAPI"])
+        {
+            uniform token elementType = "face"
+            uniform token familyName = "materialBind"
+            int[] indices = [1]
+            rel material:binding = </World/red>
+        }
+    }
+    """
+    red, rest = scene(tmp_path, text + MATERIAL).meshes
+    assert red.material.metallic == 1.0 and rest.material.metallic == 0.0
+    assert len(red.geometry.indices) == len(rest.geometry.indices) == 1
+
+
+def test_instances_share_a_geometry(tmp_path):
+    text = f"""
+    def PointInstancer "many"
+    {{
+        rel prototypes = </World/many/quad>
+        int[] protoIndices = [0, 0]
+        point3f[] positions = [(5, 0, 0), (0, 7, 0)]
+        {QUAD % ""}
+    }}
+    """
+    one, two = scene(tmp_path, text, "metersPerUnit = 1").meshes
+    assert one.geometry is two.geometry
+    np.testing.assert_allclose(one.world_bounds[0], (5, 0, 0))
+    np.testing.assert_allclose(two.world_bounds[0], (0, 7, 0))
+
+
+def test_hidden_prims_are_not_shown(tmp_path):
+    hidden = 'token visibility = "invisible"', 'uniform token purpose = "guide"'
+    text = "".join(
+        (QUAD % line).replace('"quad"', f'"q{k}"') for k, line in enumerate((*hidden, ""))
+    )
+    assert [mesh.name for mesh in scene(tmp_path, text).meshes] == ["/World/q2"]
+
+
+LIGHTS = """
+    def SphereLight "ball" { float inputs:intensity = 3; float inputs:radius = 0.5 }
+    def SphereLight "point" { float inputs:radius = 0.5; bool treatAsPoint = 1; float inputs:intensity = 2 }
+    def RectLight "rect" { float inputs:width = 2; float inputs:height = 4; bool inputs:normalize = 1; float inputs:intensity = 16 }
+    def DiskLight "disk" { float inputs:exposure = 1; float inputs:intensity = 1; float inputs:radius = 1 }
+    def DistantLight "sun" { float inputs:angle = 60; float inputs:intensity = 4 }
+    def DomeLight "sky" { float inputs:intensity = 0.5; color3f inputs:color = (1, 2, 4) }
+"""  # noqa: E501
+
+
+def test_lights_give_what_their_units_say(tmp_path):
+    text = LIGHTS.replace("; ", "\n").replace("{ ", "{\n").replace(" }", "\n}")
+    made = scene(tmp_path, QUAD % "" + text, "metersPerUnit = 1")
+    ball, point, rect, disk, sun = made.lights
+    assert isinstance(ball, AreaLight) and ball.shape == "sphere" and ball.radius == 0.5
+    assert ball.radiance[0] == 3.0
+    assert isinstance(point, PointLight)
+    assert point.intensity[0] == pytest.approx(2 * math.pi * 0.25)  # of a disk so wide
+    assert rect.size == (2, 4) and rect.radiance[0] == pytest.approx(2.0)  # 16 over 8 m^2
+    assert rect.direction == pytest.approx((0, 0, -1)) and rect.up == pytest.approx((0, 1, 0))
+    assert disk.radiance[0] == pytest.approx(2.0)
+    assert isinstance(sun, DirectionalLight)
+    assert sun.irradiance[0] == pytest.approx(4 * math.pi * math.sin(math.radians(30)) ** 2)
+    assert made.environment.radiance == pytest.approx((0.5, 1, 2))
+
+
+def test_a_camera_sees_the_stages_field_of_view(tmp_path):
+    text = """
+    def Camera "cam"
+    {
+        float focalLength = 10
+        float verticalAperture = 20
+        double3 xformOp:translate = (1, 2, 3)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+    """
+    camera = scene(tmp_path, QUAD % "" + text, "metersPerUnit = 1").camera
+    assert camera.position == (1, 2, 3) and camera.fov_y_deg == pytest.approx(90)
+    np.testing.assert_allclose(np.subtract(camera.target, camera.position), (0, 0, -1))
+
+
+def test_a_volume_is_its_vdb_file(tmp_path):
+    grid = VdbGrid("density", np.ones((2, 3, 4), np.float32), np.eye(4), "")
+    (tmp_path / "smoke.vdb").write_bytes(vdb_bytes([grid], {}))
+    text = """
+    def Volume "smoke"
+    {
+        rel field:density = </World/smoke/density>
+        double3 xformOp:translate = (10, 0, 0)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        def OpenVDBAsset "density"
+        {
+            asset filePath = @smoke.vdb@
+            token fieldName = "density"
+        }
+    }
+    """
+    (volume,) = scene(tmp_path, text, "metersPerUnit = 1").volumes
+    assert volume.density.shape == (2, 3, 4)
+    np.testing.assert_allclose((volume.world_from_volume @ [*volume.bounds[0], 1])[0], 9.5)
+
+
+def test_references_are_followed_inside_the_folder_alone(tmp_path):
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    for folder in (tmp_path, inner):
+        (folder / "part.usda").write_text(stage(QUAD % "", 'defaultPrim = "World"'))
+    (inner / "link.usda").symlink_to(tmp_path / "part.usda")
+
+    def using(arc: str) -> str:
+        return f'#usda 1.0\n(\n)\ndef Xform "A" ({arc})\n{{\n}}\n'
+
+    (inner / "a.usda").write_text(using("prepend references = @./part.usda@"))
+    assert len(load_meshes(inner / "a.usda").meshes) == 1
+    for arc in (
+        "prepend references = @../part.usda@",
+        f"prepend references = @{tmp_path / 'part.usda'}@",
+        "prepend payload = @../part.usda@",
+        "prepend references = @./link.usda@",
+        'variants = { string v = "a" }\nprepend variantSets = "v"',
+    ):
+        text = using(arc)
+        if "variants" in arc:
+            held = 'variantSet "v" = { "a" (prepend references = @../part.usda@) { } }'
+            text = text.replace("{\n}\n", f"{{\n{held}\n}}\n")
+        (inner / "b.usda").write_text(text)
+        with pytest.raises(SceneError, match="outside its folder"):
+            load_meshes(inner / "b.usda")
+    # One that refers to one that refers out of the folder.
+    (inner / "c.usda").write_text(using("prepend references = @./b.usda@</A>"))
+    with pytest.raises(SceneError, match="outside its folder"):
+        load_meshes(inner / "c.usda")
+
+
+def test_a_package_holds_layers_and_images(tmp_path):
+    from pxr import UsdUtils
+
+    (tmp_path / "part.usda").write_text(stage(QUAD % "", 'defaultPrim = "World"'))
+    text = '#usda 1.0\n()\ndef "A" (prepend references = @./part.usda@)\n{\n}\n'
+    (tmp_path / "a.usda").write_text(text)
+    away = tmp_path / "away"
+    away.mkdir()
+    assert UsdUtils.CreateNewUsdzPackage(str(tmp_path / "a.usda"), str(away / "a.usdz"))
+    assert len(load(away / "a.usdz").meshes) >= 1
+
+
+def test_what_cannot_be_read_is_one_message(tmp_path):
+    clips = """#usda 1.0
+    def "A" (clips = { dictionary default = { asset[] assetPaths = [@./x.usda@] } })
+    {
+    }
+    """
+    for text, message in (
+        ("no such thing", "is no readable USD"),
+        ("#usda 1.0\ndef {", "is no readable USD"),
+        (stage(""), "it has no triangles and no volumes"),
+        (clips, "has value clips"),
+        (stage((QUAD % "").replace("[0, 1, 2, 3]", "[0, 1, 2, 9]")), "a point that there is not"),
+        (stage((QUAD % "").replace("[4]", "[5]")), "do not fit together"),
+        (stage((QUAD % "").replace("(1, 1, 0)", "(nan, 1, 0)")), "NaN"),
+    ):
+        (tmp_path / "a.usda").write_text(text)
+        with pytest.raises(SceneError, match=r"a\.usda: ") as caught:
+            load_meshes(tmp_path / "a.usda")
+        assert message in str(caught.value), caught.value
