@@ -166,11 +166,9 @@ class UsdMaterials:
             image = replace(image, pixels=pixels)
         elif name != "normal" and (not np.allclose(scale, 1.0) or bias.any()):
             self.warnings.append(f"{place}: its scale and bias are left out")
-        wraps = tuple(
-            _WRAPS.get(str(self._value(source, f"wrap{axis}") or "repeat"), "repeat")
-            for axis in "ST"
-        )
-        return self._placed(replace(image, wrap=wraps), source, place)
+        wraps = [str(self._value(source, f"wrap{axis}") or "repeat") for axis in "ST"]
+        wrap_s, wrap_t = (_WRAPS.get(name, "repeat") for name in wraps)
+        return self._placed(replace(image, wrap=(wrap_s, wrap_t)), source, place)
 
     def _placed(self, image: Texture, source: Any, place: str) -> Texture:
         """With the scale and translation of a UsdTransform2d before its coordinates."""

@@ -120,6 +120,7 @@ class _Faces:
         """A table of unit normals, and the row of each corner (T, 3)."""
         from pxr import UsdGeom
 
+        rows: I64 | None
         found, rows = self._primvar("normals", 3, points, at, face)
         if found is None:
             values = self._mesh.GetNormalsAttr().Get(self._time)
