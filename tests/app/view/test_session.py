@@ -443,3 +443,42 @@ def test_fog_that_hides_everything_is_said_while_it_does(screen):
     assert "nothing else will be seen" in line
     session.state.scene = replace(session.state.scene, medium=Medium(sigma_t=0.01))
     assert session.doubts == ()
+
+
+def test_the_first_image_is_one_of_direct_light_and_is_followed_by_the_techniques(gpu, scene_file):
+    session = Session(load(scene_file), technique="lpv", settings=SMALL)
+    screen = Screen(gpu, session)
+    screen.frame()
+    assert session.renderer.technique.name == "direct"
+    preview = screen.pixels
+    assert preview.std() > 5.0
+    assert session.state.notice == "preparing ..."  # the technique's own
+    session.wait()
+    screen.settle()
+    assert session.renderer.technique.name == "lpv"
+    assert np.abs(screen.pixels - preview).mean() > 1.0
+    session.close()
+
+
+def test_two_techniques_beside_each_other(gpu, scene_file):
+    session = Session(load(scene_file), technique="direct", settings=SMALL)
+    session.state.settings["lpv"] = dict(SMALL)
+    screen = Screen(gpu, session)
+    alone = screen.settle(6)
+    session.state.compared, session.state.split = "lpv", 0.5
+    end = time.monotonic() + 60.0
+    while session.compared.samples < 1:
+        screen.frame(0.5)
+        assert time.monotonic() < end
+    screen.frame()
+    beside = screen.pixels
+    half = SIZE[0] // 2
+    left = np.abs(beside[:, : half - 1] - alone[:, : half - 1])
+    assert left.mean() < 0.5  # edges, as samples come
+    assert (beside[:, half] == 240).all()  # the line
+    right = np.abs(beside[:, half + 2 :] - alone[:, half + 2 :])
+    assert right.mean() > max(1.0, 3.0 * left.mean())  # indirect light
+    session.state.compared = ""
+    screen.frame()
+    assert np.abs(screen.pixels - alone).mean() < 0.5
+    session.close()

@@ -6,6 +6,7 @@ import html
 import logging
 import os
 import socket
+import warnings
 import webbrowser
 from typing import Any
 
@@ -71,6 +72,8 @@ def serve(
 
     canvas.add_event_handler(stop, "close")
     logging.getLogger("rendercanvas").setLevel(logging.ERROR)
+    # Of rendercanvas, where a page is open when it closes.
+    warnings.filterwarnings("ignore", message="coroutine 'Queue.put' was never awaited")
     link = link_to(bound, token)
     say_where(link, bound.getsockname()[1], listen)
     if opens and not os.environ.get("SSH_CONNECTION"):

@@ -7,7 +7,6 @@ import contextlib
 import signal
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Protocol
 
 from ...display.show import Place
@@ -15,7 +14,7 @@ from ...errors import AirlightError
 from ...gpu.canvas import CanvasSurface, imgui_overlay
 from .gizmos import Mark
 from .projection import Projection
-from .save import Copy, Saver
+from .save import Saver
 from .session import Session
 
 EVENTS = (
@@ -169,11 +168,6 @@ class CanvasView:
             await sleep(_NEWS_S)
             if self.session.has_edit() or self.session.has_news():
                 self.canvas.request_draw()
-
-
-def canvas_view(canvas: Any, session: Session, *, copy: Copy | None = None) -> CanvasView:
-    """A view whose panel is imgui's, and which saves into the folder of this moment."""
-    return CanvasView(canvas, session, Saver(session, Path.cwd(), copy))
 
 
 async def close_on_signals(canvas: Any) -> None:

@@ -107,18 +107,17 @@ class Grips:
     def _taken(
         self, seen: Projection, x: float, y: float
     ) -> Callable[[Projection, float, float], None] | None:
-        """What a press at a pixel takes: the line between two images, else the nearest handle."""
-        if self.state.compared and abs(x - self.state.split * seen.size[0]) <= _SPLIT_REACH_PX:
-            return self._divided
-        if not self.is_shown:
-            return None
+        """What a press at a pixel takes: the nearest handle, else the line between two images."""
+        lights = self.state.scene.lights if self.is_shown else ()
         near = [
             (float(np.hypot(*(handle.at - (x, y)))), handle)
-            for handle in handles(self.state.scene.lights, self.state.picked, seen)
+            for handle in handles(lights, self.state.picked, seen)
         ]
         distance, handle = min(near, key=lambda pair: pair[0], default=(np.inf, None))
         if handle is None or distance > _REACH_PX:
-            return None
+            line = self.state.split * seen.size[0]
+            is_line = self.state.compared and abs(x - line) <= _SPLIT_REACH_PX
+            return self._divided if is_line else None
         self.state.light = self.state.picked = handle.light
         return _Hold(self.state, handle, seen, (x, y)).to
 

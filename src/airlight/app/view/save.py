@@ -27,7 +27,7 @@ class Saver:
         session: Session,
         folder: Path,
         copy: Copy | None = None,
-        ask: Callable[[], str] | None = None,
+        ask: Callable[[], None] | None = None,
     ) -> None:
         self.session, self.folder, self._copy, self._ask = session, folder, copy, ask
 
@@ -37,11 +37,9 @@ class Saver:
         return self._ask is not None
 
     def ask(self) -> None:
-        """Open what a person chooses in the dialog."""
+        """Open the dialog."""
         assert self._ask
-        name = self._ask()
-        if name:
-            self.session.open(name)
+        self._ask()
 
     @property
     def can_copy(self) -> bool:

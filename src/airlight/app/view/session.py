@@ -144,6 +144,8 @@ class Session(Document):
             self._draw_or_say(plan)
         elif not plan.is_moving and self.quality.share >= 1.0:
             self._refine()
+        if not plan.is_moving and self._made == structure(self.state):
+            self._compare()
         return plan.is_moving or plan.sample is not None or self.quality.share < 1.0
 
     @property
@@ -305,17 +307,26 @@ class Session(Document):
 
     def _refine(self) -> None:
         """The view stands still, and its coarser image is done."""
-        state = self.state
-        if self._made != structure(state):
+        if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
             return
-        if self._shot is None:
-            self._shot = Shot(self.scene_now(), self._size, state.look, self._shown.format)
-        if self.quality.samples != STILL_SAMPLES:
-            self.fine.begin(self._maker(self._size, state.technique, self._finer()), self._shot)
+        self.fine.begin(
+            self._maker(self._size, self.state.technique, self._finer()), self._shot_now()
+        )
+
+    def _compare(self) -> None:
+        """The view stands still: the other technique's image of it goes on."""
+        state = self.state
         if state.compared != self._compared_is:
             self.compared, self._compared_is = self._emptied(self.compared), state.compared
         if state.compared:
-            self.compared.begin(self._maker(self._size, state.compared), self._shot)
+            self.compared.begin(self._maker(self._size, state.compared), self._shot_now())
+
+    def _shot_now(self) -> Shot:
+        """What stands still: the same until something moves."""
+        if self._shot is None:
+            look, format = self.state.look, self._shown.format
+            self._shot = Shot(self.scene_now(), self._size, look, format)
+        return self._shot
 
     def _draw_or_say(self, plan: Plan) -> None:
         begin = time.perf_counter()

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
+from typing import Any
 
 from ...errors import DeviceError
-from .canvas import canvas_view, close_on_signals, missing
+from .asking import Asking
+from .canvas import CanvasView, close_on_signals, missing
+from .save import Saver
 from .session import Session
 
 
@@ -37,7 +41,18 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
     def copy(text: str) -> None:
         glfw.set_clipboard_string(canvas._window, text)
 
-    view = canvas_view(canvas, session, copy=copy)
+    asking = Asking.where_there_is_one(session.drop)
+    saver = Saver(session, Path.cwd(), copy, asking.ask if asking else None)
+    view = CanvasView(canvas, session, saver)
+
+    def dropped(_: Any, names: list[str]) -> None:
+        for name in names:
+            session.drop(name)
+        view.touched()
+
+    glfw.set_drop_callback(canvas._window, dropped)
+    if asking:
+        loop.add_task(asking.watch, sleep, view, name="watch the dialog")
     loop.add_task(close_on_signals, canvas, name="close on signals")
     loop.add_task(view.watch, sleep, name="watch the scene file")
     loop.run()
