@@ -111,12 +111,14 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     left = by_size[: int(np.searchsorted(sizes, _MOST_EDGES, side="right"))]
     if len(left) < 2:
         return []
-    # All edges in the world, between numbers of places that several may share.
-    places = [_placed_edges(meshes[index]) for index in left]
-    owner = np.concatenate([np.full(len(p), i) for i, p in zip(left, places, strict=True)])
-    ends = np.concatenate(places).reshape(-1, 3)
-    step = max(_SAME * float(np.ptp(ends, axis=0).max(initial=0.0)), 1e-30)
-    edges = welded(np.round(ends / step)).reshape(-1, 2)
+    # All edges in the world, between numbers of points that several meshes may share.
+    points, pairs = zip(*(_placed(meshes[index]) for index in left), strict=True)
+    owner = np.repeat(left, [len(p) for p in pairs])
+    first = np.cumsum([0, *(len(p) for p in points[:-1])])
+    ends = np.concatenate([p + start for p, start in zip(pairs, first, strict=True)])
+    placed = np.concatenate(points)
+    step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
+    edges = welded(np.round(placed / step))[ends]
     is_edge = edges[:, 0] != edges[:, 1]
     owner, edges = owner[is_edge], edges[is_edge]
     # A mesh with edges that no other's meet is a sheet; without it, others may be, too.
@@ -132,13 +134,15 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     return []
 
 
-def _placed_edges(mesh: Mesh) -> F64:
-    """The ends (E, 2, 3), m, of all triangles' edges; what mirrors swaps them."""
+def _placed(mesh: Mesh) -> tuple[F64, Edges]:
+    """The points (V, 3), m, of a mesh's triangles, and the edges (E, 2) between them; what mirrors
+    swaps the ends."""
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-    placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
-    rows = mesh.geometry.indices
-    ends = placed[np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2)]
-    return ends if _handedness(mesh) > 0.0 else ends[:, ::-1]
+    used, rows = np.unique(mesh.geometry.indices, return_inverse=True)
+    placed = mesh.geometry.positions[used].astype(np.float64) @ linear.T + offset
+    rows = rows.reshape(-1, 3)
+    ends = np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2)
+    return placed, ends if _handedness(mesh) > 0.0 else ends[:, ::-1]
 
 
 def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
-from ..scene.mesh import Mesh
+from ..scene.mesh import Mesh, world_boxes
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from .hierarchy import F32, INDEX_MASK, LEAF, U32, build, child_boxes
@@ -195,7 +195,7 @@ class RayScene:
     def _boxes(self, ordered: Sequence[Mesh], placed: NDArray[np.int64]) -> tuple[F32, F32, U32]:
         """Boxes a little wider than what they are around, and their instances' rows."""
         shown = [int(i) for i in placed if _is_invertible(ordered[i].world_from_object)]
-        boxes = np.array([ordered[i].world_bounds for i in shown]).reshape(-1, 2, 3)
+        boxes = world_boxes([ordered[i] for i in shown])
         if len(self.still.bounds):
             corners = self.still.bounds
             whole = np.stack([corners.min(axis=0), corners.max(axis=0)])[None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import cast
 
@@ -76,10 +77,20 @@ class Mesh:
     @property
     def world_bounds(self) -> tuple[F64, F64]:
         """Lower and upper corner of the axis-aligned box around the placed mesh, metres."""
-        low, high = geometry_bounds(self.geometry)
-        corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
-        placed = corners @ self.world_from_object[:3, :3].T + self.world_from_object[:3, 3]
-        return placed.min(axis=0), placed.max(axis=0)
+        (box,) = world_boxes([self])
+        return box[0], box[1]
+
+
+_CORNERS = np.array(np.meshgrid((0, 1), (0, 1), (0, 1))).reshape(3, 8).T
+
+
+def world_boxes(meshes: Sequence[Mesh]) -> F64:
+    """`world_bounds` of many meshes, (M, 2, 3)."""
+    boxes = np.array([geometry_bounds(mesh.geometry) for mesh in meshes]).reshape(-1, 2, 3)
+    matrices = np.array([mesh.world_from_object for mesh in meshes]).reshape(-1, 4, 4)
+    corners = boxes[:, _CORNERS, np.arange(3)]
+    placed = corners @ matrices[:, :3, :3].swapaxes(1, 2) + matrices[:, None, :3, 3]
+    return np.stack([placed.min(axis=1), placed.max(axis=1)], axis=1)
 
 
 def geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:

@@ -14,7 +14,7 @@ from .checks import F64
 from .environment import Environment
 from .lights import Light
 from .medium import Medium
-from .mesh import Mesh
+from .mesh import Mesh, world_boxes
 from .point_lights import PointLights
 from .volume import Volume
 
@@ -60,7 +60,7 @@ class Scene:
 
         Else of the medium, where it has bounds; else around the camera.
         """
-        boxes = [mesh.world_bounds for mesh in self.meshes]
+        boxes: list[Any] = [*world_boxes(self.meshes)]
         boxes += [volume_world_bounds(volume) for volume in self.volumes]
         if not boxes and self.medium is not None and self.medium.bounds is not None:
             low, high = self.medium.bounds

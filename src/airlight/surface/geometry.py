@@ -13,7 +13,7 @@ from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, buffer_of
 from ..scene.along import meshes_along
 from ..scene.material import Material
-from ..scene.mesh import Geometry, Mesh
+from ..scene.mesh import Geometry, Mesh, world_boxes
 from ..scene.scene import Scene
 from .draws import MAPS, Culling, Draw, draw_order, map_of
 from .instances import InstanceData, is_mirrored, packed_instances
@@ -112,8 +112,7 @@ class GpuScene:
             return
         self._packed_instances = packed.tobytes()
         self.instances.write(packed)
-        boxes = np.array([mesh.world_bounds for mesh in placed]).reshape(-1, 2, 3)
-        self._culling.place(boxes)
+        self._culling.place(world_boxes(placed))
         self.version += 1
 
     def _relight(self, meshes: tuple[Mesh, ...]) -> bool:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32
-from ..scene.mesh import Mesh
+from ..gpu.layout import Struct, f32, mat4x4f, u32
+from ..scene.mesh import Mesh, world_boxes
 
 F64 = NDArray[np.float64]
 
@@ -27,16 +26,20 @@ def packed_instances(
     meshes: Sequence[Mesh], first: Sequence[Mesh], materials: Sequence[int]
 ) -> NDArray[np.void]:
     """`InstanceData` of meshes that stood as `first` at creation; `materials`: their rows."""
-    rows: list[dict[str, Any]] = [
-        {
-            "world_from_object": mesh.world_from_object,
-            "normal_from_object": normal_matrix(mesh.world_from_object),
-            "material": material,
-            "size": _size(mesh, before),
-        }
-        for mesh, before, material in zip(meshes, first, materials, strict=True)
-    ]
-    return pack_array(InstanceData, rows)
+    packed = np.zeros(max(1, len(meshes)), InstanceData.dtype)
+    if not meshes:
+        return packed
+    placed = np.stack([mesh.world_from_object for mesh in meshes])
+    before = np.stack([mesh.world_from_object for mesh in first])
+    # Matrices are stored column by column.
+    packed["world_from_object"] = placed.swapaxes(1, 2)
+    packed["normal_from_object"] = normal_matrix(placed).swapaxes(1, 2)
+    packed["material"] = materials
+    is_same = [mesh.geometry is other.geometry for mesh, other in zip(meshes, first, strict=True)]
+    is_still = np.array(is_same) & (placed == before).all(axis=(1, 2))
+    sizes = np.ptp(world_boxes(meshes), axis=1).max(axis=1)
+    packed["size"] = np.where(is_still, -sizes, sizes)
+    return packed
 
 
 def is_mirrored(mesh: Mesh) -> bool:
@@ -45,22 +48,11 @@ def is_mirrored(mesh: Mesh) -> bool:
 
 
 def normal_matrix(world_from_object: F64) -> F64:
-    """The inverse transpose, which keeps normals perpendicular under non-uniform scale."""
-    linear = world_from_object[:3, :3]
-    normal = np.eye(4)
+    """The inverse transposes (..., 4, 4): normals stay perpendicular under non-uniform scale."""
+    linear = world_from_object[..., :3, :3]
+    normal = np.broadcast_to(np.eye(4), world_from_object.shape).copy()
     # The cofactor matrix is det * inverse transpose and exists for flat transforms too.
-    a, b, c = linear.T
-    normal[:3, :3] = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    if np.linalg.det(linear) < 0.0:
-        normal[:3, :3] *= -1.0
+    a, b, c = (linear[..., k] for k in range(3))
+    normal[..., :3, :3] = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+    normal[..., :3, :3] *= np.where(np.linalg.det(linear) < 0.0, -1.0, 1.0)[..., None, None]
     return normal
-
-
-def _size(mesh: Mesh, first: Mesh) -> float:
-    """`InstanceData.size` of a mesh that stood as `first` does."""
-    low, high = mesh.world_bounds
-    is_still = mesh.geometry is first.geometry and np.array_equal(
-        mesh.world_from_object, first.world_from_object
-    )
-    size = float(np.max(high - low))
-    return -size if is_still else size
