@@ -6,6 +6,7 @@
     fields   irradiance, gathered -> lighting of surfaces
              scattered, volumes, sky_scatter, half_space -> marching of media
              reflected -> media that are lit by surfaces
+             air -> rays of the gather
 
 Solvers run in the order of the recipe and are given the fields of those before them. The reader of
 a field does not know which solver it comes from.
@@ -164,6 +165,18 @@ class ReflectedLight:
 
 
 @dataclass(frozen=True, eq=False)
+class AirLight:
+    """What the rays of a gather meet in media, as reduced media have it (similarity theory).
+
+    `mean`: the mean radiance of all light, unscattered too; media scatter their share of it.
+    `forward`: irradiance of surfaces, W m^-2, by light that media have only scattered forwards.
+    """
+
+    mean: LatticeSource
+    forward: Irradiance | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Fields:
     """The fields that solvers have yielded so far.
 
@@ -171,6 +184,7 @@ class Fields:
     irradiance   indirect irradiance of lattices on surfaces, W m^-2
     gathered     irradiance of a view's pixels, W m^-2, which lighting takes in place of both
     reflected    light that surfaces reflect into media
+    air          light in media for the rays of a gather
     scattered    mean radiance on lattices, W m^-2 sr^-1; media scatter their share of it
     sky_scatter  the same, of the environment's direct light
     volumes      radiance that volumes scatter towards the eye, on grids of their own
@@ -181,6 +195,7 @@ class Fields:
     irradiance: Irradiance | None = None
     gathered: Gathered | None = None
     reflected: ReflectedLight | None = None
+    air: AirLight | None = None
     scattered: LatticeSource | None = None
     sky_scatter: LatticeSource | None = None
     volumes: tuple[Source, ...] = ()

@@ -31,10 +31,10 @@ FIELDS = {
     "lpv": {"irradiance", "reflected"},
     "lpv-march": {"irradiance", "reflected", "scattered"},
     "lpv-sum": {"irradiance", "reflected", "scattered", "sky_scatter"},
-    "lpv-scatter": {"irradiance", "reflected", "scattered", "sky_scatter"},
+    "lpv-scatter": {"air", "irradiance", "reflected", "scattered", "sky_scatter"},
     "pop": set(),  # its volumes depend on the eye
     "lpv with pop": {"irradiance", "reflected", "sky_scatter"},
-    "lpv-scatter with pop": {"irradiance", "reflected", "scattered", "sky_scatter"},
+    "lpv-scatter with pop": {"air", "irradiance", "reflected", "scattered", "sky_scatter"},
 }
 
 

@@ -1,26 +1,35 @@
 // What a segment of paths found: its light, times what the segments before it reflect.
 //! use gather
 //! use sky_cells
+//! needs fn air_of(row: u32) -> Air
+
+// The light that media scatter into a segment, and the share of what lies behind that they let through.
+struct Air {
+    light: vec3f,           // W m^-2 sr^-1
+    inverse_m: f32,         // of how far away they do
+    passed: vec3f,
+}
 
 struct Path {
     radiance: vec3f,        // W m^-2 sr^-1
     inverse_m: f32,         // of the first segment's length; below 0 it left the scene
-    passed: vec3f,          // of the light that goes on
+    passed: vec3f,          // of the light that goes on; the sky's radiance where it left
     is_open: f32,
 }
 
-fn first_found(texel: vec2u, hit: vec4f) -> Path {
+fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
     let at = vec2u(texel.x, texel.y % sky.reduced.y);
     let place = textureLoad(places, at, 0);
     var path = Path(vec3f(0.0), 0.0, vec3f(1.0), 1.0);
     if (hit.w > 0.0) {
-        path.inverse_m = 1.0 / max(distance(hit.xyz, place.xyz), 1e-6);
+        let inverse_m = 1.0 / max(distance(hit.xyz, place.xyz), 1e-6);
+        path.inverse_m = mix(air.inverse_m, inverse_m, dot(air.passed, vec3f(1.0 / 3.0)));
     } else if (place.w > 0.0) {
         // Where a ray left the scene, its direction.
         let seen = sky_along(hit.xyz);
         let n = textureLoad(normals, at, 0).xyz;
         let share = sky_share(dot(hit.xyz, n), seen.density, sky.rays, sky.sky_rays);
-        path = Path(share * seen.radiance, -1.0, vec3f(0.0), 0.0);
+        path = Path(air.light, -1.0, share * air.passed * seen.radiance, 0.0);
     }
     return path;
 }
@@ -31,15 +40,18 @@ fn first_found(texel: vec2u, hit: vec4f) -> Path {
     }
     let hit = textureLoad(hit_positions, id.xy, 0);
     let row = 2u * (id.y * sky.reduced.x + id.x);
+    let air = air_of(row);
     var path: Path;
     if (params.segment == 0u) {
-        path = first_found(id.xy, hit);
+        path = first_found(id.xy, hit, air);
     } else {
         let radiance = paths[row];
         let passed = paths[row + 1u];
         path = Path(radiance.rgb, radiance.a, passed.rgb, passed.a);
     }
     if (path.is_open > 0.0) {
+        path.radiance += path.passed * air.light;
+        path.passed *= air.passed;
         if (hit.w > 0.0) {
             let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
             let albedo = towards_lights + textureLoad(hit_normals, id.xy, 0).w;

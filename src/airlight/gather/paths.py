@@ -23,31 +23,48 @@ class FoldParams(Struct):
     pad = u32()
 
 
+_NO_AIR = """
+fn air_of(row: u32) -> Air { return Air(vec3f(0.0), 0.0, vec3f(1.0)); }
+"""
+_AIR = """
+fn air_of(row: u32) -> Air { return Air(air[row].rgb, air[row].a, air[row + 1u].rgb); }
+"""
+_SLOTS = (
+    uniform("params", FoldParams),
+    uniform("sky", SkyParams),
+    texture("places", "2d", "unfilterable-float"),
+    texture("normals", "2d", "unfilterable-float"),
+    texture("hit_positions", "2d", "unfilterable-float"),
+    texture("hit_normals", "2d", "unfilterable-float"),
+    texture("hit_albedos", "2d", "unfilterable-float"),
+    texture("direct_light", "2d", "unfilterable-float"),
+    texture("indirect_light", "2d", "unfilterable-float"),
+    storage("sky_cells", "vec4f"),
+    storage("paths", "vec4f", "read_write"),
+)
+
+
 class _Fold(ComputePass):
-    slots = (
-        uniform("params", FoldParams),
-        uniform("sky", SkyParams),
-        texture("places", "2d", "unfilterable-float"),
-        texture("normals", "2d", "unfilterable-float"),
-        texture("hit_positions", "2d", "unfilterable-float"),
-        texture("hit_normals", "2d", "unfilterable-float"),
-        texture("hit_albedos", "2d", "unfilterable-float"),
-        texture("direct_light", "2d", "unfilterable-float"),
-        texture("indirect_light", "2d", "unfilterable-float"),
-        storage("sky_cells", "vec4f"),
-        storage("paths", "vec4f", "read_write"),
-    )
     workgroup = (8, 8, 1)
+
+    def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
+        self.slots = _SLOTS + (storage("air", "vec4f"),) * has_air  # type: ignore[misc]
+        super().__init__(gpu, generated=_AIR if has_air else _NO_AIR)
+
     file = "fold.wgsl"
 
 
 class Paths:
-    """Two vec4f for each ray of a batch, as `fold.wgsl` has them."""
+    """Two vec4f for each ray of a batch, as `fold.wgsl` has them; and two of the `air` along it."""
 
-    def __init__(self, gpu: Gpu, points: Points, cells: SkyCells, batch: int) -> None:
-        """For `batch` rays of each point."""
-        self._points, self._cells, self._fold = points, cells, _Fold(gpu)
-        self.buffer = Buffer(gpu, "gathered paths", 32 * points.count * batch)
+    def __init__(
+        self, gpu: Gpu, points: Points, cells: SkyCells, batch: int, *, has_air: bool = False
+    ) -> None:
+        """For `batch` rays of each point. `has_air`: there are media in their way."""
+        self._points, self._cells, self._fold = points, cells, _Fold(gpu, has_air=has_air)
+        nbytes = 32 * points.count * batch
+        self.buffer = Buffer(gpu, "gathered paths", nbytes)
+        self.air = Buffer(gpu, "air along paths", nbytes) if has_air else None
 
     def encode(
         self,
@@ -81,4 +98,5 @@ class Paths:
             indirect_light=indirect or direct,
             sky_cells=self._cells.buffer,
             paths=self.buffer,
+            **({"air": self.air} if self.air else {}),
         )

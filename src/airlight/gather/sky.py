@@ -10,31 +10,51 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.slots import storage, texture, uniform
+from ..media.gpu_media import GpuMedia
 from ..rays.rays import RAY_SLOTS, RayScene
 from .points import Points
 from .sky_cells import SkyCells, SkyParams
 from .sums import Sums
 
+_ALL_PASSED = """
+fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f { return vec3f(1.0); }
+"""
+_PASSED = """
+//! use media
+fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f {
+    return exp(-media_optical_depth(origin, direction, 0.0, MEDIUM_FAR));
+}
+"""
+
 
 class _SkyRays(ComputePass):
-    slots = (
-        uniform("sky", SkyParams),
-        texture("places", "2d", "unfilterable-float"),
-        texture("normals", "2d", "unfilterable-float"),
-        *RAY_SLOTS,
-        storage("sky_cells", "vec4f"),
-        storage("sums", "vec4f", "read_write"),
-    )
     workgroup = (8, 8, 1)
+
+    def __init__(self, gpu: Gpu, media: GpuMedia | None, constants: dict[str, float]) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("sky", SkyParams),
+            texture("places", "2d", "unfilterable-float"),
+            texture("normals", "2d", "unfilterable-float"),
+            *RAY_SLOTS,
+            *(media.medium_slots if media else ()),
+            storage("sky_cells", "vec4f"),
+            storage("sums", "vec4f", "read_write"),
+        )
+        passed = media.medium_wgsl + _PASSED if media else _ALL_PASSED
+        super().__init__(gpu, generated=passed, constants=constants)
+
     file = "sky.wgsl"
 
 
 class SkyRays:
-    """Sends rays towards bright `cells` of the environment."""
+    """Sends rays towards bright `cells` of the environment, through `media`."""
 
-    def __init__(self, gpu: Gpu, scene: RayScene, cells: SkyCells) -> None:
+    def __init__(
+        self, gpu: Gpu, scene: RayScene, cells: SkyCells, media: GpuMedia | None = None
+    ) -> None:
         self._scene, self._cells = scene, cells
-        self._pass = _SkyRays(gpu, constants=scene.constants)
+        self._pass = _SkyRays(gpu, media, scene.constants)
+        self._media = media
 
     def encode(
         self, commands: Commands, points: Points, sums: Sums, rays: int, sample: int
@@ -49,6 +69,7 @@ class SkyRays:
             places=points.places,
             normals=points.normals,
             **self._scene.bound,
+            **(self._media.medium_bound if self._media else {}),
             sky_cells=self._cells.buffer,
             sums=sums.buffer,
         )

@@ -2,6 +2,7 @@
 //! use gather
 //! use rays
 //! use sky_cells
+//! needs fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f
 
 const FARTHEST = 1e30;      // m
 const RAISED = 2e-4;        // as in trace.wgsl
@@ -26,7 +27,8 @@ const RAISED = 2e-4;        // as in trace.wgsl
         let cosine = dot(ray.direction, n);
         if (cosine > 0.0) {
             if (!any_hit(origin, ray.direction, 0.0, FARTHEST)) {
-                let found = sky_share(cosine, ray.density, sky.rays, sky.sky_rays) * ray.radiance;
+                let share = sky_share(cosine, ray.density, sky.rays, sky.sky_rays);
+                let found = share * sky_passed(origin, ray.direction) * ray.radiance;
                 sum += found;
                 flux += luminance(found) * flux_along(n, ray.direction);
                 squares += luminance(found) * luminance(found);

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..area.attenuation import Attenuation
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -19,8 +18,11 @@ from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..lighting.occlusion import Occlusion, lattice_reach
 from ..lighting.view import View
+from ..media.gpu_media import GpuMedia
 from ..surface.hits import Hits
+from .air import Air, light_in
 from .albedo import Albedos
+from .beams import Beams
 from .filtering import Filtering
 from .paths import Paths
 from .points import Points
@@ -42,16 +44,20 @@ class GatherSolver(Solver):
         self,
         kit: Kit,
         settings: GatherSettings,
-        attenuation: Attenuation | None = None,
+        media: GpuMedia | None = None,
         *,
+        sources: int = 0,
         bounces: bool = True,
     ) -> None:
-        """`attenuation`: the media between lights and the surfaces that rays meet.
+        """`media`: those in the way of rays; `sources`: the most textures of what they scatter.
 
-        `bounces`: whether the lattices' light is on those, so that it bounces more than once.
+        `bounces`: whether the lattices' light is on what rays meet, so that it bounces more than
+        once.
         """
         self.kit, self.settings, self._bounces = kit, settings, bounces
-        self._lighting = HitLighting(kit, attenuation)
+        self._lighting = HitLighting(kit, media)
+        self._air = Air(kit.gpu, media, sources=sources) if media else None
+        self._beams = Beams(kit.gpu, kit) if media else None
         self._sized: _Sized | None = None
         self._scope = kit.gpu.scope()
         self._cells = SkyCells(kit.gpu)
@@ -101,6 +107,10 @@ class GatherSolver(Solver):
             sums = sized.filtering.encode(
                 commands, view, sized.sums.buffer, self._cells.count(rays)
             )
+        # What no ray meets is not noisy: its edges need no filter.
+        if self._beams is not None and fields.air and fields.air.forward:
+            with commands.stage("gather lighting"):
+                self._beams.encode(commands, sized.points, sums, rays, fields.air.forward)
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
@@ -116,6 +126,12 @@ class GatherSolver(Solver):
             segment = Segment(numbers, index, self.kit.rays.raised)
             with commands.stage("gather rays"):
                 self._trace.encode(commands, sized.points, (before, hits), segment)
+            if self._air is not None and sized.paths.air is not None:
+                way = (sized.points.places if index == 0 else before.positions, hits)
+                with commands.stage("gather air"):
+                    self._air.encode(
+                        commands, sized.points, way, segment, light_in(fields), sized.paths.air
+                    )
             with commands.stage("gather lighting"):
                 light = self._light(commands, sized, hits, fields, is_last=index == count - 1)
                 sized.paths.encode(commands, hits, light, segment, rays)
@@ -152,14 +168,18 @@ class GatherSolver(Solver):
         # Once something has moved, rays also meet instances.
         if self._trace is None or self._trace.constants != rays.constants:
             self._trace = Trace(kit.gpu, rays, self._albedos)
-            self._sky_rays = SkyRays(kit.gpu, rays, self._cells)
+            media = self._air.media if self._air else None
+            self._sky_rays = SkyRays(kit.gpu, rays, self._cells, media)
         self._lighting.shadows = kit.shadow_rays(commands)
 
     def _fitted(self, size: tuple[int, int]) -> _Sized:
         if self._sized is None or self._sized.points.size != size:
             self._scope.release()
             self._sized = None
-            self._sized = _Sized(self._scope, self.kit, size, self.settings, self._cells)
+            has_air = self._air is not None
+            self._sized = _Sized(
+                self._scope, self.kit, size, self.settings, self._cells, has_air=has_air
+            )
         return self._sized
 
     @property
@@ -178,6 +198,8 @@ class _Sized:
         size: tuple[int, int],
         settings: GatherSettings,
         cells: SkyCells,
+        *,
+        has_air: bool,
     ) -> None:
         rays, is_occluded = settings.gather_rays, kit.settings.ambient_occlusion
         self.points = Points(gpu, size, is_occluded=is_occluded)
@@ -186,6 +208,6 @@ class _Sized:
         self.batch = max(1, min(rays, most, MOST_HITS // self.points.count))
         hits = (width, height * self.batch)
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
-        self.paths = Paths(gpu, self.points, cells, self.batch)
+        self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
         self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)

@@ -22,15 +22,17 @@
     var k = 0u;
     loop {
         if (k >= params.rays) { break; }
-        let path = paths[2u * (point + k * count)];
-        let direction = cosine_direction(facing.xyz, ray_numbers(id.x, id.y, params.first_ray + k));
-        let light = luminance(path.rgb);
-        let its_flux = vec4f(light * flux_along(facing.xyz, direction), 0.0);
+        let row = 2u * (point + k * count);
+        let path = paths[row];
         let is_outside = path.w < 0.0;
-        surfaces += select(path, vec4f(0.0), is_outside);
-        outside += select(vec4f(0.0), vec4f(path.rgb, light * light), is_outside);
-        flux += select(its_flux, vec4f(0.0), is_outside);
-        flux_outside += select(vec4f(0.0), its_flux, is_outside);
+        let sky = select(vec3f(0.0), paths[row + 1u].rgb, is_outside);
+        let direction = cosine_direction(facing.xyz, ray_numbers(id.x, id.y, params.first_ray + k));
+        let along = vec4f(flux_along(facing.xyz, direction), 0.0);
+        let light = luminance(sky);
+        surfaces += vec4f(path.rgb, max(path.w, 0.0));
+        outside += vec4f(sky, light * light);
+        flux += luminance(path.rgb) * along;
+        flux_outside += light * along;
         k++;
     }
     flux.w = facing.w;

@@ -30,9 +30,16 @@ class EnteringLight:
     """Lights and sky of one scene, as they enter lattices."""
 
     def __init__(
-        self, kit: Kit, scene: Scene, settings: ScatterSettings, media: ReducedMedia
+        self,
+        kit: Kit,
+        scene: Scene,
+        settings: ScatterSettings,
+        media: ReducedMedia,
+        *,
+        keeps_light: bool = False,
     ) -> None:
-        gpu = kit.gpu
+        """`keeps_light`: each lattice keeps the fluence of unscattered light in its cells."""
+        gpu, self.keeps_light = kit.gpu, keeps_light
         self.kit, self.settings, self.media = kit, settings, media
         # Reflective shadow maps of the lights, and whose each layer is.
         # Random points of rays are drawn for every texel.
@@ -50,9 +57,9 @@ class EnteringLight:
         )
         # Passes for the lights and for the sky, which media attenuate differently.
         self._reflected, self._rays = Inject(gpu, media.lights), InjectRays(gpu, media.lights)
-        self.single = InjectSingle(gpu, media.lights)
+        self.single = InjectSingle(gpu, media.lights, keeps_light=keeps_light)
         self._sky_reflected = Inject(gpu, media.sky)
-        self.sky_single = InjectSingle(gpu, media.sky)
+        self.sky_single = InjectSingle(gpu, media.sky, keeps_light=keeps_light)
         self.forward = ForwardTextures(
             gpu, kit.lattices.placements, kit.lattices.texture_size, kit.lights.count
         )

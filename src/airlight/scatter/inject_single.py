@@ -9,6 +9,8 @@ ray into cells; see inject_rays, which does, for light through gaps smaller than
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -26,13 +28,34 @@ class SingleParams(Struct):
     light_count = u32()
 
 
+_DROP = "fn keep_light(cell: u32, fluence: vec3f) {}\n"
+_KEEP = """
+fn keep_light(cell: u32, fluence: vec3f) {
+    light[cell] = vec4f(light_base[cell].rgb + fluence, 0.0);
+}
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class CellFluence:
+    """Fluence of unscattered light in each cell, rgb W m^-2: `after` = `base` + the lights'.
+
+    Its mean over what scatters in the cell.
+    """
+
+    base: Buffer
+    after: Buffer
+
+
 class InjectSingle(ComputePass):
     """cells = base + light scattered once, W; the lights' shadow maps are drawn."""
 
     workgroup = (32, 4, 2)
 
-    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+    def __init__(self, gpu: Gpu, media: GpuMedia, *, keeps_light: bool = False) -> None:
+        """`keeps_light`: `encode` is given a CellFluence to fill."""
         self._media = media
+        kept = (storage("light_base", "vec4f"), storage("light", "vec4f", "read_write"))
         self.slots = (  # type: ignore[misc]
             uniform("params", SingleParams),
             uniform("lattice", LatticeParams),
@@ -40,8 +63,9 @@ class InjectSingle(ComputePass):
             *media.slots,
             storage("base", "vec4f"),
             storage("cells", "vec4f", "read_write"),
+            *(kept if keeps_light else ()),
         )
-        super().__init__(gpu, generated=media.wgsl)
+        super().__init__(gpu, generated=media.wgsl + (_KEEP if keeps_light else _DROP))
 
     def encode(
         self,
@@ -51,11 +75,13 @@ class InjectSingle(ComputePass):
         *,
         base: Buffer,
         cells: Buffer,
+        fluence: CellFluence | None = None,
     ) -> None:
-        """Gather of `lights`; `cells` must not be `base`.
+        """Gather of `lights`; `cells` must not be `base`. `fluence`: of the light that arrives.
 
         The media's coefficients count as isotropic.
         """
+        kept = {"light_base": fluence.base, "light": fluence.after} if fluence else {}
         self.dispatch(
             commands,
             placement.count,
@@ -65,4 +91,5 @@ class InjectSingle(ComputePass):
             cells=cells,
             **lights.bound,
             **self._media.bound,
+            **kept,
         )

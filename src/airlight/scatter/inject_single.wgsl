@@ -2,6 +2,7 @@
 //! use lattice_space
 //! use media_light
 //! use cell_light
+//! needs fn keep_light(cell: u32, fluence: vec3f)
 
 // How far p is from a light, `cut` where that is the least that counts. A medium's own light is all
 // within it: of its samples nothing is cut off.
@@ -80,18 +81,22 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     let high = lattice.cell * unwarped_coordinates(lattice, id, vec3f(1.0));
     let size = 0.5 * (high - low);
     var power = vec3f(0.0);
+    var scattering = vec3f(0.0);
     for (var k = 0u; k < 8u; k++) {
         let inside = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
         let p = unwarped_point(lattice, id, inside);
         let held = media_coefficients(p);
         if (any(held.scattering > vec3f(0.0))) {
             power += held.scattering * arriving(p, size, held.extinction);
+            scattering += held.scattering;
         }
     }
+    let fluence = power / max(scattering, vec3f(1e-20));
     // Scattered isotropically: a constant term alone.
     power *= size.x * size.y * size.z;
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
     let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    keep_light(cell, fluence);
     for (var channel = 0u; channel < 3u; channel++) {
         let index = channel * cells_in_all + cell;
         cells[index] = base[index] + vec4f(power[channel], 0.0, 0.0, 0.0);

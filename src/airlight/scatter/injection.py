@@ -25,6 +25,7 @@ from .cells import LatticeCells
 from .entering_light import EnteringLight
 from .forward import ForwardLight
 from .inject_border import InjectBorder, Outside
+from .inject_single import CellFluence
 from .reduced import reduced_scene
 
 
@@ -45,6 +46,12 @@ class Injection:
             for name in ("no light", "static light", "reflected", "source")
         )
         self._static_key = b""
+        # Unscattered light in cells: none, the sky's, and all of it.
+        self._fluences: list[Buffer] = []
+        if light.keeps_light:
+            self._fluences = [
+                Buffer(gpu, f"{name} in cells", 16 * count) for name in ("none", "sky", "light")
+            ]
 
     @property
     def placement(self) -> Placement:
@@ -72,9 +79,23 @@ class Injection:
                 self._cell_lights(self.kit.lights.count if is_gathered else 0),
                 base=self.reflected,
                 cells=self.source,
+                fluence=self._fluence(is_sky=False),
             )
             self._inject_border(commands, frame, is_new=is_new)
             self._take_forward(commands, frame.scene)
+
+    def _fluence(self, *, is_sky: bool) -> CellFluence | None:
+        if not self._fluences:
+            return None
+        none, sky, light = self._fluences
+        if is_sky:
+            return CellFluence(none, sky)
+        return CellFluence(sky if self.light.has_sky else none, light)
+
+    @property
+    def light_in_cells(self) -> Buffer:
+        """Fluence of all unscattered light in cells, where `EnteringLight` keeps it."""
+        return self._fluences[-1]
 
     @property
     def beams(self) -> Buffer | None:
@@ -123,7 +144,14 @@ class Injection:
             lights = CellLights(resources, count, self.cells.blockers.walls)
             # What media scatter of it, once or forwards, then what surfaces reflect.
             base = self.source
-            light.sky_single.encode(commands, self.placement, lights, base=self.black, cells=base)
+            light.sky_single.encode(
+                commands,
+                self.placement,
+                lights,
+                base=self.black,
+                cells=base,
+                fluence=self._fluence(is_sky=True),
+            )
             if self._has_forward:
                 self.forward.encode_sky(commands, self.cells, lights, base=self.black)
             light.inject_sky(commands, self._target())

@@ -22,6 +22,7 @@ from .cascades import Cascade, cascades
 from .emission import Emission
 from .entering_light import EnteringLight
 from .inject_outer import InjectOuter
+from .light_in_air import LightInAir
 from .reduced_media import ReducedMedia
 from .settings import ScatterSettings
 from .surface_light import SurfaceLight
@@ -39,16 +40,18 @@ class ScatterSolver(Solver):
         *,
         has_volumes: bool = True,
         has_border_light: bool = True,
+        is_gathered: bool = False,
     ) -> None:
         """`has_volumes`: whether the scene's volumes are part of the lattices' medium.
 
-        `has_border_light`: whether finer lattices take in light from beyond their borders. Raises
-        SettingsError where the scheme cannot do the scene's media.
+        `has_border_light`: whether finer lattices take in light from beyond their borders.
+        `is_gathered`: whether a gather's rays meet its media. Raises SettingsError where the scheme
+        cannot do the scene's media.
         """
         self.kit, self.has_volumes = kit, has_volumes
         gpu, scene = kit.gpu, self._seen(kit.context.scene)
         self.media = ReducedMedia(kit, scene)
-        self.light = EnteringLight(kit, scene, settings, self.media)
+        self.light = EnteringLight(kit, scene, settings, self.media, keeps_light=is_gathered)
         self.cascades = cascades(kit, scene, settings, self.light)
         self._outer: InjectOuter | None = None
         if has_border_light and len(self.cascades) > 1:
@@ -57,6 +60,7 @@ class ScatterSolver(Solver):
         size = kit.lattices.texture_size
         self.emission = Emission(gpu, kit.placement, size)
         self.surfaces = SurfaceLight(gpu, kit.placement, size)
+        self.air = LightInAir(gpu, kit) if is_gathered else None
 
     @property
     def largest(self) -> Cascade:
@@ -112,6 +116,8 @@ class ScatterSolver(Solver):
             )
             medium, near = part.cells.surface_medium, injection.surface_beams
             self.surfaces.encode(commands, total, flux, medium, forward=near, placement=placement)
+            if self.air is not None:
+                self.air.encode(commands, part, track, flux, self.media.sigma_t)
         return total
 
     def _enter(self, commands: Commands, part: Cascade, outer: Cascade, total: Buffer) -> None:
@@ -143,9 +149,12 @@ class ScatterSolver(Solver):
             is_reduced_medium=self.media.is_reduced,
         )
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
-        return dataclasses.replace(
+        fields = dataclasses.replace(
             fields, irradiance=irradiance, scattered=light, reflected=ReflectedLight(light, version)
         )
+        if self.air is None:
+            return fields
+        return dataclasses.replace(fields, air=self.air.field(self.kit.blockers.bound))
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """The lattices do not depend on the eye."""

@@ -63,14 +63,23 @@ def lpv(context: Context, settings: LpvTechniqueSettings) -> Technique:
     return Technique("lpv", kit, solvers)
 
 
-def _gathering(kit: Kit, settings: GatherSettings, *, bounces: bool = True) -> list[Solver]:
-    """The final gather, where the settings ask for one and no media are in the rays' way."""
+def _gathering(
+    kit: Kit,
+    settings: GatherSettings,
+    media: Media | None = None,
+    *,
+    bounces: bool = True,
+    sources: int = 0,
+) -> list[Solver]:
+    """The final gather, through `media`, of `sources` textures of light, where settings want it."""
     scene = kit.context.scene
-    if settings.gather == "off" or scene.medium is not None or scene.volumes:
+    has_media = scene.medium is not None or bool(scene.volumes)
+    if settings.gather == "off" or (has_media and media is None):
         return []
     from ..gather.solver import GatherSolver
 
-    return [GatherSolver(kit, settings, bounces=bounces)]
+    on_device = media.on_device if media and has_media else None
+    return [GatherSolver(kit, settings, on_device, bounces=bounces, sources=sources)]
 
 
 def single(context: Context, settings: SingleSettings) -> Technique:
@@ -121,9 +130,23 @@ def lpv_scatter(context: Context, settings: LpvScatterSettings) -> Technique:
 
     kit = _scattering_kit(context, settings)
     media = Media(kit, part_of(settings, MediaSettings), is_lattice_marched=True, has_multiple=True)
-    scattering = ScatterSolver(kit, settings, has_border_light=settings.cascade_light)
-    solvers = [media, scattering, *_gathering(kit, settings)]
+    gathering = _gathering(kit, settings, media if _is_gathered(context, settings) else None)
+    scattering = ScatterSolver(
+        kit, settings, has_border_light=settings.cascade_light, is_gathered=bool(gathering)
+    )
+    solvers = [media, scattering, *gathering]
     return Technique("lpv-scatter", kit, solvers, media=media)
+
+
+def _is_gathered(context: Context, settings: LpvScatterSettings) -> bool:
+    """Whether a gather's rays find the light of media in lattices.
+
+    Not in those of the paper; and beyond lattices there is an endless medium's, which they lack.
+    """
+    medium = context.scene.medium
+    is_endless = medium is not None and medium.endless
+    is_ours = not settings.scheme.startswith("paper") and settings.single == "gather"
+    return is_ours and not is_endless
 
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
@@ -180,7 +203,9 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     lattice = LpvSolver(kit, settings)
     lattice.media = LatticeVolumes(lattice, media.on_device)
     solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvMarchSettings))
-    return Technique("lpv with pop", kit, [lattice, media, solved], media=media)
+    met = media if settings.scheme != "paper" else None
+    gathering = _gathering(kit, settings, met, sources=sources, bounces=settings.bounces)
+    return Technique("lpv with pop", kit, [lattice, media, solved, *gathering], media=media)
 
 
 def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) -> Technique:
@@ -201,11 +226,18 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         has_multiple=True,
     )
     # Surfaces and fog, then volumes, which take the light that surfaces reflect.
+    met = media if _is_gathered(context, settings) else None
+    gathering = _gathering(kit, settings, met, sources=len(grouped(volumes)))
     lattice = ScatterSolver(
-        kit, settings, has_volumes=False, has_border_light=settings.cascade_light
+        kit,
+        settings,
+        has_volumes=False,
+        has_border_light=settings.cascade_light,
+        is_gathered=bool(gathering),
     )
     solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvScatterSettings))
-    return Technique("lpv-scatter with pop", kit, [media, lattice, solved], media=media)
+    solvers = [media, lattice, solved, *gathering]
+    return Technique("lpv-scatter with pop", kit, solvers, media=media)
 
 
 def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:

@@ -89,12 +89,13 @@ class Variant:
 
 def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     """The slots of the kernel."""
-    made = [
-        uniform("rays", RayParams),
-        uniform("march", MarchParams),
-        texture("picked", "2d", "unfilterable-float"),
-        *media.medium_slots,
-    ]
+    rays = (uniform("rays", RayParams), texture("picked", "2d", "unfilterable-float"))
+    return (*rays, *field_slots(media, variant))
+
+
+def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
+    """Of those, the ones of media and fields, which passes over rays of their own have, too."""
+    made = [uniform("march", MarchParams), *media.medium_slots]
     if variant.sources:
         made += [storage("sources", SourceData), sampler("source_linear")]
         made += [texture(f"source{i}", "3d") for i in range(variant.sources)]

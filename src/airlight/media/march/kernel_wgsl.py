@@ -48,6 +48,13 @@ def generated(variant: Variant) -> str:
     )
 
 
+def emission_wgsl(variant: Variant) -> str:
+    """`emission_at` of a `variant` whose lattice, if there is one, is read as means alone."""
+    lattice = _isotropic_wgsl("lattice") if variant.has_lattice else ""
+    count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
+    return _sources_wgsl(variant) + count + lattice
+
+
 def _sources_wgsl(variant: Variant) -> str:
     """`emission_at`: the sum of all sources, unrolled, since textures cannot be indexed; and
     `step_share`: the length of a step from a point, in steps of the finest source.

@@ -143,13 +143,13 @@ class March:
         """Fill the `targets` along `rays`."""
         # The kernel that reads what there is, and no more.
         lattice, sky, far = light.lattice, light.sky, light.half_space
-        variant = self._chosen(light)
+        variant = self.variant(light)
         if targets.transmittance is None:
             variant = replace(variant, writes="light")
         # Steps are as long as the smallest cells of all that is marched.
         cells = [s.cell_m for s in (*light.sources, lattice, sky) if s is not None]
-        bound = self._bound(variant, light)
-        self.params = _params(light, steps, min(cells, default=math.inf))
+        bound = self.bound(variant, light)
+        self.params = march_params(light, steps, min(cells, default=math.inf))
         # All targets in one pass, or in two where a device has too few.
         textures = {
             "scattered": targets.scattered,
@@ -173,8 +173,11 @@ class March:
             self._passes[variant] = _March(self.gpu, self._media, variant)
         return self._passes[variant]
 
-    def _chosen(self, light: MarchedLight) -> Variant:
-        """Loops and reads that lattices and media do not need are left out: they would cost."""
+    def variant(self, light: MarchedLight) -> Variant:
+        """What marches `light`.
+
+        Loops and reads that lattices and media do not need are left out: they would cost.
+        """
         sharpest = max((abs(c) for row in self._media.rows for c in row["g"]), default=0.0)
         one = light.sky or light.lattice
         return Variant(
@@ -186,7 +189,7 @@ class March:
             half_space_side=light.half_space.side if light.half_space else 0,
         )
 
-    def _bound(self, variant: Variant, light: MarchedLight) -> dict[str, Any]:
+    def bound(self, variant: Variant, light: MarchedLight) -> dict[str, Any]:
         """The resources of the fields, by slot name."""
         sources, lattice, sky = light.sources, light.lattice, light.sky
         # Textures of emission, then lattices, then what comes beside a lattice.
@@ -270,8 +273,11 @@ def _sky_form(sky: LatticeSource | None, sharpest: float) -> SkyForm:
     return "mean" if sharpest == 0.0 and sky.mean is not None else "two bands"
 
 
-def _params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
-    """`cell`: m, the shortest of all that is marched; infinite where nothing is."""
+def march_params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
+    """Of rays through `light`.
+
+    `cell`: m, the shortest of all that is marched; infinite where nothing is.
+    """
     lattice, sky, far = light.lattice, light.sky, light.half_space
     forward = lattice.forward if lattice else None
     return MarchParams(

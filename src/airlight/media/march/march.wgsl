@@ -16,24 +16,6 @@
 //! needs fn skylit_at(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn step_length(t: f32, lattice: vec2f, near: f32) -> f32
 
-// The scattering coefficient that a source leaves out; 1 where it is an emission.
-fn source_weight(medium: i32, parts: u32) -> vec3f {
-    if (medium == -1) {
-        return vec3f(1.0);
-    }
-    if (medium == -2) {
-        return scattering_here();
-    }
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        if (ray_medium(k) - u32(medium) < parts) {
-            sum += media_density_here[k] * sigma_s_of(ray_medium(k));
-        }
-    }
-    return sum;
-}
-
 // A copy: a CPU adapter would read the buffer lane by lane each time.
 var<private> own: MarchParams;
 // Optical depth of scattering from the eye to the middle of a step.

@@ -1,0 +1,100 @@
+"""Media along the rays of a gather: they dim what lies behind, and scatter light into the rays.
+
+All of it as reduced media have it (similarity theory): their light comes from `fields.AirLight` of
+a lattice, or from the sources of principal ordinates. Light that media scatter forwards alone goes
+on from lights as beams, which no ray meets; lattices know its irradiance.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..fields import Fields
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, u32, vec2u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import storage, texture, uniform
+from ..media.gpu_media import GpuMedia
+from ..media.march.kernel import MAX_LEVELS_AT_ONCE, Variant, field_slots
+from ..media.march.kernel_wgsl import emission_wgsl
+from ..media.march.march import March, MarchedLight, Steps, march_params
+from ..surface.hits import Hits
+from .points import Points
+from .trace import Segment
+
+STEPS = Steps(per_cell=0.5, most=24)
+"""Irradiance is a mean over all directions, in which what coarser steps miss cancels."""
+
+
+class AirParams(Struct):
+    """How many points and rays there are, and which segment of the paths it is."""
+
+    reduced = vec2u("points")
+    rays = u32("of a point")
+    segment = u32()
+
+
+_FIRST = "fn first_lattices() -> LatticeParams { return lattices[0]; }\n"
+
+
+class _Air(ComputePass):
+    workgroup = (8, 8, 1)
+
+    def __init__(self, gpu: Gpu, media: GpuMedia, variant: Variant) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", AirParams),
+            texture("starts", "2d", "unfilterable-float"),
+            texture("reached", "2d", "unfilterable-float"),
+            *field_slots(media, variant),
+            storage("air", "vec4f", "read_write"),
+        )
+        generated = media.medium_wgsl + emission_wgsl(variant)
+        super().__init__(gpu, generated=generated + (_FIRST if variant.has_lattice else ""))
+
+
+class Air:
+    """Two vec4f for each ray of a batch: the light that is scattered into it, and what passes."""
+
+    def __init__(self, gpu: Gpu, media: GpuMedia, *, sources: int = 0) -> None:
+        """`sources`: the most textures of emission there will be."""
+        self._gpu, self.media = gpu, media
+        self._fields = March(gpu, media, sources=sources)
+        self._passes: dict[Variant, _Air] = {}
+
+    def encode(
+        self,
+        commands: Commands,
+        points: Points,
+        ends: tuple[Texture, Hits],
+        segment: Segment,
+        light: MarchedLight,
+        air: Buffer,
+    ) -> None:
+        """Fill `air`. `ends`: where the segments of paths start, and the hits where they end."""
+        starts, hits = ends
+        lattice = light.lattice
+        levels = min(len(lattice.levels), MAX_LEVELS_AT_ONCE) if lattice else 1
+        variant = Variant(len(light.sources), "mean" if lattice else "none", levels=levels)
+        if variant not in self._passes:
+            self._passes[variant] = _Air(self._gpu, self.media, variant)
+        cells = [s.cell_m for s in (*light.sources, lattice) if s is not None]
+        self._passes[variant].dispatch(
+            commands,
+            (points.reduced[0], points.reduced[1] * len(segment.numbers)),
+            params=AirParams(
+                reduced=points.reduced, rays=len(segment.numbers), segment=segment.index
+            ),
+            march=march_params(light, STEPS, min(cells, default=math.inf)),
+            starts=starts,
+            reached=hits.positions,
+            **self.media.medium_bound,
+            **self._fields.bound(variant, light),
+            air=air,
+        )
+
+
+def light_in(fields: Fields) -> MarchedLight:
+    """What media along a gather's rays scatter."""
+    return MarchedLight(fields.volumes, fields.air.mean if fields.air else None)

@@ -1,0 +1,54 @@
+"""Light that media scatter forwards alone: from lights as beams, which no ray of a gather meets."""
+
+from __future__ import annotations
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.memory import Buffer, linear_sampler
+from ..gpu.slots import sampler, storage, texture, uniform
+from ..lattice.blockers import BLOCKER_SLOTS
+from ..lattice.irradiance import Irradiance
+from ..lattice.lookup import CHANNEL_SLOTS
+from ..lattice.placement import LatticeParams
+from ..lighting.kit import Kit
+from .points import Points
+from .sums import SumParams
+
+
+class _Beams(ComputePass):
+    slots = (
+        uniform("params", SumParams),
+        texture("places", "2d", "unfilterable-float"),
+        texture("normals", "2d", "unfilterable-float"),
+        storage("lattices", LatticeParams),
+        *CHANNEL_SLOTS,
+        *BLOCKER_SLOTS,
+        sampler("linear_clamp"),
+        storage("sums", "vec4f", "read_write"),
+    )
+    workgroup = (8, 8, 1)
+    file = "beams.wgsl"
+
+
+class Beams:
+    """Reads it from lattices, into the sums of gather points."""
+
+    def __init__(self, gpu: Gpu, kit: Kit) -> None:
+        self._kit, self._pass, self._linear = kit, _Beams(gpu), linear_sampler(gpu)
+
+    def encode(
+        self, commands: Commands, points: Points, sums: Buffer, rays: int, irradiance: Irradiance
+    ) -> None:
+        """Add it to the `sums` of points with so many `rays`."""
+        self._pass.dispatch(
+            commands,
+            points.reduced,
+            params=SumParams(reduced=points.reduced, rays=rays, first_ray=0, begun=0, pad=0),
+            places=points.places,
+            normals=points.normals,
+            **irradiance.bound,
+            **self._kit.blockers.bound,
+            linear_clamp=self._linear,
+            sums=sums,
+        )

@@ -1,0 +1,107 @@
+"""All light in a lattice's cells, as the rays of a final gather meet it in the air.
+
+Marching towards the eye draws light that is scattered once sharply, and reads from the lattice what
+is scattered more often. A gather's rays need no such sharpness: they read one mean radiance of the
+reduced medium, that of the solved track and of the unscattered light of lights and sky together.
+What the reduced medium does not scatter (light that goes on forwards) lights surfaces as
+`scatter.forward` has it, in textures of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from ..fields import AirLight, LatticeSource
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import FILTERED, image, storage, uniform
+from ..lattice.irradiance import Irradiance
+from ..lattice.table import LatticeTable
+from ..lighting.kit import Kit
+from ..maths.half import half_scale
+from ..maths.lattice26 import true_share
+from ..scene.checks import Rgb
+from .cascades import Cascade
+from .surface_light import NO_MEDIUM, SurfaceLight
+
+
+class LightInAirParams(Struct):
+    """The lattice's size and scales."""
+
+    count = vec3u("cells")
+    scale = f32("stored units per W m of track")
+    share = vec3f("of the lattice's track that there truly is")
+    volume = f32("m^3, of a cell")
+    first_row = u32("where its cells begin along y of the texture")
+
+
+class _Pack(ComputePass):
+    slots = (
+        uniform("params", LightInAirParams),
+        storage("track", "vec4f"),
+        storage("light", "vec4f"),
+        image("mean", FILTERED, "3d"),
+    )
+    workgroup = (32, 8, 1)
+    file = "light_in_air.wgsl"
+
+
+class LightInAir:
+    """The mean radiance of all light, and the irradiance of what only went on forwards."""
+
+    def __init__(self, gpu: Gpu, kit: Kit) -> None:
+        self._kit, self._pack, self.scale = kit, _Pack(gpu), 1.0
+        size = kit.lattices.texture_size
+        self._mean = Texture(gpu, "light in air", size, FILTERED, dimension="3d", written=True)
+        self._forward = SurfaceLight(gpu, kit.placement, size)
+        self._table = LatticeTable(gpu, kit.lattices.table.count)
+        self._has_forward = False
+
+    def encode(
+        self, commands: Commands, part: Cascade, track: Buffer, flux: float, sigma_t: Rgb
+    ) -> None:
+        """Fill the textures' part of a lattice; `flux`, W, bounds what came into it.
+
+        `sigma_t`, m^-1, as for `Emission`.
+        """
+        # Scaled as `Emission` scales: finer cells have smaller faces, of which marching knows.
+        largest, place = self._kit.placement.cell, part.placement
+        self.scale = half_scale(flux * largest)
+        self._pack.dispatch(
+            commands,
+            place.count,
+            params=LightInAirParams(
+                count=place.count,
+                scale=self.scale * largest / place.cell,
+                share=true_share(sigma_t, place.cell).tolist(),
+                volume=place.cell**3,
+                first_row=place.first_row,
+            ),
+            track=track,
+            light=part.injection.light_in_cells,
+            mean=self._mean,
+        )
+        beams = part.injection.surface_beams
+        self._has_forward = beams is not None
+        if beams is not None:
+            black = part.injection.black
+            self._forward.encode(commands, black, flux, NO_MEDIUM, forward=beams, placement=place)
+
+    def field(self, walls: dict[str, Any]) -> AirLight:
+        """For the rays of a gather; `walls` as Blockers.bound."""
+        largest, places = self._kit.placement, self._kit.lattices.placements
+        mean = LatticeSource(
+            largest,
+            {f"lattice_{name}": self._mean for name in ("red", "green", "blue")} | walls,
+            1.0 / (4.0 * math.pi * largest.cell**3 * self.scale),
+            finer=places[:-1],
+            mean=self._mean,
+        )
+        if not self._has_forward:
+            return AirLight(mean)
+        table = self._table.filled([self._forward.params(place) for place in places])
+        return AirLight(mean, Irradiance({"lattices": table, **self._forward.bound}))

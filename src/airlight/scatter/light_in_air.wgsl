@@ -1,0 +1,17 @@
+// All light in cells for rays that surfaces send: the solved track, and the unscattered light beside it.
+
+const LARGEST_HALF = 65504.0;
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= params.count)) {
+        return;
+    }
+    let cells = params.count.x * params.count.y * params.count.z;
+    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let scattered = max(vec3f(track[cell].x, track[cell + cells].x, track[cell + 2u * cells].x),
+        vec3f(0.0));
+    // Track, W m, over a cell's volume is fluence.
+    let whole = params.share * scattered + params.volume * light[cell].rgb;
+    let texel = id + vec3u(0u, params.first_row, 0u);
+    textureStore(mean, texel, vec4f(min(whole * params.scale, vec3f(LARGEST_HALF)), 1.0));
+}
