@@ -25,7 +25,7 @@ def floor_points():
 
 
 def test_a_floor_gathers_through_absorbing_air_what_quadrature_says():
-    """Light is dimmed on its ways to the wall, from it to the floor, and to the eye."""
+    """Light is attenuated on its ways to the wall, from it to the floor, and to the eye."""
     air = Medium(tuple(SIGMA), (0.0, 0.0, 0.0), bounds=((-3, -1, -3), (3, 2.5, 3)))
     meshes = tuple(Mesh(mesh.geometry, DARK) for mesh in (FLOOR, WALL))
     sun = DirectionalLight((0, 0, -1), (2, 2, 2))
@@ -39,8 +39,8 @@ def test_a_floor_gathers_through_absorbing_air_what_quadrature_says():
     way = wall[:, None] - points.reshape(-1, 3)
     reach = np.linalg.norm(way, axis=-1)
     kernel = np.maximum(way[..., 1], 0.0) * np.abs(way[..., 2]) / reach**4
-    dimmed = np.exp(-SIGMA * (reach[..., None] + 3.0))
-    irradiance = (kernel[..., None] * dimmed).sum(0) * (2.0 / 100) ** 2
+    attenuated = np.exp(-SIGMA * (reach[..., None] + 3.0))
+    irradiance = (kernel[..., None] * attenuated).sum(0) * (2.0 / 100) ** 2
     to_eye = np.linalg.norm(points - np.array(ABOVE.position), axis=-1) * 2.5 / 3.0
     truth = irradiance.reshape(points.shape) * 2.0 * (0.2 / np.pi) ** 2
     truth = truth * np.exp(-SIGMA * to_eye[..., None])

@@ -1,5 +1,5 @@
 // What media do to a segment of a path, in the reduced media of similarity theory: the light that they scatter into it,
-// and the share of what lies behind it that they let through. Where it leaves the scene that share is the media's own:
+// and their transmittance. Where it leaves the scene that is of the media themselves:
 // light of the sky that they only scatter forwards is on surfaces already (beams.wgsl).
 //! use media_here
 //! use tone

@@ -3,7 +3,7 @@
 //! use sky_cells
 //! needs fn air_of(row: u32) -> Air
 
-// The light that media scatter into a segment, and the share of what lies behind that they let through.
+// The light that media scatter into a segment, and their transmittance.
 struct Air {
     light: vec3f,           // W m^-2 sr^-1
     inverse_m: f32,         // of how far away they do
