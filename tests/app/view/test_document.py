@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.app.view.document import Document
+from airlight.app.view.save import Saver
 from airlight.app.view.source import Source
 from airlight.app.view.state import ViewState
 from airlight.scene.builtin.cornell import cornell
@@ -44,9 +45,14 @@ def test_a_dropped_map_becomes_the_environment_and_can_be_undone(document, tmp_p
     document.drop(str(path))
     environment = document.state.scene.environment
     assert environment.map.shape == (4, 8, 3)
-    assert environment.source == str(path)
+    assert environment.source == str(path.resolve())
+    text = Saver(document, tmp_path)._text(tmp_path)
+    assert 'file = "sky.hdr"' in text
     document.undo()
     assert document.state.scene.environment is not environment
+    assert "sky.hdr" not in Saver(document, tmp_path)._text(tmp_path)
+    document.drop(str(path), stays=False)  # what a page brought is gone when the viewer is
+    assert "sky.hdr" not in Saver(document, tmp_path)._text(tmp_path)
     document.drop(str(tmp_path / "none.exr"))
     assert "none.exr" in document.state.message
 

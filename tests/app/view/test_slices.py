@@ -11,6 +11,7 @@ from airlight.app.view.scene_sections import air
 from airlight.app.view.slices import COLOURS, Slice, Sliced, coloured, plane, transferred
 from airlight.app.view.state import ViewState
 from airlight.scene.builtin.cornell import cornell
+from airlight.scene.io import load
 from airlight.scene.volume import Volume
 
 GRID = np.arange(2 * 3 * 4, dtype=np.float32).reshape(2, 3, 4)  # z, y, x
@@ -65,3 +66,15 @@ def test_what_is_cut_off_is_rendered_so_and_comes_back():
     before = state.scene
     {w.key: w for w in air(state)}["volume.0.slice.axis"].change("x")
     assert state.scene is before  # only looked at otherwise
+
+
+def test_densities_that_move_are_cut_off_as_those_of_the_first_moment():
+    scene = load("builtin:smoke")
+    state = ViewState(scene)
+    view = replace(state.sliced[0].view, low=0.3)
+    plain = scene.at(1.0).volumes[0].density
+    state.put_slice(0, view)
+    state.time_s = 1.0
+    cut = state.moved().volumes[0].density
+    assert np.allclose(cut, transferred(plain, view, state.sliced[0].top))
+    assert np.count_nonzero(cut) < np.count_nonzero(plain)

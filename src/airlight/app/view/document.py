@@ -80,15 +80,20 @@ class Document:
         self.controls = CameraControls(scene.camera, reach_m(scene), FreeSpace(scene))
         self.history = History(self.state)
 
-    def drop(self, name: str) -> None:
-        """Open a file that a person brought: a map becomes the environment, else it is a scene."""
+    def drop(self, name: str, *, stays: bool = True) -> None:
+        """Open a file that a person brought: a map becomes the environment, else it is a scene.
+
+        `stays`: the file will be there when the viewer is gone, so that scene files may name it.
+        """
         path = Path(name)
         if path.suffix.lower() not in MAP_SUFFIXES:
             self.open(name)
             return
         try:
             light = read_radiance(path)
-            self.state.put_environment(Environment(map=light, source=str(path)))
+            self.state.put_environment(
+                Environment(map=light, source=str(path.resolve()) if stays else "")
+            )
         except AirlightError as error:
             self.state.message = str(error)
 

@@ -39,7 +39,7 @@ class Page:
         self.is_shown, self.shows_help = False, False
         self.marks: tuple[Mark, ...] = ()
         self.touched: Callable[[], None] = lambda: None
-        self.uploads = Uploads(session.drop)
+        self.uploads = Uploads(lambda name: session.drop(name, stays=False))
         self._told: dict[str, str] = {}
         self._charts: dict[int, tuple[U8, str]] = {}
 

@@ -102,8 +102,21 @@ class ViewState:
         key = (id(self.scene), self.time_s)
         if self._moved is None or self._moved[0] != key:
             still = self.scene.animation is None
-            self._moved = (key, self.scene if still else self.scene.at(self.time_s))
+            self._moved = (key, self.scene if still else self._cut(self.scene.at(self.time_s)))
         return self._moved[1]
+
+    def _cut(self, scene: Scene) -> Scene:
+        """The scene with the densities of this moment through their transfer functions."""
+        if all(sliced.view.is_plain for sliced in self.sliced.values()):
+            return scene
+        volumes = list(scene.volumes)
+        for index, sliced in self.sliced.items():
+            density = volumes[index].density
+            is_own = density is not self.scene.volumes[index].density
+            if density is not None and is_own and not sliced.view.is_plain:
+                cut = transferred(density, sliced.view, sliced.top)
+                volumes[index] = replace(volumes[index], density=cut)
+        return replace(scene, volumes=tuple(volumes))
 
     def set_light(self, index: int, light: Light) -> None:
         """Replace one light by another of its kind."""

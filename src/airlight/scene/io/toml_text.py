@@ -68,7 +68,8 @@ def scene_text(
     own_lights = scene.lights[: len(scene.lights) - _brought(raw, original)]
     groups = [table for table in raw.get("light", []) if is_group(table)]
     raw["light"] = [*(_light(light) for light in own_lights), *groups]
-    raw["environment"] = _environment(raw.get("environment", {}), scene.environment, notes)
+    written = _environment_file(raw.get("environment", {}), scene, original, folder)
+    raw["environment"] = _environment(written, scene.environment, notes)
     if is_default:
         raw["light"], raw["environment"] = groups, {}
         del notes[notes_before:]
@@ -161,6 +162,18 @@ def _light(light: Light) -> dict[str, Any]:
         if key.required or value != getattr(usual, key.name):
             table[key.name] = _colour(value) if key.stands_for == "strength" else value
     return table
+
+
+def _environment_file(
+    raw: Mapping[str, Any], scene: Scene, original: Scene, folder: Path
+) -> Mapping[str, Any]:
+    """[environment] as it was, its file that of the scene's map; none where that has no file."""
+    now, before = scene.environment, original.environment
+    if now is not None and before is not None and now.source == before.source:
+        return raw
+    other = {key: value for key, value in raw.items() if key != "file"}
+    has_file = now is not None and now.map is not None and Path(now.source).is_file()
+    return {**other, "file": _relative(Path(now.source), folder)} if now and has_file else other
 
 
 def _environment(

@@ -67,6 +67,7 @@ const KINDS = {
     }
     bar.oninput = () => { field.value = rounded(now()); if (!widget.waits) { say(now()) } }
     bar.onchange = () => say(now())
+    field.addEventListener('change', () => { bar.value = at.place(Number(field.value)) })
     return { parts: [bar, field], show: v => { bar.value = at.place(v); field.value = rounded(v) } }
   },
   vector (widget, say) {
