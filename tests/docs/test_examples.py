@@ -11,6 +11,7 @@ import pytest
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MADE = {
     "array_to_volume.py": ["array_to_volume.png"],
+    "cloud_from_netcdf.py": ["cloud_from_netcdf.png", "cloud_with_shadow.nc"],
     "cloud_turning_sun.py": ["cloud.webp", "cloud/0000.png", "cloud/0023.png"],
     "dyed_smoke.py": ["dyed_smoke.png"],
     "many_puffs.py": ["many_puffs.png"],
@@ -18,12 +19,14 @@ MADE = {
     "sun_shafts.py": ["sun_shafts.png", "sun_shafts.exr", "sun_shafts_parts.png"],
     "sweep.py": ["sweep.csv", "sweep.png"],
 }
+NEEDS = {"cloud_from_netcdf.py": ["xarray", "scipy"]}
+JAVASCRIPT = EXAMPLES / "read_light.mjs"
 NOTEBOOK = EXAMPLES / "compare_techniques.ipynb"
 
 
 def test_every_example_is_run_here_and_listed():
-    there = {path.name for path in EXAMPLES.iterdir() if path.suffix in (".py", ".ipynb")}
-    assert there == {*MADE, NOTEBOOK.name}
+    there = {path.name for path in EXAMPLES.iterdir() if path.suffix in (".py", ".ipynb", ".mjs")}
+    assert there == {*MADE, NOTEBOOK.name, JAVASCRIPT.name}
     docs = (EXAMPLES.parent / "docs" / "examples.md").read_text("utf-8")
     readme = (EXAMPLES / "README.md").read_text("utf-8")
     for name in there:
@@ -39,7 +42,9 @@ def test_each_says_how_it_is_run_and_what_one_should_see():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", list(MADE))
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.needs(*NEEDS.get(n, []))) for n in MADE]
+)
 def test_an_example_makes_what_it_says(gpu, small, name):
     runpy.run_path(str(EXAMPLES / name), run_name="__main__")
     for made in MADE[name]:

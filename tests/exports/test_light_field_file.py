@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ import pytest
 from airlight.errors import OutputError, SceneError
 from airlight.exports.light_field import LatticeLight, LightField, VolumeLight
 
+EXAMPLE = Path(__file__).parents[2] / "examples" / "read_light.mjs"
 RNG = np.random.default_rng(5)
 SHAPE = (4, 3, 2)
 
@@ -92,3 +96,48 @@ def test_where_it_cannot_be_written_is_said(field, tmp_path):
         field.save(tmp_path / "file" / "light")
     with pytest.raises(OutputError, match="does not exist"):
         field.save(tmp_path / "nowhere" / "light.npz")
+
+
+@pytest.mark.needs(("node", "nodejs"))
+def test_javascript_looks_up_what_numpy_does(tmp_path):
+    """A lattice that is turned and linear in space, where its own lookup is exact."""
+    rng = np.random.default_rng(3)
+    count = np.array([5, 4, 6])
+    z, y, x = (np.arange(n) + 0.5 for n in count[::-1])
+    place = np.stack(np.meshgrid(z, y, x, indexing="ij"), axis=-1)[..., ::-1]
+    bands = 2.0 + place @ rng.random((3, 12)) * 0.1  # a stays well above b
+    bands = bands.reshape(*count[::-1], 3, 4) * np.array([1.0, 0.2, 0.1, -0.1])
+    turned = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
+    far = np.array([[-99.0] * 3, [1.0] * 3, [99.0] * 3, [1.0] * 3])
+    cells = LatticeLight(
+        origin=(0.5, -1.0, 2.0),
+        cell=0.25,
+        fade=far,
+        surfaces=bands.astype(np.float32),
+        openness=np.ones((*count[::-1], 6), np.float32),
+        walls=np.zeros((*count[::-1], 3), np.float32),
+        axes=turned,
+        rule="linear",
+    )
+    LightField("lpv", "a", (cells,)).save(tmp_path / "light")
+    for normal in (turned[0], turned[1], -turned[2]):
+        own = np.array(cells.origin) + 0.25 * np.array([2.3, 1.8, 3.1])
+        point = own @ turned
+        words = [str(v) for v in (*point, *normal)]
+        said = subprocess.run(
+            [_node(), EXAMPLE, tmp_path / "light", *words],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        # Half a cell before the surface, by the first order's formula.
+        at = np.array([2.3, 1.8, 3.1]) + 0.5 * turned @ normal
+        wanted = 2.0 + at @ np.random.default_rng(3).random((3, 12)) * 0.1
+        wanted = wanted.reshape(3, 4) * np.array([1.0, 0.2, 0.1, -0.1])
+        along = wanted[:, 1:] @ (turned @ normal)
+        expected = np.pi * (wanted[:, 0] - 2.0 / 3.0 * along)
+        np.testing.assert_allclose([float(v) for v in said.split()], expected, rtol=1e-4)
+
+
+def _node() -> str:
+    return shutil.which("node") or shutil.which("nodejs") or ""

@@ -31,7 +31,7 @@ _EXTRA_PURPOSE = {
 }
 _PROJECTS_OWN = ("docs", "test", "test-view")
 """Extras that nobody needs who only uses airlight."""
-_REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*;\s*extra\s*==\s*['\"]([\w-]+)['\"]$")
+_REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*[; ]extra\s*==\s*['\"]([\w-]+)['\"]$")
 
 
 @click.command("doctor")
