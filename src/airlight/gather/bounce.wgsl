@@ -2,8 +2,6 @@
 //! use gather
 //! use gather_hit
 
-const APART = 7919u;        // points between those whose numbers the rays of two segments share
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
         return;
@@ -13,8 +11,8 @@ const APART = 7919u;        // points between those whose numbers the rays of tw
     var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
     if (place.w > 0.0) {
         let ray = params.first_ray + id.y / params.reduced.y;
-        let y = id.y % params.reduced.y + APART * params.segment;
-        let direction = cosine_direction(n, later_numbers(id.x, y, ray));
+        let y = id.y % params.reduced.y;
+        let direction = cosine_direction(n, later_numbers(id.x, y, ray, params.segment));
         found = gather_hit(place.xyz + params.raised * n, direction);
     }
     textureStore(hit_positions, id.xy, found.position);

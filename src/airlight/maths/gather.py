@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .sampling import orthonormal_frame, uniform_from_hash
+from .sampling import orthonormal_frame, pcg_hash, uniform_from_hash
 
 F64 = NDArray[np.float64]
 
@@ -50,16 +50,22 @@ def ray_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
     return np.stack([uniform_from_hash(first), uniform_from_hash(second)], axis=-1)
 
 
-def later_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
-    """The same for a ray that goes on from what a ray met: numbers that do not follow from its own.
+def later_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike, segment: ArrayLike) -> F64:
+    """The same for segment 1 or later of a path: numbers that follow from no other segment's.
 
-    They take other steps of the four dimensions, along the rays too.
+    The first takes other steps of the four dimensions, along the rays too. A sequence with the same
+    steps once more would turn all later segments by one angle from each other, whatever the ray:
+    those take a hash.
     """
-    px, py, k = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray))
+    px, py, k, s = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray, segment))
     a, _, c, d = (np.uint32(step) for step in POINT_STEPS)
     with np.errstate(over="ignore"):
         first = px * c + py * a + k * d
         second = px * d + py * c + k * a
+        mixed = pcg_hash(px + pcg_hash(py + pcg_hash(k + pcg_hash(s))))
+        is_first = s < 2
+        first = np.where(is_first, first, mixed)
+        second = np.where(is_first, second, pcg_hash(mixed + np.uint32(1)))
     return np.stack([uniform_from_hash(first), uniform_from_hash(second)], axis=-1)
 
 
