@@ -56,9 +56,11 @@ def test_a_point_is_like_itself_and_unlike_what_faces_elsewhere_or_lies_off_its_
     # On a ball, neighbours lie off the plane by what their normals say.
     turn = np.array([np.sin(0.2), 0.0, np.cos(0.2)])
     assert gather.likeness(UP, UP, turn, turn, 0.01) == pytest.approx(np.cos(0.2) ** 8)
-    assert gather.closeness(0.0, 2.0) == 1.0
-    assert gather.closeness(0.3, 0.0) == 1.0
-    assert gather.closeness(0.3, 2.0) < gather.closeness(0.1, 2.0) < 1.0
+    assert gather.closeness(0.0, 2.0, 0.01) == 1.0
+    assert gather.closeness(0.3, 0.0, 0.01) == 1.0
+    assert gather.closeness(0.3, 2.0, 0.01) < gather.closeness(0.1, 2.0, 0.01) < 1.0
+    # As far as the next points it reaches, however near what their rays met is.
+    assert gather.closeness(0.1, 1e3, 0.1) > 0.6
 
 
 def test_flux_of_rays_is_the_irradiance_of_turned_normals():
@@ -157,8 +159,9 @@ def test_twins(wgsl):
     m, texel = fibonacci_sphere(500)[::-1], RNG.random(500) + 0.5
     like = wgsl("gather", "likeness", p, n, q, m, texel, returns="f32")
     np.testing.assert_allclose(like, gather.likeness(p, n, q, m, texel), rtol=2e-3, atol=1e-6)
-    close = wgsl("gather", "closeness", texel, u[:, 0], returns="f32")
-    np.testing.assert_allclose(close, gather.closeness(texel, u[:, 0]), rtol=1e-3, atol=1e-6)
+    near, far = texel, 3.0 * u[:, 0]
+    close = wgsl("gather", "closeness", near, far, u[:, 1], returns="f32")
+    np.testing.assert_allclose(close, gather.closeness(near, far, u[:, 1]), rtol=1e-3, atol=1e-6)
     along = wgsl("gather", "flux_along", n, m, returns="vec3f")
     np.testing.assert_allclose(along, gather.flux_along(n, m), rtol=1e-3, atol=1e-5)
     a, b = np.exp(RNG.normal(size=(2, 500)))

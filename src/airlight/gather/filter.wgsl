@@ -24,7 +24,8 @@ fn noisy(light: vec4f) -> vec2f {
     var variance = 0.0;
     var total = 0.0;
     var sky_total = 0.0;
-    let texel_m = params.texel * max(place.w, 1e-9) * f32(params.stride);
+    let point_m = params.texel * max(place.w, 1e-9);
+    let texel_m = point_m * f32(params.stride);
     let last = vec2i(params.reduced) - 1;
     var k = 0;
     loop {
@@ -40,7 +41,7 @@ fn noisy(light: vec4f) -> vec2f {
             let inverse_m = 0.5 * (before[own].w + its_light.w) / f32(params.rays);
             var weight = exp(-params.falloff * f32(dot(offset, offset)));
             weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
-            weight *= closeness(distance(place.xyz, other.xyz), inverse_m);
+            weight *= closeness(distance(place.xyz, other.xyz), inverse_m, point_m);
             weight = select(0.0, weight, other.w > 0.0);
             surfaces += weight * its_light;
             flux += weight * before[index + 2u];

@@ -23,6 +23,8 @@ PLANE_SHARE = 0.25
 
 REACH = 0.3
 """Of the distance that light comes from, over which neighbours' light stands for a point's."""
+LEAST_REACH = 1.5
+"""The least of that, in widths of a gather point."""
 SAME = 0.02
 """Of the sum of two lights: by what they may differ without noise."""
 DOUBT = 4.0
@@ -142,15 +144,17 @@ def sameness(a: ArrayLike, b: ArrayLike, variance: ArrayLike) -> F64:
     return np.asarray(np.exp(-off / np.maximum(DOUBT * v + (SAME * (x + y)) ** 2, 1e-30)))
 
 
-def closeness(distance_m: ArrayLike, inverse_m: ArrayLike) -> F64:
+def closeness(distance_m: ArrayLike, inverse_m: ArrayLike, texel_m: ArrayLike) -> F64:
     """How far (...) the light `distance_m` away stands for a point's, 0 to 1.
 
     `inverse_m`: the mean inverse of the distances, m, of what the point's rays met. Irradiance
     changes over the harmonic mean of those (Ward1988, irradiance caching): sharp where surfaces
-    meet, smooth in the open.
+    meet, smooth in the open. In relief finer than an image shows, it would share nothing: so it
+    reaches as far as the next gather points, which are `texel_m` apart on the surface.
     """
-    away = np.asarray(distance_m, dtype=np.float64) * np.asarray(inverse_m) / REACH
-    return np.asarray(np.exp(-(away**2)))
+    inverse = np.maximum(np.asarray(inverse_m, dtype=np.float64), 1e-30)
+    reach_m = np.maximum(REACH / inverse, LEAST_REACH * np.asarray(texel_m, dtype=np.float64))
+    return np.asarray(np.exp(-((np.asarray(distance_m, dtype=np.float64) / reach_m) ** 2)))
 
 
 def sky_share(cosine: ArrayLike, density: ArrayLike, rays: int, sky_rays: int) -> F64:

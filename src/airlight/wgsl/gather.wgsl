@@ -7,6 +7,7 @@ const SUMS = 4u;            // vec4f of a point, see gather/sums.py
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.25;
 const REACH = 0.3;
+const LEAST_REACH = 1.5;
 const SAME = 0.02;
 const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
@@ -67,7 +68,7 @@ fn sameness(a: f32, b: f32, variance: f32) -> f32 {
     return exp(-off / max(DOUBT * variance + same * same, 1e-30));
 }
 
-fn closeness(distance_m: f32, inverse_m: f32) -> f32 {
-    let away = distance_m * inverse_m / REACH;
+fn closeness(distance_m: f32, inverse_m: f32, texel_m: f32) -> f32 {
+    let away = distance_m / max(REACH / max(inverse_m, 1e-30), LEAST_REACH * texel_m);
     return exp(-away * away);
 }
