@@ -83,6 +83,11 @@ FIGURES: dict[str, Figure] = {
     "clpv-leaks": Figure(
         f"{_PAPER} Fig. 11", "indirect light where a reference has the dark", "leaks"
     ),
+    "preview-to-truth": Figure(
+        "",
+        "stills of more and more samples beside a path tracer's at equal time",
+        "preview_to_truth",
+    ),
     "pop-1": Figure(f"{_POP} Fig. 1", "smoke under a complex map", "pop_1"),
     "pop-6": Figure(f"{_POP} Fig. 6", "what prefiltering does to a thin medium", "pop_6"),
     "pop-7": Figure(f"{_POP} Fig. 7", "few ordinates, chosen in different ways", "pop_7"),

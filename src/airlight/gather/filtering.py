@@ -14,7 +14,7 @@ from .sums import NBYTES
 
 STRIDES = (1, 2, 4)
 """Texels between the points of each pass."""
-WIDTH = 1.6
+WIDTH = 1.2
 """Deviation of the weights of a pass in the first sample of a still, in strides."""
 
 

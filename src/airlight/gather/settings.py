@@ -20,7 +20,7 @@ class GatherSettings:
         choices=WHEN,
     )
     gather_rays: int = setting(
-        10, "rays of a gather point in a sample of the image", low=1, high=1024
+        16, "rays of a gather point in a sample of the image", low=1, high=1024
     )
     gather_bounces: int = setting(
         2, "bounces that they follow before the lattice is asked", low=1, high=16
