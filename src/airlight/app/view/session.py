@@ -42,7 +42,7 @@ PREVIEW_SETTINGS = {
     "resolution": 8,
     "area_samples": 4,
 }
-"""The living room: 4.9 s of processor time from the scene to an image, 9 with `lpv` (CPU adapter)."""
+"""Living room, CPU adapter: 4.9 s of processor time from scene to image; 9 with `lpv`."""
 
 
 class Session(Document):
