@@ -190,7 +190,7 @@ def test_a_frame_is_axes_at_right_angles() -> None:
     away = rng.normal(size=(500, 3))
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     away = away[away @ np.array(light.direction) > 0.01]
-    views = sample_views(sample, np.array((-9.0, -9, -9)), np.array((9.0, 9, 9)))
+    views = sample_views(sample, 1e-3, 20.0)
     for direction in away:
         view = views[int((axes @ direction).argmax())]
         clip = view.clip_from_world @ np.append(np.array(light.position) + direction, 1.0)

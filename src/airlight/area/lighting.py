@@ -36,8 +36,8 @@ from .table import (
     SampleData,
     corner_rows,
     emitter_rows,
+    emitter_views,
     sample_rows,
-    sample_views,
 )
 
 MOST_TEXELS = 1 << 24
@@ -149,12 +149,12 @@ class AreaShadows:
         self._key = None  # until all is drawn: what raises leaves nothing to be kept
         found = self.emitters.jittered(index)
         self._write(found, low, high)
-        views = [v for e in found for s in e.samples for v in sample_views(s, low, high)]
+        views = [view for emitter in found for view in emitter_views(emitter, low, high)]
         self.maps.encode(commands, meshes, views)
         self._key = key
 
     def _write(self, found: tuple[Emitter, ...], low: F64, high: F64) -> None:
-        self.table.write(emitter_rows(found))
+        self.table.write(emitter_rows(found, low, high))
         self.corners.write(corner_rows(found))
         self.samples.write(sample_rows(found, low, high))
 

@@ -79,31 +79,32 @@ struct Viewed {
     slope: f32,         // the sum of the normal's coordinates, without signs
 }
 
-// How much of a point a sample sees. Twin of the views: area/table.py.
-fn sample_visibility(sample: SampleData, at: Viewed) -> f32 {
-    let is_cube = HAS_CUBES && sample.is_cube != 0u;
+// How much of a point a sample sees, whose maps begin at layer `first_view` and have depths of
+// scale - offset over the distance along the axis: `depth`. Twin of the views: area/table.py.
+fn sample_visibility(first_view: u32, is_cube: bool, depth: vec2f, at: Viewed) -> f32 {
     // The axis that the point lies nearest to; the other two follow in turn.
     let size = select(at.own, abs(at.own), is_cube);
     let is_y = size.y > size.x && size.y >= size.z;
     let is_z = size.z > size.x && !is_y;
-    let turned = select(select(at.own, at.own.yzx, is_y), at.own.zxy, is_z);
-    let n = select(select(at.n, at.n.yzx, is_y), at.n.zxy, is_z);
-    let ahead = select(1.0, sign(turned.x), is_cube);
+    let along = select(select(at.own.x, at.own.y, is_y), at.own.z, is_z);
+    let ahead = select(1.0, sign(along), is_cube);
     // The point is moved along its normal so far that its own plane lies behind it in all four texels
     // that are compared: by what the plane rises towards the light over a texel along both sides.
-    let texel_m = select(3.0, 2.0, is_cube) * params.texel * max(abs(turned.x), 0.0);
-    let moved = turned + n * (texel_m * (1.05 * (at.slope - abs(n.x)) + 0.1));
+    let texel_m = select(3.0, 2.0, is_cube) * params.texel * max(abs(along), 0.0);
+    let steepness = at.slope - abs(select(select(at.n.x, at.n.y, is_y), at.n.z, is_z));
+    let raised = at.own + at.n * (texel_m * (1.05 * steepness + 0.1));
+    let moved = select(select(raised, raised.yzx, is_y), raised.zxy, is_z);
     let inverse = 1.0 / max(moved.x * ahead, 1e-9);
     let plane = vec2f(moved.z * ahead, moved.y) * inverse;
     let uv = select(vec2f(1.0, -1.0) / 3.0 * plane + vec2f(2.0, 1.0) / 3.0,
         vec2f(0.5, -0.5) * plane + 0.5, is_cube);
-    let z = sample.depth_scale - sample.depth_offset * inverse;
+    let z = depth.x - depth.y * inverse;
     if (z <= 0.0 || z >= 1.0) {
         return 1.0;
     }
-    let layer = sample.first_view + select(select(0u, 1u, is_y), 2u, is_z)
+    let layer = first_view + select(select(0u, 1u, is_y), 2u, is_z)
         + select(0u, 3u, ahead < 0.0);
-    return textureSampleCompareLevel(area_shadows, shadow_compare, saturate(uv), layer, z);
+    return textureSampleCompareLevel(area_shadows, shadow_compare, uv, layer, z);
 }
 
 // Light of the samples alone, where they are all there is of an emitter; and what of it is seen.
@@ -121,7 +122,8 @@ fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
 fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
     var sum = Sum(vec2f(0.0), vec2f(0.0), vec3f(0.0));
     let n_v = max(dot(s.n, s.v), 1e-4);
-    // Samples of flat emitters see along the same axes.
+    // Samples of flat emitters see along the same axes, as far, and send by the cosine alone: a CPU
+    // adapter reads each number of a sample lane by lane, so only two are the sample's own.
     let first = samples[e.first_sample];
     let axes = mat3x3f(first.x, first.y, first.z);
     let from_first = (s.p - first.position) * axes;
@@ -135,18 +137,27 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
             let turned = mat3x3f(sample.x, sample.y, sample.z);
             at = viewed((s.p - sample.position) * turned, turned, s);
         }
-        let true_squared = dot(at.own, at.own);
-        let to_light = -at.own * inverseSqrt(max(true_squared, 1e-12));
-        let squared = max(true_squared, sample.nearest);
-        let cosine = max(dot(at.n, to_light), 0.0);
-        var back = -0.57735027 * (to_light.x + to_light.y + to_light.z);
-        if (HAS_CUBES) {
-            back = select(back, -dot(to_light, sample.normal), sample.is_cube != 0u);
+        let true_squared = max(dot(at.own, at.own), 1e-12);
+        var squared = max(true_squared, e.nearest);
+        // Cosines at both ends, times the distance.
+        let rise = max(-dot(at.n, at.own), 0.0);
+        let fall = 0.57735027 * max(at.own.x + at.own.y + at.own.z, 0.0);
+        var sent = fall * rise / (true_squared * squared);
+        var first_view = first.first_view + 3u * k;
+        var is_cube = false;
+        var depth = e.depth;
+        if (!ARE_FLAT) {
+            squared = max(true_squared, sample.nearest);
+            first_view = sample.first_view;
+            is_cube = HAS_CUBES && sample.is_cube != 0u;
+            depth = vec2f(sample.depth_scale, sample.depth_offset);
+            let back = select(fall, max(dot(at.own, sample.normal), 0.0), is_cube);
+            let inverse = inverseSqrt(true_squared);
+            sent = (sample.front * back * inverse + sample.even) * rise * inverse / squared;
         }
-        let sent = (sample.front * max(back, 0.0) + sample.even) / squared;
-        let weight = sent * cosine * sample.brightness;
+        let weight = sent * sample.brightness;
         if (weight > 0.0) {
-            var open = sample_visibility(sample, at);
+            var open = sample_visibility(first_view, is_cube, depth, at);
             if (HAS_SPOTS && e.cos_outer > -1.0) {
                 let away = normalize(s.p - sample.position);
                 open *= smoothstep(e.cos_outer, max(e.cos_inner, e.cos_outer + 1e-4),
@@ -155,18 +166,20 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
             sum.matt += weight * vec2f(1.0, open);
             if (HAS_GLOSS && is_glossy) {
                 // The lobe as wide as the sample makes it.
-                let alpha = saturate(s.r.alpha + 0.5 * sqrt(sample.nearest / squared));
-                let h = normalize(to_light + at.v);
+                let inverse = inverseSqrt(true_squared);
+                let nearest = select(sample.nearest, e.nearest, ARE_FLAT);
+                let alpha = saturate(s.r.alpha + 0.5 * sqrt(nearest / squared));
+                let h = normalize(at.v - at.own * inverse);
                 let gloss = weight * ggx_distribution(saturate(dot(at.n, h)), alpha)
-                    * smith_visibility(cosine, n_v, alpha);
+                    * smith_visibility(rise * inverse, n_v, alpha);
                 sum.gloss += gloss * vec2f(1.0, open);
             }
             if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
                 var reflected = s.r.diffuse / PI;
                 if (HAS_GLOSS) {
-                    reflected = reflection(s.r, at.n, to_light, at.v);
+                    reflected = reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
                 }
-                sum.light += sample.color * (sent * cosine * open) * reflected;
+                sum.light += sample.color * (sent * open) * reflected;
             }
         }
         k++;

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
+from ..gpu.layout import Struct, f32, pack_array, u32, vec2f, vec3f
 from ..maths.sampling import orthonormal_frame
 from ..maths.transforms import box_corners
 from ..scene.checks import F64
@@ -41,10 +41,9 @@ class EmitterData(Struct):
     first_sample = u32()
     sample_count = u32()
     row = u32("of the first light that stands for it where media are asked")
+    depth = vec2f("in its maps: x less y, m, over the distance along the view's axis")
+    nearest = f32("m^2, squares of distances from the samples of a flat one are no smaller")
     row_count = u32("of those lights")
-    pad0 = u32()
-    pad1 = u32()
-    pad2 = u32()
 
 
 class SampleData(Struct):
@@ -63,8 +62,13 @@ class SampleData(Struct):
     z = vec3f()
     brightness = f32("W sr^-1, the mean of the colour's channels")
     offset = vec3f("m, from the emitter's first sample, along the first one's axes")
-    depth_scale = f32("depth is this, ...")
-    depth_offset = f32("... less this over the distance along the view's axis, m")
+    depth_scale = f32("as the emitter's `depth`, where not all samples have the same")
+    depth_offset = f32("m")
+
+
+def _nearest(sample: Sample) -> float:
+    """m^2: squares of distances from a sample are no smaller."""
+    return max(sample.light.extent**2, 1e-8)
 
 
 class CornerData(Struct):
@@ -85,16 +89,37 @@ def frame(sample: Sample) -> F64:
     return np.asarray(axes)
 
 
-def reach(sample: Sample, low: F64, high: F64) -> tuple[float, float]:
-    """Near and far planes, m, of a sample's views over the box low..high."""
-    position = np.array(sample.light.position)
-    far = float(np.linalg.norm(box_corners(low, high) - position, axis=1).max()) * 1.01
-    return max(_NEAREST * far, sample.near), max(far, 2.0 * sample.near)
+def reach(emitter: Emitter, low: F64, high: F64) -> tuple[float, float]:
+    """Near and far planes, m, of the views of an emitter's samples over the box low..high.
+
+    What is nearer than a sample's own `near` does not shadow it: see `planes`.
+    """
+    positions = np.array([sample.light.position for sample in emitter.samples])
+    apart = box_corners(low, high)[:, None] - positions
+    far = float(np.linalg.norm(apart, axis=-1).max()) * 1.01
+    return _NEAREST * far, far
 
 
-def sample_views(sample: Sample, low: F64, high: F64) -> list[LightView]:
-    """The views of a sample, in the order of their layers."""
-    axes, (near, far) = frame(sample), reach(sample, low, high)
+def planes(sample: Sample, near: float, far: float) -> tuple[float, float]:
+    """Near and far planes, m, of one sample's views, of an emitter with these."""
+    return max(near, sample.near), max(far, 2.0 * sample.near)
+
+
+def depth_terms(near: float, far: float) -> tuple[float, float]:
+    """Depth in a map is the first less the second, m, over the distance along a face's axis."""
+    gain = far / (far - near)
+    return gain, gain * near
+
+
+def emitter_views(emitter: Emitter, low: F64, high: F64) -> list[LightView]:
+    """The views of an emitter's samples, in the order of their layers."""
+    near_far = reach(emitter, low, high)
+    return [view for s in emitter.samples for view in sample_views(s, *planes(s, *near_far))]
+
+
+def sample_views(sample: Sample, near: float, far: float) -> list[LightView]:
+    """The views of a sample, in the order of their layers; `near`, `far`: their planes, m."""
+    axes = frame(sample)
     views = []
     for sign in (1.0, -1.0) if sample.is_cube else (1.0,):
         for k in range(3):
@@ -123,7 +148,7 @@ def _clip(near: float, far: float, *, is_cube: bool) -> F64:
     )
 
 
-def emitter_rows(emitters: Sequence[Emitter]) -> Any:
+def emitter_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
     """The table of `EmitterData`."""
     rows, first = [], 0
     for emitter in emitters:
@@ -144,7 +169,8 @@ def emitter_rows(emitters: Sequence[Emitter]) -> Any:
                 "sample_count": len(emitter.samples),
                 "row": emitter.row,
                 "row_count": emitter.row_count,
-                **dict.fromkeys(("pad0", "pad1", "pad2"), 0),
+                "depth": depth_terms(*reach(emitter, low, high)),
+                "nearest": float(np.mean([_nearest(s) for s in emitter.samples])),
             }
         )
         first += len(emitter.samples)
@@ -164,31 +190,31 @@ def corner_rows(emitters: Sequence[Emitter]) -> Any:
 
 def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
     """The table of `SampleData`, emitter by emitter."""
-    # Each sample, where it is beside the first one of its emitter.
     rows, view = [], 0
-    for sample, first in ((s, emitter.samples[0]) for emitter in emitters for s in emitter.samples):
-        light, axes = sample.light, frame(sample)
-        # Depth in its maps follows from the distance along a face's axis: gain and offset.
-        near, far = reach(sample, low, high)
-        gain = far / (far - near)
-        rows.append(
-            {
-                "position": light.position,
-                "front": light.front,
-                "normal": light.direction,
-                "even": light.even,
-                "color": light.intensity,
-                "nearest": max(light.extent**2, 1e-8),
-                "x": axes[0],
-                "first_view": view,
-                "y": axes[1],
-                "is_cube": int(sample.is_cube),
-                "z": axes[2],
-                "brightness": sum(light.intensity) / 3.0,
-                "offset": frame(first) @ np.subtract(light.position, first.light.position),
-                "depth_scale": gain,
-                "depth_offset": gain * near,
-            }
-        )
-        view += 6 if sample.is_cube else 3
+    for emitter in emitters:
+        # Each sample, where it is beside the first one of its emitter.
+        first, near_far = emitter.samples[0], reach(emitter, low, high)
+        for sample in emitter.samples:
+            light, axes = sample.light, frame(sample)
+            scale, offset = depth_terms(*planes(sample, *near_far))
+            rows.append(
+                {
+                    "position": light.position,
+                    "front": light.front,
+                    "normal": light.direction,
+                    "even": light.even,
+                    "color": light.intensity,
+                    "nearest": _nearest(sample),
+                    "x": axes[0],
+                    "first_view": view,
+                    "y": axes[1],
+                    "is_cube": int(sample.is_cube),
+                    "z": axes[2],
+                    "brightness": sum(light.intensity) / 3.0,
+                    "offset": frame(first) @ np.subtract(light.position, first.light.position),
+                    "depth_scale": scale,
+                    "depth_offset": offset,
+                }
+            )
+            view += 6 if sample.is_cube else 3
     return pack_array(SampleData, rows)
