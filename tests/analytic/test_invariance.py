@@ -145,6 +145,27 @@ def test_centimetres_are_the_same_image(judged, square):
         assert relative(image.layers[layer], truth.layers[layer]) < 3e-3
 
 
+@pytest.mark.parametrize("medium", [None, AIR], ids=["empty", "air"])
+def test_light_a_million_times_as_strong_is_the_same_image(judged, square, medium):
+    """Half floats end at 65504: scenes in centimetres have such lights, and lost what bounced."""
+    if judged.name not in ("lpv", "auto", "pop"):
+        pytest.skip("the others share their maps")
+    scene = dataclasses.replace(corner(square), medium=medium)
+    times = 2.0**20
+
+    def stronger(x):
+        name = x.strength_name()
+        return x.changed(name, tuple(times * c for c in getattr(x, name)))
+
+    bright = dataclasses.replace(scene, lights=tuple(stronger(x) for x in scene.lights))
+    small = {"grid": 12, "ordinates": 12}
+    image, truth = (judged.image(x, SIZE, **small) for x in (bright, scene))
+    for layer in LIGHT:
+        if layer in image.layers:
+            # A power of two changes no bit.
+            assert relative(image.layers[layer] / times, truth.layers[layer]) < 1e-6, layer
+
+
 def test_a_mirrored_mesh_faces_as_before(judged, square):
     """A transform with a negative determinant turns triangles over, not what they are."""
     if judged.name not in ("direct", MITSUBA):

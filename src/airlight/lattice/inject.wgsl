@@ -60,7 +60,7 @@ fn add_seen(seen: Seen, layer: u32) {
     var other = first;
     for (var k = 0u; k < params.block * params.block; k++) {
         let texel = id.xy * params.block + vec2u(k % params.block, k / params.block);
-        let power_density = textureLoad(flux, texel, id.z, 0).rgb;
+        let power_density = view.flux_unit * textureLoad(flux, texel, id.z, 0).rgb;
         let d = textureLoad(depth, texel, id.z, 0);
         if (any(texel >= vec2u(params.resolution)) || d >= 1.0
             || all(power_density <= vec3f(0.0))) {

@@ -44,7 +44,7 @@ class LightViewData(Struct):
     world_from_clip = mat4x4f()
     texel = vec2f("m where parallel, m at 1 m distance in perspective")
     is_perspective = u32()
-    pad = f32()
+    flux_unit = f32("W m^-2 or W sr^-1 that 1 stands for in the flux of its reflective map")
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class LightView:
             "world_from_clip": np.linalg.inv(self.clip_from_world),
             "texel": self.texel,
             "is_perspective": int(self.is_perspective),
-            "pad": 0.0,
+            "flux_unit": 1.0,
         }
 
 

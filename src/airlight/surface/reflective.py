@@ -8,7 +8,10 @@ multiplies by the measure.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
+
+import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -25,6 +28,8 @@ from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
 from .packed_maps import uses_visibility_buffer
 from .visibility_buffer import VISIBILITY_SLOTS, VisibilityBuffer
+
+_STRONGEST = 1024.0  # of what is stored: sixty times below the largest half float
 
 
 class ReflectiveParams(Struct):
@@ -70,11 +75,20 @@ class _PassedPipeline(_ReflectivePipeline):
     }
 
 
+def flux_unit(light: Light) -> float:
+    """What 1 stands for in a light's map, W m^-2 or W sr^-1: half floats end at 65504.
+
+    Scenes in centimetres have lights ten thousand times as strong as those in metres.
+    """
+    strongest = max(light.row().color)
+    return float(2.0 ** max(0.0, np.ceil(np.log2(max(strongest, 1.0) / _STRONGEST))))
+
+
 class ReflectiveShadowMaps:
     """Arrays of square maps, redrawn where a light, its view or the geometry changed.
 
     normal  xyz world, facing the light; w as `InstanceData.size`
-    flux    rgb reflected W per m^2 (parallel) or per sr (perspective) of texel
+    flux    rgb reflected W per m^2 (parallel) or per sr (perspective) of texel, over `flux_unit`
     """
 
     def __init__(
@@ -119,7 +133,8 @@ class ReflectiveShadowMaps:
             if self._drawn.get(layer) != key:
                 stale.append((layer, key))
         if stale:
-            self.views.write(pack_array(LightViewData, [view.fields for view in views]))
+            rows = [{**v.fields, "flux_unit": flux_unit(lights[v.light])} for v in views]
+            self.views.write(pack_array(LightViewData, rows))
         for layer, key in stale:
             self._drawn[layer] = None  # until it is drawn: after an error nothing counts as drawn
             self._draw(commands, scene, layer, views[layer], lights[views[layer].light])
@@ -155,11 +170,12 @@ class ReflectiveShadowMaps:
     def _draw(
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
     ) -> None:
-        row = light.row()
+        row, unit = light.row(), flux_unit(light)
+        r, g, b = row.color
         params = ReflectiveParams(
             clip_from_world=view.clip_from_world,
             inv_size=2 * (1.0 / self.resolution,),
-            **shared_fields(row),
+            **shared_fields(replace(row, color=(r / unit, g / unit, b / unit))),
             body=row.body,
             gap=row.gap,
         )

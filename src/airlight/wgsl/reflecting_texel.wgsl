@@ -15,7 +15,7 @@ const DARK = Reflecting(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
 
 fn reflecting(texel: vec2u, layer: u32) -> Reflecting {
     let d = textureLoad(depth, vec2i(texel), layer, 0);
-    let power = textureLoad(flux, vec2i(texel), layer, 0).rgb;
+    let power = views[layer].flux_unit * textureLoad(flux, vec2i(texel), layer, 0).rgb;
     if (d >= 1.0 || all(power <= vec3f(0.0))) {
         return DARK;
     }
