@@ -12,7 +12,7 @@ from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bou
 from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, InjectionTarget
 from airlight.lattice.placement import Placement
 from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
-from airlight.surface.light_views import light_views
+from airlight.surface.light_views import LightViewData, light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
 
 SIDE = 64
@@ -49,8 +49,9 @@ def injected(gpu, commands, owned, cells_texture):
 
 def flux_of(maps, views):
     total = np.zeros(3)
+    units = maps.views.read(LightViewData.dtype)["flux_unit"]
     for layer, view in enumerate(views):
-        density = maps.flux.read(layer)[..., :3].astype(np.float64)
+        density = units[layer] * maps.flux.read(layer)[..., :3].astype(np.float64)
         measure = np.full((SIDE, SIDE), view.texel[0] * view.texel[1])
         if view.is_perspective:
             tangent = (np.arange(SIDE) + 0.5 - SIDE / 2) * view.texel[0]
@@ -150,6 +151,7 @@ def test_all_flux_in_one_cell_does_not_overflow(injected, on_device, square, bri
         assert np.count_nonzero(cells[0, ..., 0]) == 1
         if not is_shaped:
             assert 4.0 * math.pi * a == pytest.approx(flux[0], rel=1e-4)
+            assert flux[0] == pytest.approx(16.0 * brightness, rel=0.1)
         assert cells[0, 2, 2, 2, 2] > a > 0.0
 
 
