@@ -79,8 +79,7 @@ struct Viewed {
     slope: f32,         // the sum of the normal's coordinates, without signs
 }
 
-// How much of a point a sample sees, whose maps begin at layer `first_view` and have depths of
-// scale - offset over the distance along the axis: `depth`. Twin of the views: area/table.py.
+// How much of a point a sample sees; `depth`: as `EmitterData.depth`. Twin: area/table.py.
 fn sample_visibility(first_view: u32, is_cube: bool, depth: vec2f, at: Viewed) -> f32 {
     // The axis that the point lies nearest to; the other two follow in turn.
     let size = select(at.own, abs(at.own), is_cube);
@@ -122,8 +121,7 @@ fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
 fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
     var sum = Sum(vec2f(0.0), vec2f(0.0), vec3f(0.0));
     let n_v = max(dot(s.n, s.v), 1e-4);
-    // Samples of flat emitters see along the same axes, as far, and send by the cosine alone: a CPU
-    // adapter reads each number of a sample lane by lane, so only two are the sample's own.
+    // Samples of flat emitters share all but place and brightness: CPU adapters read lane by lane.
     let first = samples[e.first_sample];
     let axes = mat3x3f(first.x, first.y, first.z);
     let from_first = (s.p - first.position) * axes;
@@ -167,8 +165,7 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
             if (HAS_GLOSS && is_glossy) {
                 // The lobe as wide as the sample makes it.
                 let inverse = inverseSqrt(true_squared);
-                let nearest = select(sample.nearest, e.nearest, ARE_FLAT);
-                let alpha = saturate(s.r.alpha + 0.5 * sqrt(nearest / squared));
+                let alpha = saturate(s.r.alpha + 0.5 * sqrt(select(sample.nearest, e.nearest, ARE_FLAT) / squared));
                 let h = normalize(at.v - at.own * inverse);
                 let gloss = weight * ggx_distribution(saturate(dot(at.n, h)), alpha)
                     * smith_visibility(rise * inverse, n_v, alpha);
