@@ -44,6 +44,8 @@ def test_scenes(tmp_path, special, suffix):
     kind, make = special
     path = tmp_path / f"a{suffix}"
     make(path)
+    if kind == "a folder" and suffix == ".zarr":
+        pytest.skip("a zarr store is a folder")
     with pytest.raises(SceneError) as caught:
         load(path)
     assert str(caught.value) == f"{path}: this is {kind}, not a file"

@@ -217,7 +217,7 @@ MISTAKES = [
     (
         '[[mesh]]\nfile = "room.toml"\n',
         "[[mesh]] 1: file 'room.toml' is not a mesh file. "
-        "Known endings: .obj, .glb, .gltf, .ply, .stl.",
+        "Known endings: .obj, .glb, .gltf, .ply, .stl, .usd, .usda, .usdc, .usdz.",
     ),
     (
         '[[mesh]]\nshape = "sphre"\n',

@@ -14,7 +14,6 @@ import numpy as np
 
 from ...maths.transforms import F64
 from ...scene.lights import Light
-from ...scene.lights.area import AreaLight, world_from_unit
 from .controls import LEFT
 from .projection import Projection
 from .state import ViewState
@@ -28,7 +27,6 @@ _AXES: tuple[tuple[F64, Colour], ...] = (
 )
 _ARM_PX, _AIM_PX = 56.0, 84.0
 _REACH_PX, _SPLIT_REACH_PX = 11.0, 9.0
-_ROUND = 24  # corners of a circle
 
 Part = Literal["light", "axis", "aim"]
 
@@ -215,12 +213,6 @@ def handles(lights: tuple[Light, ...], chosen: int, seen: Projection) -> Iterato
             yield Handle("aim", index, aim)
 
 
-def _has_direction(light: Light) -> bool:
-    return hasattr(light, "direction") and not (
-        isinstance(light, AreaLight) and light.shape == "sphere"
-    )
-
-
 def _arm_ends(light: Light, seen: Projection) -> list[F64 | None]:
     position = position_of(light)
     if position is None:
@@ -231,7 +223,7 @@ def _arm_ends(light: Light, seen: Projection) -> list[F64 | None]:
 
 def _aim(light: Light, seen: Projection) -> F64 | None:
     position = position_of(light)
-    if position is None or not _has_direction(light):
+    if position is None or not light.is_aimed:
         return None
     return seen.pixel(position + _AIM_PX * seen.pixel_m(position) * direction_of(light))
 
@@ -250,27 +242,10 @@ def _arms(light: Light, seen: Projection, at: F64) -> Iterator[Mark]:
 
 def _outline(light: Light, seen: Projection) -> Iterator[Mark]:
     """The border of a surface that shines."""
-    if not isinstance(light, AreaLight):
-        return
-    if light.shape == "rectangle":
-        local = 0.5 * np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (-1, 0, -1)], float)
-    else:
-        angles = np.linspace(0.0, 2.0 * np.pi, _ROUND + 1)
-        local = 0.5 * np.stack([np.cos(angles), np.zeros_like(angles), np.sin(angles)], axis=1)
-    placed = world_from_unit(light)
-    if light.shape == "sphere":  # its outline faces the eye
-        facing = world_from_unit(_disk_towards(light, seen))
-        placed[:3, :3] = facing[:3, :3]
-    corners = local @ placed[:3, :3].T + placed[:3, 3]
-    pixels = [seen.pixel(corner) for corner in corners]
-    if all(pixel is not None for pixel in pixels):
+    border = light.outline(seen.camera.position)
+    pixels = [] if border is None else [seen.pixel(corner) for corner in border]
+    if pixels and all(pixel is not None for pixel in pixels):
         yield Mark("line", tuple(_pair(p) for p in pixels if p is not None), _GOLD, 1.5)
-
-
-def _disk_towards(light: AreaLight, seen: Projection) -> AreaLight:
-    towards = np.subtract(seen.camera.position, light.position)
-    direction = _vec3(towards / max(float(np.linalg.norm(towards)), 1e-9))
-    return AreaLight(light.position, light.radiance, "disk", direction, radius=light.radius)
 
 
 def _pair(at: F64) -> tuple[float, float]:

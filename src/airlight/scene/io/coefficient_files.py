@@ -18,7 +18,7 @@ from .volumes import GridValues, VolumeGrid, grid_names, read_values, read_volum
 
 NAMES = ("sigma_t", "albedo", "sigma_s", "sigma_a", "g")
 KEYS = tuple(f"{name}_grid" for name in NAMES)
-_OF_DENSITY = ("sigma_t", "sigma_s", "sigma_a")
+OF_DENSITY = ("sigma_t", "sigma_s", "sigma_a")
 COLOURS = ("Cd", "albedo", "color", "colour")
 """Grids of a file that are its scattering albedo, as the programs that write them name them."""
 
@@ -29,7 +29,7 @@ def taken_grids(values: dict[str, Any]) -> dict[str, str]:
     A sigma with a grid is 1 unless it is given.
     """
     found = {name: values.pop(f"{name}_grid") for name in NAMES if f"{name}_grid" in values}
-    for name in _OF_DENSITY:
+    for name in OF_DENSITY:
         if name in found:
             values.setdefault(name, (1.0, 1.0, 1.0))
     if "g" in found and "g" in values:
@@ -43,7 +43,7 @@ def density_or_first(path: Path, grid: str, channels: str, grids: Mapping[str, s
     Raises SceneError.
     """
     held = grid_names(path)
-    instead = [grids[name] for name in _OF_DENSITY if name in grids]
+    instead = [grids[name] for name in OF_DENSITY if name in grids]
     if grid in held or not held or not instead:
         return read_volume(path, grid, channels)
     found = read_values(path, instead[0])
@@ -63,11 +63,11 @@ def read_coefficients(
     density. Raises SceneError for what cannot be read, and values that mean nothing.
     """
     read = {name: _read(path, grids[name], name) for name in grids}
-    for name in _OF_DENSITY:
+    for name in OF_DENSITY:
         if name in read:
             density, _ = on_one_grid(density, read[name])
     placed = {name: on_one_grid(density, found, grows=False)[1] for name, found in read.items()}
-    if not any(name in grids for name in _OF_DENSITY):
+    if not any(name in grids for name in OF_DENSITY):
         return density, {f"{name}_grid": placed[name] for name in grids}
     full: dict[str, Any] = dict.fromkeys((*NAMES[:4],))
     full["g"] = numbers.get("g", 0.0)
@@ -76,7 +76,7 @@ def read_coefficients(
         if name in placed:
             factor = 1.0 if number is None or name == "g" else np.array(number, np.float32)
             full[name] = _coloured(placed[name]) * factor
-        elif number is not None and name in _OF_DENSITY:
+        elif number is not None and name in OF_DENSITY:
             full[name] = density.density[..., None] * np.array(number, np.float32)
         elif number is not None and name == "albedo":
             full[name] = number

@@ -12,7 +12,7 @@ import stat
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import BinaryIO
@@ -57,6 +57,23 @@ def regular_file(path: Path) -> Path:
     except (OSError, ValueError) as error:
         raise _unreadable(path, error) from None
     return path
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a regular file; false for names that no file system takes."""
+    return _is_kind(path, stat.S_ISREG)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder; false for names that no file system takes."""
+    return _is_kind(path, stat.S_ISDIR)
+
+
+def _is_kind(path: Path, is_kind: Callable[[int], bool]) -> bool:
+    try:
+        return is_kind(path.stat().st_mode)
+    except (OSError, ValueError):
+        return False
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ...errors import AirlightError, SceneError
 from ..checks import F64
 from .dense_grid import DenseGrid, Optics, check_count, chosen_name
-from .files import inside, opened, regular_file
+from .files import inside, is_folder, opened, regular_file
 from .gridded import Axis, letter_of, placed
 from .ledger import note_read
 
@@ -89,11 +89,11 @@ def _names(dataset: Any) -> list[str]:
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """The dataset, its values still in the file. Raises SceneError."""
+    engine = _engine(path)
     try:
         import xarray
     except ImportError:
         raise _missing("xarray") from None
-    engine = _engine(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of attributes that are not as the conventions say
@@ -127,7 +127,6 @@ def _engine(path: Path) -> str:
     if path.suffix.lower() == ZARR:
         _check_folder(path)
         return "zarr"
-    regular_file(path)
     with opened(path) as stream:
         start = stream.read(8)
     if start.startswith(b"CDF"):
@@ -141,7 +140,8 @@ def _engine(path: Path) -> str:
 def _check_folder(path: Path) -> None:
     """Raise SceneError for what is no folder of regular files, or has links out of it."""
     note_read(path)
-    if not path.is_dir():
+    if not is_folder(path):
+        regular_file(path)
         raise SceneError("is no zarr folder", remedy="Unpack it: a zarr store is a folder here.")
     count = 0
     for folder, _, files in os.walk(path):

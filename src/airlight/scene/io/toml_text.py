@@ -24,6 +24,8 @@ from ..scene import Scene
 from ..sun_sky import followed
 from ..volume import Volume
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
+from .coefficient_files import NAMES as COEFFICIENTS
+from .coefficient_files import OF_DENSITY
 from .files import read_text
 from .ground import ground_tables
 from .light_groups import is_group
@@ -223,7 +225,7 @@ def _volumes(
     tables = []
     for volume, table in zip(volumes, raw, strict=False):
         kept = {key: value for key, value in table.items() if key not in _SCATTERING}
-        tables.append({**kept, **_scattering(volume)})
+        tables.append({**kept, **_by_voxel(_scattering(volume), table)})
     for volume in volumes[len(raw) :]:
         if volume.density is None:
             matrix = volume.world_from_volume
@@ -233,6 +235,25 @@ def _volumes(
         else:
             notes.append(_NO_GRID)
     return tables
+
+
+def _by_voxel(coefficients: dict[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
+    """The coefficients of a volume as the factors of the grids that its table names."""
+    grids = [name for name in COEFFICIENTS if f"{name}_grid" in table]
+    if "g" in grids:
+        coefficients.pop("g")
+    if not any(name in grids for name in OF_DENSITY):
+        return coefficients
+    # Its extinction is one with such grids: what it is now is a factor of what the file said.
+    scale = np.array(coefficients.pop("sigma_t"), np.float64)
+    for name in (*OF_DENSITY, "albedo"):
+        if name in table or name in grids:
+            factor = scale if name in OF_DENSITY else 1.0
+            number = np.broadcast_to(np.multiply(table.get(name, 1.0), factor), 3)
+            coefficients[name] = _colour(number.tolist())
+    if "albedo" not in table and "albedo" not in grids:
+        coefficients.pop("albedo")
+    return coefficients
 
 
 def _colour(rgb: Sequence[float]) -> Any:

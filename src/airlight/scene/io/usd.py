@@ -48,10 +48,10 @@ class _Reader:
     """A stage on its way to a scene."""
 
     def __init__(self, path: Path) -> None:
-        from pxr import Usd, UsdGeom
-
         self._path, self._folder = path, path.parent.resolve()
         self._stage = stage = opened_stage(path)
+        from pxr import Usd, UsdGeom
+
         self._time = Usd.TimeCode.EarliestTime()
         self.warnings: list[str] = []
         if stage.HasAuthoredTimeCodeRange():

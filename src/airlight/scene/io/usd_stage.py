@@ -42,6 +42,7 @@ def told_by_usd() -> Iterator[Callable[[], list[str]]]:
 
 def opened_stage(path: Path) -> Any:
     """The composed stage. Raises SceneError for what is no USD, or reaches out of its folder."""
+    regular_file(path)
     try:
         from pxr import Sdf, Tf, Usd
     except ImportError:
@@ -49,7 +50,6 @@ def opened_stage(path: Path) -> Any:
             "needs the package usd-core, which is not installed",
             remedy="Run: pip install 'airlight[usd]', or export glTF (.glb).",
         ) from None
-    regular_file(path)
     folder = path.parent.resolve()
     try:
         first = _layer(path.resolve(), Sdf)

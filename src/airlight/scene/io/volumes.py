@@ -18,7 +18,7 @@ from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
 from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, check_count
-from .files import naming, opened
+from .files import is_file, is_folder, naming, opened
 from .nanovdb import SparseGrid, read_nanovdb
 from .netcdf import ZARR, read_xarray, xarray_names
 from .numpy_files import opened_npz, read_npy
@@ -124,7 +124,7 @@ def grid_names(path: Path) -> list[str]:
 
 def is_grid_file(path: Path) -> bool:
     """Whether there is a file, or the folder that a zarr store is."""
-    return path.is_file() or (path.suffix.lower() == ZARR and path.is_dir())
+    return is_file(path) or (path.suffix.lower() == ZARR and is_folder(path))
 
 
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:

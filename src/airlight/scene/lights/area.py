@@ -20,6 +20,7 @@ from .light_type import LightRow, LightType
 AreaShape = Literal["rectangle", "disk", "sphere"]
 AREA_SHAPES: tuple[AreaShape, ...] = ("rectangle", "disk", "sphere")
 _LEAST_M = 1e-6
+_CORNERS = 24  # of a circle's outline
 _BEHIND = 1e-5  # of the size: how far the back of a two-sided light lies behind its front
 
 
@@ -146,6 +147,27 @@ class AreaLight(LightType):
         """Of its extent, only what its shape has."""
         other = "radius" if self.shape == "rectangle" else "size"
         return [key for key in super().controls() if key.name != other]
+
+    @property
+    def is_aimed(self) -> bool:
+        """Whether it is flat."""
+        return self.shape != "sphere"
+
+    def outline(self, eye: Vec3) -> F64 | None:
+        """The border of a rectangle or a disk; of a sphere the disk through its middle."""
+        if self.shape == "rectangle":
+            unit = np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (-1, 0, -1)], float)
+        else:
+            angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS + 1)
+            unit = np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1)
+        facing: AreaLight = self
+        if self.shape == "sphere" and eye != self.position:
+            away = np.subtract(eye, self.position)
+            x, y, z = (away / np.linalg.norm(away)).tolist()
+            facing = replace(self, shape="disk", direction=(x, y, z))
+        placed = world_from_unit(facing)
+        corners: F64 = 0.5 * unit @ placed[:3, :3].T + placed[:3, 3]
+        return corners
 
     def moved(self, matrix: F64) -> Self:
         """The light through a (4, 4) matrix; its surface grows with the rest."""

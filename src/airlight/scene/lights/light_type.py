@@ -1,6 +1,7 @@
 """What a type of light says of itself. No other module asks which type a light is of.
 
 fields       `keys`: scene files, keyframes, the viewer and the checks of Python's own lights
+viewer       `controls`, `is_aimed`, `outline`
 device       `row`, and `sent_share`: the twin of sent_share.wgsl
 shadows      `cone`; `is_sampled` where samples of it have the shadow maps
 bounds       `most_power`
@@ -92,6 +93,16 @@ class LightType:
         """The fields that the viewer offers, the strength last."""
         shown = [key for key in self.keys if key.control is not None]
         return sorted(shown, key=lambda key: key.stands_for == "strength")
+
+    @property
+    def is_aimed(self) -> bool:
+        """Whether it has a direction that can be chosen."""
+        return any(key.name == "direction" for key in self.keys)
+
+    def outline(self, eye: Vec3) -> F64 | None:
+        """Corners (N, 3), metres, of the border that `eye` sees; None for lights without one."""
+        del eye
+        return None
 
     def changed(self, name: str, value: Any) -> Self:
         """The light with another value of one field, and of what must change with it."""
