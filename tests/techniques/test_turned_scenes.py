@@ -68,7 +68,7 @@ YAW, TILT = turn(1, 30.0), turn(1, 30.0) @ turn(0, 20.0)
         (scenes.cornell, "lpv", {**LATTICE, "cascades": 2}, YAW, {"indirect": 0.03}),
         (scenes.cornell, "lpv-scatter", LATTICE, YAW, {"indirect": 0.03}),
         (foggy, "lpv-sum", {}, YAW, {"indirect": 0.03, "multiple_scatter": 0.12}),
-        (foggy, "lpv-scatter", {}, YAW, {"indirect": 0.05, "multiple_scatter": 0.05}),
+        (foggy, "lpv-scatter", LATTICE, YAW, {"indirect": 0.05, "multiple_scatter": 0.05}),
         (smoky, "auto", {}, YAW, {"indirect": 0.03, "multiple_scatter": 0.03}),
     ],
 )

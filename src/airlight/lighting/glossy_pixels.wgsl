@@ -1,5 +1,5 @@
 // What glossy pixels mirror, followed along its rays and added to the rest of their light, which
-// lighting has listed with them. Their order differs from run to run, they do not.
+// lighting has listed with them, and with the share of it that counts. Their order differs from run to run, they do not.
 //! use pixel_point
 //! use mirrored_light
 
@@ -7,7 +7,7 @@ fn first_lattices() -> LatticeParams {
     return lattices[0];
 }
 
-fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, open: f32) {
+fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, share: f32) {
     let position = vec2f(pixel) + 0.5;
     let d = textureLoad(depth, pixel, 0);
     let p = pixel_point(position, d);
@@ -17,7 +17,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, open: f32) {
     let n = normalize(normal_roughness.xyz);
     let r = reflector(base.rgb, base.a, normal_roughness.w, textureLoad(emission, pixel, 0).a);
     let n_v = max(dot(n, v), 1e-4);
-    let gain = mirror_gain(r, n_v, open) / PI;
+    let gain = share * specular_albedo(r, n_v) / PI;
     let n_own = lattice_from_world(lattice_of(0u), n);
     let mirrored = lattice_from_world(lattice_of(0u), reflect(-v, n));
     var direct = rest;

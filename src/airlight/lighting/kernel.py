@@ -50,14 +50,14 @@ TRACED_INLINE = """
 fn is_traced_separately(r: Reflector, n_v: f32) -> bool { return false; }
 """
 _LISTED = """
-fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {
+fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32) {
     let at = atomicAdd(&found[0], 1u);
     listed[2u * at] = vec4u(bitcast<vec3u>(direct), pixel.x | (pixel.y << 16u));
-    listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), bitcast<u32>(open));
+    listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), bitcast<u32>(share));
 }
 """
 _NOT_LISTED = """
-fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32) {}
+fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32) {}
 """
 _LIT = """
 fn lit_of(pixel: vec2u) -> vec4f { return textureLoad(lit, pixel, 0); }

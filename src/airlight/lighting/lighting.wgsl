@@ -3,7 +3,7 @@
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
 //! needs fn background(direction: vec3f) -> vec3f
 //! needs fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f
-//! needs fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, open: f32)
+//! needs fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32)
 //! needs fn lit_of(pixel: vec2u) -> vec4f
 //! needs fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f) -> Gathered
 
@@ -16,12 +16,11 @@ struct Lit {
     @location(1) indirect: vec4f,
 }
 
-// What lattices give, W m^-2 sr^-1, the share that near field leave open, and whether what the
-// surface mirrors is left to a list.
+// What lattices give, W m^-2 sr^-1, whether what the surface mirrors is left to a list, and which share of that.
 struct Gathered {
     direct: vec3f,
     indirect: vec3f,
-    open: f32,
+    mirrored: f32,
     is_listed: bool,
 }
 
@@ -59,7 +58,7 @@ struct Gathered {
     out.indirect = vec4f(found.indirect, 1.0);
     out.direct = vec4f(direct, 1.0);
     if (found.is_listed) {
-        list_glossy(pixel, direct, found.indirect, found.open);
+        list_glossy(pixel, direct, found.indirect, found.mirrored);
     }
     return out;
 }

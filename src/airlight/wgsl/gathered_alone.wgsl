@@ -10,8 +10,8 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     let n_v = max(dot(n, v), 1e-4);
     let is_listed = is_traced_separately(r, n_v);
     let mirrors = specular_albedo(r, n_v);
-    let diffuse = (vec3f(1.0) - mirrors) * r.diffuse;
-    let all = (diffuse + select(mirrors, vec3f(0.0), is_listed)) / PI;
-    return Gathered(all * gathered_sky_of(pixel).rgb, all * gathered_irradiance_of(pixel).rgb, 1.0,
+    let share = select(0.0, glossy_share(mirrors, sqrt(r.alpha)), is_listed);
+    let matt = ((vec3f(1.0) - mirrors) * r.diffuse + (1.0 - share) * mirrors) / PI;
+    return Gathered(matt * gathered_sky_of(pixel).rgb, matt * gathered_irradiance_of(pixel).rgb, share,
         is_listed);
 }

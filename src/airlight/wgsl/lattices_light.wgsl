@@ -49,8 +49,10 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     near.direction = lattice_from_world(axes, near.direction);
     let n_v = max(dot(n, v), 1e-4);
     let is_listed = is_traced_separately(r, n_v);
-    let mirrors = select(mirror_gain(r, n_v, near.open), vec3f(0.0), is_listed);
-    var out = Gathered(vec3f(0.0), vec3f(0.0), near.open, is_listed);
+    // As far as the near field lets it in.
+    let reached = specular_visibility(near.open, n_v, sqrt(r.alpha));
+    let mirrors = select(reached * specular_albedo(r, n_v), vec3f(0.0), is_listed);
+    var out = Gathered(vec3f(0.0), vec3f(0.0), reached, is_listed);
     var at = lattice_step(0u, 1.0, p);
     loop {
         let uvw = lattice_coordinates(lattice_of(at.k), p, n_own);

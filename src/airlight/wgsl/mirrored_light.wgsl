@@ -106,8 +106,3 @@ fn mirrored_light(
         share * ray.irradiance
             + mix(1.0, ray.lit, share) * lattice_irradiance_at(lattice_of(k), end, mirrored));
 }
-
-// How much of a surface's light is what it mirrors, as far as the near field let it in.
-fn mirror_gain(r: Reflector, n_v: f32, visibility: f32) -> vec3f {
-    return specular_albedo(r, n_v) * specular_visibility(visibility, n_v, sqrt(r.alpha));
-}
