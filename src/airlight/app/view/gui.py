@@ -136,14 +136,16 @@ class Panel:
         tip(widget.tip)
         if widget.change is None:
             return
-        slides = widget.kind in ("number", "whole", "text")
+        slides = widget.kind in ("number", "whole", "text", "colour")
         if not (widget.waits and slides):
             if changed:
                 widget.change(new)
             return
         if changed:
             self._held[widget.key] = new
-        if imgui.is_item_deactivated_after_edit():
+        # A colour is chosen in a window of its own, of which the item itself does not know.
+        lets_go = widget.key in self._held and not imgui.is_any_item_active()
+        if imgui.is_item_deactivated_after_edit() or lets_go:
             widget.change(self._held.pop(widget.key, new))
 
     def _drawn(self, widget: Widget, value: Any) -> tuple[bool, Any]:
@@ -262,6 +264,7 @@ def _sky(label: str, angles: tuple[float, float]) -> tuple[bool, tuple[float, fl
     _pad(centre, radius, azimuth, elevation)
     imgui.same_line()
     imgui.begin_group()
+    imgui.text(label.partition("##")[0])
     imgui.push_item_width(80.0)
     turned, azimuth = imgui.drag_float("azimuth", azimuth, 0.5, -180.0, 180.0, "%.1f")
     raised, elevation = imgui.drag_float("elevation", elevation, 0.5, -90.0, 90.0, "%.1f")

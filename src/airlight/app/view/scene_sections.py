@@ -9,13 +9,12 @@ from typing import Any, assert_never
 import numpy as np
 
 from ...scene.environment import Environment
-from ...scene.lights import Light
-from ...scene.lights.light_key import LightKey
+from ...scene.lights.light_key import Control, LightKey
 from ...scene.medium import Medium
 from ...scene.sun_sky import LEAST_TURBIDITY, LOWEST_DEG, MOST_TURBIDITY, Sky
 from ...scene.volume import Volume
 from .slices import COLOURS
-from .state import ViewState, fog_for, source_angles_deg, travel_from
+from .state import ViewState, fog_for, line_angles_deg, source_angles_deg, travel_from
 from .widgets import Widget
 
 _LEAST_SIGMA, _MOST_SIGMA = 1e-4, 1e3
@@ -35,35 +34,53 @@ def lights(state: ViewState) -> Iterator[Widget]:
 
     yield Widget("light", "choice", "light", names[index], choose, choices=names)
     light = all_lights[index]
-    for key in light.controls():
-        yield from _of_light(state, index, light, key)
+    for key, control in light.controls():
+        yield from _of_light(state, index, key, control)
 
 
-def _of_light(state: ViewState, index: int, light: Light, key: LightKey) -> Iterator[Widget]:
-    """The widgets of one field of a light."""
-    assert key.control is not None
-    name, label, value = f"light.{index}.{key.name}", key.control.label, getattr(light, key.name)
-    step = _step(state)
+def _of_light(state: ViewState, index: int, key: LightKey, control: Control) -> Iterator[Widget]:
+    """The widgets of one field of a light; what needs another renderer counts at rest."""
+    name, label, step = f"light.{index}.{key.name}", control.label, _step(state)
+    value, waits, tip = getattr(state.scene.lights[index], key.name), not key.moves, _told(key)
 
     def put(new: Any) -> None:
         state.set_light(index, state.scene.lights[index].changed(key.name, new))
 
-    match key.control.widget:
+    match control.widget:
         case "point":
-            yield Widget(name, "vector", label, tuple(value), put, step=step)
+            yield Widget(name, "vector", label, tuple(value), put, step=step, tip=tip)
+        case "choice":
+            yield Widget(name, "choice", label, value, put, choices=control.choices, tip=tip)
         case "sky":
             angles = source_angles_deg(value)
-            yield Widget(name, "sky", label, angles, lambda a: put(travel_from(*a)))
+            yield Widget(name, "sky", label, angles, lambda a: put(travel_from(*a)), tip=tip)
+        case "line":
+            yield Widget(name, "sky", label, line_angles_deg(value), _along(put), tip=tip)
         case "angle":
-            yield Widget(name, "number", label, value, put, 1.0, 89.0)
+            yield Widget(name, "number", label, value, put, 1.0, 89.0, tip=tip)
         case "length":
-            yield Widget(name, "number", label, value, put, step, 500.0 * step, True)
+            ends = (step if key.moves else 0.0, 500.0 * step)
+            yield Widget(name, "number", label, value, put, *ends, key.moves, tip=tip, waits=waits)
         case "lengths":
-            yield Widget(name, "vector", label, tuple(value), _positive(put, step), step=step)
+            sizes = _positive(put, step)
+            yield Widget(name, "vector", label, tuple(value), sizes, step=step, tip=tip)
         case "strength":
             yield from _strength(name, label, value, put)
+        case "colour":
+            yield Widget(name, "colour", label, value, put, tip=tip, waits=waits)
+        case "flag":
+            yield Widget(name, "flag", label, value, put, tip=tip)
         case _:
-            assert_never(key.control.widget)
+            assert_never(control.widget)
+
+
+def _told(key: LightKey) -> str:
+    """What the scene file's reference says of a field."""
+    return f"{key.name}: {key.doc}"
+
+
+def _along(put: Callable[[Any], None]) -> Callable[[Any], None]:
+    return lambda angles: put(tuple(-v for v in travel_from(*angles)))
 
 
 def _step(state: ViewState) -> float:

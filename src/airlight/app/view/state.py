@@ -190,7 +190,7 @@ def structure(state: ViewState) -> tuple[Any, ...]:
         state.technique,
         repr(sorted(chosen.items())),
         id(scene.meshes),
-        tuple(type(light) for light in scene.lights),
+        tuple(light.fixed for light in scene.lights),
         scene.medium is None,
         tuple((v.shape, id(v.density), v.bounds) for v in scene.volumes),
         scene.environment is None,
@@ -247,6 +247,12 @@ def source_angles_deg(direction: Vec3) -> tuple[float, float]:
     """
     x, y, z = np.negative(direction)
     return float(np.degrees(np.arctan2(x, z))), float(np.degrees(np.arcsin(np.clip(y, -1, 1))))
+
+
+def line_angles_deg(direction: Vec3) -> tuple[float, float]:
+    """(azimuth, elevation) of a line: of its end that is above the horizon."""
+    x, y, z = direction
+    return source_angles_deg((x, y, z) if y < 0.0 else (-x, -y, -z))
 
 
 def travel_from(azimuth_deg: float, elevation_deg: float) -> Vec3:

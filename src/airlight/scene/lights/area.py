@@ -19,6 +19,11 @@ from .light_type import LightRow, LightType
 
 AreaShape = Literal["rectangle", "disk", "sphere"]
 AREA_SHAPES: tuple[AreaShape, ...] = ("rectangle", "disk", "sphere")
+_LACKS: dict[AreaShape, tuple[str, ...]] = {
+    "rectangle": ("radius",),
+    "disk": ("size", "up"),
+    "sphere": ("size", "up", "two_sided"),
+}
 _LEAST_M = 1e-6
 _CORNERS = 24  # of a circle's outline
 _BEHIND = 1e-5  # of the size: how far the back of a two-sided light lies behind its front
@@ -51,6 +56,7 @@ _KEYS = (
         '"rectangle", "disk" or "sphere"',
         "what gives the light; `position` is its middle",
         default='"rectangle"',
+        control=Control("choice", "shape", AREA_SHAPES),
     ),
     replace(
         DIRECTION,
@@ -66,6 +72,7 @@ _KEYS = (
         default="[0, 0, -1]",
         stands_for="direction",
         moves=True,
+        control=Control("line", "height along"),
     ),
     LightKey(
         "size",
@@ -93,14 +100,23 @@ _KEYS = (
         "colour",
         "of its surface, which is matte, where it is seen",
         default="0",
+        control=Control("colour", "reflectance"),
     ),
-    LightKey("two_sided", checks.boolean, "boolean", "the back gives light, too", default="false"),
+    LightKey(
+        "two_sided",
+        checks.boolean,
+        "boolean",
+        "the back gives light, too",
+        default="false",
+        control=Control("flag", "both sides give light"),
+    ),
     LightKey(
         "visible",
         checks.boolean,
         "boolean",
         "false: it is not seen, and casts no shadow",
         default="true",
+        control=Control("flag", "it is seen"),
     ),
 )
 
@@ -143,10 +159,10 @@ class AreaLight(LightType):
             return self.size[0] * self.size[1]
         return (4.0 if self.shape == "sphere" else 1.0) * math.pi * self.radius**2
 
-    def controls(self) -> list[LightKey]:
-        """Of its extent, only what its shape has."""
-        other = "radius" if self.shape == "rectangle" else "size"
-        return [key for key in super().controls() if key.name != other]
+    def controls(self) -> list[tuple[LightKey, Control]]:
+        """Only what its shape has, and of a surface that is not seen no reflectance."""
+        lacks = {*_LACKS[self.shape], *(() if self.visible else ("reflectance",))}
+        return [pair for pair in super().controls() if pair[0].name not in lacks]
 
     @property
     def is_aimed(self) -> bool:

@@ -8,9 +8,12 @@ from typing import Literal
 from .. import checks
 from ..keys import Key, within
 
-Widget = Literal["point", "sky", "angle", "length", "lengths", "strength"]
-"""How the viewer shows a field: a point in space, a direction on a map of the sky, a half angle in
-degrees, one length, two, or a colour with its strength."""
+Widget = Literal[
+    "point", "choice", "sky", "line", "angle", "length", "lengths", "strength", "colour", "flag"
+]
+"""How the viewer shows a field, in the order of its panel: a point in space, one of `choices`, a
+direction on a map of the sky, a line on it (either of two directions), a half angle in degrees, one
+length, two, a colour with its strength, a colour of a surface, yes or no."""
 
 
 @dataclass(frozen=True)
@@ -19,13 +22,15 @@ class Control:
 
     widget: Widget
     label: str
+    choices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class LightKey(Key):
     """`stands_for`: what a transform does to it; a strength is never negative.
 
-    `moves`: keyframes may set it. `control`: None where the viewer has none.
+    `moves`: keyframes may set it, and a renderer follows it; others it is made for. `control`: None
+    where the viewer has none.
     """
 
     stands_for: Literal["number", "point", "direction", "strength"] = "number"
@@ -73,4 +78,5 @@ RADIUS = LightKey(
     "of the sphere it comes from: soft shadows",
     "m",
     "0",
+    control=Control("length", "radius (m)"),
 )

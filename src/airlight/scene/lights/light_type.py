@@ -13,14 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, get_args
 
 import numpy as np
 
 from ..checks import F64, Rgb, Vec3
 from ..placing import moved_point, moved_vector
 from .emitters import Emitter
-from .light_key import LightKey
+from .light_key import Control, LightKey, Widget
 
 if TYPE_CHECKING:
     from .point import PointLight
@@ -89,10 +89,17 @@ class LightType:
         """The field that says how bright it is."""
         return next(key.name for key in cls.keys if key.stands_for == "strength")
 
-    def controls(self) -> list[LightKey]:
-        """The fields that the viewer offers, the strength last."""
-        shown = [key for key in self.keys if key.control is not None]
-        return sorted(shown, key=lambda key: key.stands_for == "strength")
+    @property
+    def fixed(self) -> tuple[Any, ...]:
+        """What a renderer is made for and cannot follow: its type, and what does not move."""
+        own = (getattr(self, key.name) for key in self.keys if not key.moves)
+        return (self.type_name, *own)
+
+    def controls(self) -> list[tuple[LightKey, Control]]:
+        """The fields that the viewer offers, with their controls, in the order of `Widget`."""
+        shown = [(key, key.control) for key in self.keys if key.control is not None]
+        order = get_args(Widget)
+        return sorted(shown, key=lambda pair: order.index(pair[1].widget))
 
     @property
     def is_aimed(self) -> bool:

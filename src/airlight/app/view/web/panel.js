@@ -81,7 +81,9 @@ const KINDS = {
   },
   colour (widget, say) {
     const well = make('input'); well.type = 'color'
-    well.oninput = () => say([1, 3, 5].map(i => parseInt(well.value.slice(i, i + 2), 16) / 255))
+    const now = () => [1, 3, 5].map(i => parseInt(well.value.slice(i, i + 2), 16) / 255)
+    well.oninput = () => { if (!widget.waits) { say(now()) } }
+    well.onchange = () => say(now())
     return { parts: [well], show: v => { well.value = hex(v) } }
   },
   button (widget, say) {
