@@ -146,7 +146,8 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
             "world_from_unit": v.world_from_unit.tolist(),
             "eye_m": list(v.eye),
             "unit": "W m^-2 sr^-1",
-            "meaning": "in-scattered radiance towards the eye, times sigma_s",
+            "meaning": "in-scattered radiance towards the eye, times sigma_s; without what local "
+            "lights scatter once",
         }
         for i, v in enumerate(field.volumes)
     ]

@@ -84,7 +84,7 @@ _MEDIA_FIRST = {
         "albedo",
         "g",
         "phase",
-        "has_shafts",
+        "shafts",
         "voxel",
         "detail_periods",
         "detail",

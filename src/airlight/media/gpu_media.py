@@ -41,6 +41,8 @@ from .media_tree import media_nodes
 MAX_MEDIA = 256
 """A ray's list of media and their intervals are private to a shader, which WebGPU gives 8 KiB."""
 BOX, ELLIPSOID, GRID = 0, 1, 2
+NO_SHAFTS, SHAFTS_OF_ALL, SHAFTS_OF_LOCAL = 0, 1, 2
+"""Whose single scattering is drawn by shafts; as in `wgsl/media.wgsl`."""
 
 
 class GpuMedia:
@@ -57,14 +59,17 @@ class GpuMedia:
         *,
         light_count: int,
         column_resolution: int = 48,
-        solved: Sequence[Volume] = (),
+        solved: Sequence[Medium | Volume] = (),
+        solved_shafts: int = NO_SHAFTS,
     ) -> None:
         """`light_count`: lights with columns through grids, 0 or all of them.
 
-        `solved` volumes have their single scattering in their source, and no shafts.
+        `solved` media have single scattering in their source; they have `solved_shafts`.
         """
         self.gpu = gpu
         # By index: a frame may bring its volumes with other coefficients.
+        self._solved_shafts = solved_shafts
+        self._is_own_solved = any(scene.medium is s for s in solved)
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
         self._kinds = _kinds(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
@@ -185,15 +190,16 @@ class GpuMedia:
         rows = []
         if scene.medium is not None:
             box = medium_box(scene.medium, low, high, scene.camera.position)
-            rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), has_shafts=True))
+            shafts = self._solved_shafts if self._is_own_solved else SHAFTS_OF_ALL
+            rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), shafts=shafts))
         grids = iter(self.atlas.regions if self.atlas is not None else ())
         # Its box in the world, its coefficients and where its grids lie.
         for index, volume in enumerate(scene.volumes):
             kind = _kind(volume)
             to_world = np.asarray(volume.world_from_volume)
             matrix = _unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
-            has_shafts = index not in self._solved
-            row = _fields(volume, kind, matrix, has_shafts=has_shafts)
+            shafts = self._solved_shafts if index in self._solved else SHAFTS_OF_ALL
+            row = _fields(volume, kind, matrix, shafts=shafts)
             place = self._emission.places[index] if self._emission else NO_GRID
             row |= {"emission_first": place.first, "emission_count": place.count}
             if kind == GRID:
@@ -240,7 +246,7 @@ def _unit_from_box(low: F64, high: F64) -> F64:
 
 
 def _fields(
-    of: Medium | Volume, kind: int, volume_from_world: F64, *, has_shafts: bool
+    of: Medium | Volume, kind: int, volume_from_world: F64, *, shafts: int
 ) -> dict[str, Any]:
     return {
         "volume_from_world": volume_from_world,
@@ -249,7 +255,7 @@ def _fields(
         "albedo": of.albedo,
         "phase": 0,
         "g": of.g,
-        "has_shafts": int(has_shafts),
+        "shafts": shafts,
         "emission": brightest_emission(of),
         "emission_first": NO_GRID.first,
         "emission_count": NO_GRID.count,

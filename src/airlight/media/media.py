@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..fields import Fields, Frame, HalfSpaceLight, Solver
 from ..gpu.commands import Commands
@@ -16,7 +16,7 @@ from ..gpu.memory import Texture
 from ..lattice.irradiance import SkyIrradiance
 from ..lighting.kit import Kit
 from ..lighting.view import View
-from ..scene.medium import medium_box
+from ..scene.medium import Medium, medium_box
 from ..scene.volume import Volume
 from .gpu_media import GpuMedia
 from .march.half_space import HalfSpace
@@ -24,6 +24,19 @@ from .march.march import MarchedLight
 from .media_image import Expected, MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia
+
+
+class Solved(NamedTuple):
+    """Media that are solved on grids of their own; those bring single scattering.
+
+    `has_local_shafts`: but for that of local lights, which shafts draw.
+    """
+
+    media: Sequence[Medium | Volume] = ()
+    has_local_shafts: bool = False
+
+
+NOT_SOLVED = Solved()
 
 
 class Media(Solver):
@@ -38,12 +51,12 @@ class Media(Solver):
         is_lattice_marched: bool = False,
         has_multiple: bool = False,
         has_sky: bool = True,
-        solved: Sequence[Volume] = (),
+        solved: Solved = NOT_SOLVED,
     ) -> None:
         """For fields of so many `sources` volumes, and of lattices if `is_lattice_marched`.
 
         `has_multiple`: lattices hold multiple scattering. `has_sky`: single scattering of the sky
-        is drawn here. `solved`: volumes whose sources include single scattering. Raises
+        is drawn here. `solved`: media whose sources include single scattering. Raises
         SettingsError, and SceneError for more media than can be drawn.
         """
         self.kit, self.has_multiple = kit, has_multiple
@@ -55,13 +68,13 @@ class Media(Solver):
             kit.context.size,
             kit.lights,
             settings,
-            Expected(sources, is_lattice_marched, has_sky, solved),
+            Expected(sources, is_lattice_marched, has_sky, *solved),
         )
         # The environment's light, through media in the cells of the lattices.
         self.sky: SkyInMedia | None = None
         if has_sky and self.on_device.count:
             self.sky = SkyInMedia(
-                kit.gpu, scene, sky, kit.placement, kit.lattices.texture_size, solved=solved
+                kit.gpu, scene, sky, kit.placement, kit.lattices.texture_size, solved=solved.media
             )
         is_endless = scene.medium is not None and scene.medium.endless
         self._half_space = HalfSpace(kit.gpu) if is_endless else None

@@ -15,6 +15,7 @@ from ..gpu.memory import Texture
 from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..maths.transforms import F64
+from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .compositing.compose import Compose
@@ -22,7 +23,7 @@ from .compositing.finish import Finish, Listing, MediaLayers, Reduced, can_finis
 from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
-from .gpu_media import GpuMedia
+from .gpu_media import NO_SHAFTS, SHAFTS_OF_LOCAL, GpuMedia
 from .image_textures import Drawn, ImageTextures
 from .march.march import March, MarchedLight, MarchTargets, Steps
 from .rays import RESOLUTIONS, Rays
@@ -36,13 +37,15 @@ _NOTHING = MarchedLight()
 class Expected:
     """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
 
-    `solved`: volumes whose sources bring their single scattering, see `GpuMedia`.
+    `solved`: volumes whose sources bring their single scattering, of local lights unless
+    `has_local_shafts`; see `GpuMedia`.
     """
 
     sources: int = 0
     has_lattice: bool = False
     has_sky: bool = False
-    solved: Sequence[Volume] = ()
+    solved: Sequence[Medium | Volume] = ()
+    has_local_shafts: bool = False
 
 
 class MediaImage:
@@ -66,6 +69,7 @@ class MediaImage:
             scene,
             light_count=lights.count,
             solved=e.solved,
+            solved_shafts=SHAFTS_OF_LOCAL if e.has_local_shafts else NO_SHAFTS,
             column_resolution=s.column_resolution,
         )
         # Shafts and marching take the same rays where both are reduced alike.

@@ -18,7 +18,7 @@ class MediumData(Struct):
     albedo = vec3f()
     phase = u32("which of the mean cosines that media have")
     g = vec3f("mean cosine")
-    has_shafts = u32("1: its single scattering is drawn by shafts")
+    shafts = u32("which lights' single scattering shafts draw: 0 none, 1 all, 2 local lights")
     voxel = f32("m, the grid's shortest cell side; 0 without a grid")
     detail_periods = vec3f("of the noise along the box's sides")
     detail = f32("how strong the noise is")

@@ -26,6 +26,7 @@ from ..lattice.placement import LatticeParams, Placement
 from ..lattice.skylight import FACES
 from ..lighting.sky import Sky
 from ..maths.half import half_scale
+from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 from ..surface.light_table import LightData, packed_lights
@@ -91,7 +92,7 @@ class SkyInMedia:
         placement: Placement,
         size: tuple[int, int, int] | None = None,
         *,
-        solved: Sequence[Volume] = (),
+        solved: Sequence[Medium | Volume] = (),
     ) -> None:
         """`solved` volumes as for GpuMedia: their source includes single scattering.
 

@@ -39,14 +39,21 @@ class PopMedia(Solver):
     """Yields the radiance that media scatter towards the eye, on their grids."""
 
     def __init__(
-        self, kit: Kit, media: GpuMedia, settings: PopSettings, media_of: MediaOf | None = None
+        self,
+        kit: Kit,
+        media: GpuMedia,
+        settings: PopSettings,
+        media_of: MediaOf | None = None,
+        *,
+        has_local_shafts: bool = False,
     ) -> None:
         """`media`: all that are marched, brought up to date by others; the last are solved here.
 
-        `media_of`: the volumes of a scene that are, if not all. Raises SceneError for more media
+        `media_of`: the volumes of a scene that are, if not all. `has_local_shafts`: what local
+        lights scatter once is drawn by shafts. Raises SceneError for more media
         than can be marched at once.
         """
-        self.kit, self.settings = kit, settings
+        self.kit, self.settings, self._has_local_shafts = kit, settings, has_local_shafts
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
         self._scene = kit.context.scene
         volumes = grouped(self._media_of(self._scene))
@@ -78,6 +85,7 @@ class PopMedia(Solver):
                 self.settings,
                 lights=lights,
                 voxels=shared if parts[0].density is not None else None,
+                has_local_shafts=self._has_local_shafts,
                 others=MediaCount(others=len(volumes) - 1, other_parts=every - len(parts)),
             )
             for parts in volumes

@@ -120,11 +120,12 @@ class PopSolver:
         lights: int = 0,
         voxels: Texture | None = None,
         others: MediaCount = NO_OTHERS,
+        has_local_shafts: bool = False,
     ) -> None:
         """For at most so many `lights` beside the environment, and a number of `others`.
 
         `volume`: one, or the parts of one that have the same phase function. Raises SceneError
-        where a scheme that knows one extinction gets parts.
+        where a scheme that knows one extinction gets parts. `has_local_shafts`: as of `Emission`.
         `voxels`: the density of the volume as a filterable 3D texture, where there is one already.
         """
         self.settings = settings
@@ -138,7 +139,9 @@ class PopSolver:
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
         self.medium = GridMedium(gpu, parts, settings.grid, voxels=voxels, others=others)
-        self.emission = Emission(self.medium, settings.furnace_correction)
+        self.emission = Emission(
+            self.medium, settings.furnace_correction, has_local_shafts=has_local_shafts
+        )
         scheme = DeltaBeams if is_beam else OrdinateGrids
         self.transport: Transport = scheme(
             self.medium,

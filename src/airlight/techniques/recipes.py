@@ -22,6 +22,7 @@ from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..media.settings import MediaSettings
 from ..pop.settings import PopSettings
 from ..scene.coefficients import grouped
+from ..scene.lights import DirectionalLight
 from .settings import (
     LpvMarchSettings,
     LpvScatterSettings,
@@ -156,7 +157,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     direction, through which its radiance propagates and is scattered. The ordinates' radiance is
     summed on a grid of the medium and marched as a source.
     """
-    from ..media.media import Media
+    from ..media.media import Media, Solved
     from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
 
@@ -165,22 +166,41 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     context = replace(context, scene=scaled(context.scene)) if scaled else context
     # A sky without surfaces to light needs no shadow maps.
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))
+    # Grids of cells would blur what local lights scatter once: shafts draw it.
+    is_local = _has_local_shafts(context, settings)
     drawn = MediaSettings(
-        shafts="off", march_resolution=settings.march, march_steps=settings.march_steps
+        shafts="auto" if is_local else "off",
+        march_resolution=settings.march,
+        march_steps=settings.march_steps,
     )
-    every, volumes = EveryMedium(context.scene), context.scene.volumes
-    sources = len(grouped(every(context.scene)))
-    media = Media(kit, drawn, sources=sources, has_sky=False, solved=volumes)
-    solved = PopMedia(kit, media.on_device, settings, every)
-    layers = partial(_pop_layers, media)
+    every, own = EveryMedium(context.scene), context.scene.medium
+    sources, in_cells = len(grouped(every(context.scene))), context.scene.volumes
+    media = Media(
+        kit,
+        drawn,
+        sources=sources,
+        has_sky=False,
+        solved=Solved(in_cells if own is None else (own, *in_cells), is_local),
+    )
+    solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
+    layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
     return Technique("pop", kit, [media, solved], media=media, scene_filter=scaled, layers=layers)
 
 
-def _pop_layers(media: Media, view: Any) -> dict[str, Any]:
-    """All that media scatter, in one layer: ordinates do not tell the orders apart."""
+def _has_local_shafts(context: Context, settings: PopSettings, shafts: str = "auto") -> bool:
+    """Whether shafts draw what volumes of principal ordinates scatter once of local lights."""
+    has_local = any(not isinstance(x, DirectionalLight) for x in context.scene.lights)
+    return has_local and shafts != "off" and settings.scheme == "delta-beam"
+
+
+def _pop_layers(media: Media, more: tuple[str, ...], view: Any) -> dict[str, Any]:
+    """All that media scatter, in one layer: ordinates do not tell the orders apart.
+
+    `more`: what is drawn beside them.
+    """
     found = media.layers(view)
     names = {"scattered": "multiple_scatter"} | {
-        name: name for name in ("direct", "indirect", "transmittance")
+        name: name for name in ("direct", "indirect", "transmittance", *more)
     }
     return {name: found[of] for name, of in names.items()}
 
@@ -192,17 +212,22 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     light is one of the sources that illuminate them.
     """
     from ..lpv.solver import LpvSolver
-    from ..media.media import Media
+    from ..media.media import Media, Solved
     from ..pop.media import PopMedia
     from .volumes import LatticeVolumes
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     volumes = context.scene.volumes
     sources = len(grouped(volumes))
-    media = Media(kit, part_of(settings, MediaSettings), sources=sources, solved=volumes)
+    own, drawn = (
+        part_of(settings, PopSettings, but=LpvMarchSettings),
+        part_of(settings, MediaSettings),
+    )
+    is_local = _has_local_shafts(context, own, drawn.shafts)
+    media = Media(kit, drawn, sources=sources, solved=Solved(volumes, is_local))
     lattice = LpvSolver(kit, settings)
     lattice.media = LatticeVolumes(lattice, media.on_device)
-    solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvMarchSettings))
+    solved = PopMedia(kit, media.on_device, own, has_local_shafts=is_local)
     met = media if settings.scheme != "paper" else None
     gathering = _gathering(kit, settings, met, sources=sources, bounces=settings.bounces)
     return Technique("lpv with pop", kit, [lattice, media, solved, *gathering], media=media)
@@ -210,18 +235,23 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
 
 def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) -> Technique:
     """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in the fog."""
-    from ..media.media import Media
+    from ..media.media import Media, Solved
     from ..pop.media import PopMedia
     from ..scatter.solver import ScatterSolver
 
     # Media hand volumes to the ordinates, and march the rest in the lattice.
     kit = _scattering_kit(context, settings)
     volumes = context.scene.volumes
+    own, drawn = (
+        part_of(settings, PopSettings, but=LpvScatterSettings),
+        part_of(settings, MediaSettings),
+    )
+    is_local = _has_local_shafts(context, own, drawn.shafts)
     media = Media(
         kit,
-        part_of(settings, MediaSettings),
+        drawn,
         sources=len(grouped(volumes)),
-        solved=volumes,
+        solved=Solved(volumes, is_local),
         is_lattice_marched=True,
         has_multiple=True,
     )
@@ -235,7 +265,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         has_border_light=settings.cascade_light,
         is_gathered=bool(gathering),
     )
-    solved = PopMedia(kit, media.on_device, part_of(settings, PopSettings, but=LpvScatterSettings))
+    solved = PopMedia(kit, media.on_device, own, has_local_shafts=is_local)
     solvers = [media, lattice, solved, *gathering]
     return Technique("lpv-scatter with pop", kit, solvers, media=media)
 

@@ -40,7 +40,9 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         }
         let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
         let direct = exp(-true_depth(n, cell));
-        let once = light.irradiance * direct * beam_phase(n, mu);
+        // Of local lights shafts may draw it, with an edge as sharp as the light's fall-off.
+        let is_drawn = view.has_local_shafts == 1u && ordinates[n].position.w == LOCAL;
+        let once = select(light.irradiance * direct * beam_phase(n, mu), vec3f(0.0), is_drawn);
         if (ordinates[n].spot.w == 0.0) {
             sum.beams += once;
         } else {

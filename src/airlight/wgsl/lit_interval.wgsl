@@ -20,7 +20,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     let phase = scattering_phase(-dot(light.direction, direction), media[0].g);
     medium_sigma_t = media[0].sigma_t;
     parallel_sent = media[0].albedo * medium_sigma_t * phase;
-    medium_has_shafts = media[0].has_shafts != 0u;
+    medium_has_shafts = has_shafts(0u, false) > 0.0;
     is_light_inside = MEDIA_COUNT == 1u && medium_density(0u, light.position) > 0.0;
     let o = medium_coordinates(0u, origin);
     let d = (media[0].volume_from_world * vec4f(direction, 0.0)).xyz;
@@ -162,7 +162,7 @@ fn lit_interval(
         let m = ray_medium(k);
         let a = max(t0, medium_intervals[k].x);
         let b = min(t1, medium_intervals[k].y);
-        if (a < b && media[m].has_shafts != 0u) {
+        if (a < b && has_shafts(m, light.kind != LIGHT_DIRECTIONAL) > 0.0) {
             if (HAS_LOCAL && light.kind != LIGHT_DIRECTIONAL) {
                 sum += local_interval(light, index, m, origin, direction, a, b);
             } else if (HAS_DIRECTIONAL && IS_ONE_BOX) {

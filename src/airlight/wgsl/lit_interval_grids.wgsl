@@ -35,7 +35,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     }
     towards_eye = -dot(light.direction, direction);
     for (var m = 0u; m < COPIED_MEDIA; m++) {
-        parallel_phases[m] = f32(media[m].has_shafts) * scattering_phase(towards_eye, media[m].g);
+        parallel_phases[m] = has_shafts(m, false) * scattering_phase(towards_eye, media[m].g);
     }
     step_end = -1.0;
 }
@@ -43,7 +43,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
 // Copied where media are few.
 fn parallel_phase(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return f32(media[m].has_shafts) * scattering_phase(towards_eye, media[m].g);
+        return has_shafts(m, false) * scattering_phase(towards_eye, media[m].g);
     }
     return parallel_phases[m];
 }
@@ -116,7 +116,7 @@ fn sent_by(light: LightData, t: f32, path: f32, mu: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_in_step(); j++) {
         let m = step_media[j];
-        sum += f32(media[m].has_shafts) * step_density[j] * media[m].sigma_t * media[m].albedo
+        sum += has_shafts(m, true) * step_density[j] * media[m].sigma_t * media[m].albedo
             * scattering_phase(mu, media[m].g);
     }
     return sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);

@@ -12,6 +12,8 @@
 const MEDIUM_BOX = 0u;
 const MEDIUM_ELLIPSOID = 1u;
 const MEDIUM_GRID = 2u;
+const SHAFTS_OF_ALL = 1u;
+const SHAFTS_OF_LOCAL = 2u;
 const MAX_COLUMN_STEPS = 256.0;
 
 // A point in the medium's own box, 0 to 1 on each axis.
@@ -99,9 +101,15 @@ fn media_coefficients(p: vec3f) -> MediaCoefficients {
     return sum;
 }
 
+// Whether shafts draw what medium m scatters once of a local light, or of another; 1 or 0.
+fn has_shafts(m: u32, is_local: bool) -> f32 {
+    return select(0.0, 1.0, media[m].shafts == SHAFTS_OF_ALL
+        || (is_local && media[m].shafts == SHAFTS_OF_LOCAL));
+}
+
 // Scattering times phase function of the media with shafts, m^-1 sr^-1; mu: the cosine between the two
 // directions of travel.
-fn media_phase_scattering(p: vec3f, mu: f32) -> vec3f {
+fn media_phase_scattering(p: vec3f, mu: f32, is_local: bool) -> vec3f {
     var sum = vec3f(0.0);
     var node = 0u;
     for (var v = 0u; v < MEDIA_NODES; v++) {
@@ -110,7 +118,7 @@ fn media_phase_scattering(p: vec3f, mu: f32) -> vec3f {
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
-        if (media[m].has_shafts != 0u) {
+        if (has_shafts(m, is_local) > 0.0) {
             sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo
                 * scattering_phase(mu, media[m].g);
         }

@@ -47,7 +47,7 @@ fn sigma_s_of(m: u32) -> vec3f {
 
 fn lit_scattering_of(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return f32(media[m].has_shafts) * sigma_s_of(m);
+        return has_shafts(m, false) * sigma_s_of(m);
     }
     return media_lit_scattering[m];
 }
@@ -78,7 +78,7 @@ fn media_copied() {
     for (var m = 0u; m < COPIED_MEDIA; m++) {
         media_sigma_t[m] = media[m].sigma_t;
         media_sigma_s[m] = media[m].sigma_t * media[m].albedo;
-        media_lit_scattering[m] = f32(media[m].has_shafts) * media_sigma_s[m];
+        media_lit_scattering[m] = has_shafts(m, false) * media_sigma_s[m];
         media_reduced_sigma_s[m] = (1.0 - media[m].g) * media_lit_scattering[m];
         media_reduced_sigma_t[m] =
             media_sigma_t[m] - (media_lit_scattering[m] - media_reduced_sigma_s[m]);

@@ -65,7 +65,7 @@ fn step_radiance(
     if (gain <= 0.0) {
         return vec3f(0.0);
     }
-    return gain * light.color * media_phase_scattering(p, -dot(travel, direction))
+    return gain * light.color * media_phase_scattering(p, -dot(travel, direction), light.kind != LIGHT_DIRECTIONAL)
         * media_light_transmittance(light, index, p);
 }
 

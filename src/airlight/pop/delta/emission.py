@@ -7,7 +7,7 @@ from typing import Any
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
-from ...gpu.layout import Struct, f32, mat4x4f, vec3f
+from ...gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ...gpu.memory import Buffer, BufferPart, Texture
 from ...gpu.slots import Slot, image, sampler, storage, texture, uniform
 from ...maths.transforms import F64
@@ -24,6 +24,7 @@ class ViewParams(Struct):
     eye = vec3f("m")
     correction = f32("exponent of the furnace correction; 0 for none")
     sky_from_medium = mat4x4f("directions of the medium in the sky's map")
+    has_local_shafts = u32("1: what local lights scatter once is drawn by shafts")
 
 
 class _OfBeams(ComputePass):
@@ -67,9 +68,15 @@ class Emission:
     vec4 per cell: indirect light of surfaces, in the same unit.
     """
 
-    def __init__(self, medium: GridMedium, correction: float) -> None:
-        """`correction`: exponent of the furnace corrections; 0 for none."""
+    def __init__(
+        self, medium: GridMedium, correction: float, *, has_local_shafts: bool = False
+    ) -> None:
+        """`correction`: exponent of the furnace corrections; 0 for none.
+
+        `has_local_shafts`: what local lights scatter once is drawn by shafts, and left out here.
+        """
         gpu, mixture = medium.gpu, medium.mixture
+        self._has_local_shafts = has_local_shafts
         self._medium, self._correction = medium, correction
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
@@ -96,7 +103,9 @@ class Emission:
             commands,
             (self._medium.cells,),
             params=params,
-            **bound_by_view(light.table, eye, self._correction),
+            **bound_by_view(
+                light.table, eye, self._correction, has_local_shafts=self._has_local_shafts
+            ),
             **self._bound(light, diffuse),
             refined=self._refined,
             emission=self.texture,
@@ -133,10 +142,17 @@ class Emission:
         }
 
 
-def bound_by_view(table: OrdinateTable, eye: F64, correction: float) -> dict[str, Any]:
+def bound_by_view(
+    table: OrdinateTable, eye: F64, correction: float, *, has_local_shafts: bool = False
+) -> dict[str, Any]:
     """The ordinates and the eye, by slot name."""
     sky = table.correction
-    view = ViewParams(eye=eye, correction=correction, sky_from_medium=sky.sky_from_medium)
+    view = ViewParams(
+        eye=eye,
+        correction=correction,
+        sky_from_medium=sky.sky_from_medium,
+        has_local_shafts=int(has_local_shafts),
+    )
     return {
         "view": view,
         "ordinates": table.rows,
