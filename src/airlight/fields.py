@@ -41,7 +41,8 @@ class Source:
     With `medium` ABSOLUTE, texel * `scale` is J in W m^-3 sr^-1. Otherwise it is mean radiance,
     W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
     of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
-    one volume's, at the density's own resolution.
+    one volume's, at the density's own resolution. `whole`: the same with what shafts draw in the
+    eye's rays; `texture` if not given.
     """
 
     texture: Texture
@@ -49,6 +50,7 @@ class Source:
     scale: float = 1.0
     medium: int = ABSOLUTE
     parts: int = 1
+    whole: Texture | None = None
 
     @property
     def cell_m(self) -> float:

@@ -146,8 +146,7 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
             "world_from_unit": v.world_from_unit.tolist(),
             "eye_m": list(v.eye),
             "unit": "W m^-2 sr^-1",
-            "meaning": "in-scattered radiance towards the eye, times sigma_s; without what local "
-            "lights scatter once",
+            "meaning": "in-scattered radiance towards the eye, times sigma_s",
         }
         for i, v in enumerate(field.volumes)
     ]

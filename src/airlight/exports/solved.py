@@ -157,7 +157,7 @@ def _world_from_unit(solver: PopSolver, origin: tuple[float, float, float]) -> F
 
 def _scattered(solver: PopSolver) -> np.ndarray[Any, np.dtype[np.float32]]:
     """(Z, Y, X, 3): in-scattered radiance per unit scattering coefficient, W m^-2 sr^-1."""
-    return (solver.emission.texture.read()[..., :3] * solver.scale).astype(np.float32)
+    return (solver.emission.whole.read()[..., :3] * solver.scale).astype(np.float32)
 
 
 def _three(values: Any) -> tuple[float, float, float]:

@@ -8,6 +8,7 @@ on from lights as beams, which no ray meets; lattices know its irradiance.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from ..fields import Fields
 from ..gpu.commands import Commands
@@ -97,4 +98,5 @@ class Air:
 
 def light_in(fields: Fields) -> MarchedLight:
     """What media along a gather's rays scatter."""
-    return MarchedLight(fields.volumes, fields.air.mean if fields.air else None)
+    sources = tuple(replace(s, texture=s.whole or s.texture) for s in fields.volumes)
+    return MarchedLight(sources, fields.air.mean if fields.air else None)

@@ -280,6 +280,7 @@ class PopSolver:
             scale=self.scale,
             medium=medium,
             parts=len(self.medium.parts),
+            whole=self.emission.whole,
         )
 
     @property

@@ -8,8 +8,7 @@ volumes   `pop`: a solver for the light of each volume, marched as a source. Lig
           four (or eight parts of volumes of many colours), or where a box or ball keeps much of a
           local light from the room: single scattering is exact there. (A thick ball in the Cornell
           box: the relative L2 error of its light is .21, with pop .33. For density grids pop is the
-          better one, .27 against .55.) So they are where a lamp is inside smoke that scatters
-          forwards (g .6 in the Cornell box: .93 of its light, with pop .78).
+          better one, .27 against .55.)
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ import numpy as np
 
 from ..maths.transforms import F64
 from ..scene.coefficients import grouped
-from ..scene.lights import DirectionalLight, PointLight, SpotLight
+from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene, volume_world_bounds
 from ..scene.volume import Volume
 
@@ -48,24 +47,10 @@ def _shades_a_room(scene: Scene) -> bool:
     """
     if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
         return False
-    if any(_holds_a_lamp(volume, scene) for volume in scene.volumes):
-        return True
     low, high = scene.bounds
     room = _section(high - low)
     shapes = [v for v in scene.volumes if scene.medium is not None or v.density is None]
     return any(_shading(volume) > _SHADED_SHARE * room for volume in shapes)
-
-
-def _holds_a_lamp(volume: Volume, scene: Scene) -> bool:
-    """Whether a local light is inside a volume that scatters forwards.
-
-    Beside `lpv`, surfaces get nothing of what it deflects on its way to them.
-    """
-    if max(volume.g) <= 0.0:
-        return False
-    low, high = volume_world_bounds(volume)
-    places = [x.position for x in scene.lights if isinstance(x, (PointLight, SpotLight))]
-    return any(bool(np.all(place > low) and np.all(place < high)) for place in places)
 
 
 def _shading(volume: Volume) -> float:

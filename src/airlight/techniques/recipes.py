@@ -190,7 +190,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
 def _has_local_shafts(context: Context, settings: PopSettings, shafts: str = "auto") -> bool:
     """Whether shafts draw what volumes of principal ordinates scatter once of local lights."""
     has_local = any(not isinstance(x, DirectionalLight) for x in context.scene.lights)
-    return has_local and shafts != "off" and settings.scheme == "delta-beam"
+    return has_local and shafts != "off" and settings.scheme != "paper"
 
 
 def _pop_layers(media: Media, more: tuple[str, ...], view: Any) -> dict[str, Any]:

@@ -14,7 +14,8 @@ const PHASE_TABLE = 256u;
 const STRONGEST_FLUX = 0.95;
 
 struct BeamEmission {
-    beams: vec3f,          // of directional and local lights
+    beams: vec3f,          // of directional lights
+    local: vec3f,          // of local ones
     sky: vec3f,            // the same of the sky's ordinates
     quasi_forward: vec3f,
     bent_x: vec3f,         // flux that the lobes of quasi_forward lack
@@ -40,10 +41,10 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         }
         let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
         let direct = exp(-true_depth(n, cell));
-        // Of local lights shafts may draw it, with an edge as sharp as the light's fall-off.
-        let is_drawn = view.has_local_shafts == 1u && ordinates[n].position.w == LOCAL;
-        let once = select(light.irradiance * direct * beam_phase(n, mu), vec3f(0.0), is_drawn);
-        if (ordinates[n].spot.w == 0.0) {
+        let once = light.irradiance * direct * beam_phase(n, mu);
+        if (ordinates[n].position.w == LOCAL) {
+            sum.local += once;
+        } else if (ordinates[n].spot.w == 0.0) {
             sum.beams += once;
         } else {
             sum.sky += once;

@@ -48,8 +48,15 @@ _read: tuple[Slot, ...] = (
 )
 
 
+EMISSION_SLOTS: tuple[Slot, ...] = (
+    image("emission", "rgba16float", "3d"),
+    image("whole", "rgba16float", "3d"),
+)
+"""As `wgsl/store_emission.wgsl` writes them."""
+
+
 class _Emission(_OfBeams):
-    own_slots = (*_read, storage("refined", "vec4f"), image("emission", "rgba16float", "3d"))
+    own_slots = (*_read, storage("refined", "vec4f"), *EMISSION_SLOTS)
     workgroup = (64, 1, 1)
     file = "emission.wgsl"
 
@@ -63,7 +70,8 @@ class _Furnace(_OfBeams):
 class Emission:
     """Fills `texture`: in-scattered radiance per unit scattering coefficient.
 
-    Its unit is the scale of the ordinates: times `OrdinateTable.scale`, W m^-2 sr^-1.
+    `whole` is that with what local lights scatter once, which `texture` leaves to shafts if they
+    draw it. The unit is the scale of the ordinates: times `OrdinateTable.scale`, W m^-2 sr^-1.
     `corrections`, vec4 per cell: factors of multiple scattering, see `encode_furnace`. `indirect`,
     vec4 per cell: indirect light of surfaces, in the same unit.
     """
@@ -76,10 +84,15 @@ class Emission:
         `has_local_shafts`: what local lights scatter once is drawn by shafts, and left out here.
         """
         gpu, mixture = medium.gpu, medium.mixture
-        self._has_local_shafts = has_local_shafts
+        self.has_local_shafts = has_local_shafts
         self._medium, self._correction = medium, correction
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
+        )
+        # Nothing is written to a second texture that would be the same.
+        count = medium.placement.count if has_local_shafts else (1, 1, 1)
+        self._other = Texture(
+            gpu, "whole emission", count, "rgba16float", dimension="3d", written=True
         )
         # Both parts lie in one buffer: some devices bind no more than eight per stage. Indirect
         # light is 0 until another pass fills it.
@@ -104,12 +117,22 @@ class Emission:
             (self._medium.cells,),
             params=params,
             **bound_by_view(
-                light.table, eye, self._correction, has_local_shafts=self._has_local_shafts
+                light.table, eye, self._correction, has_local_shafts=self.has_local_shafts
             ),
             **self._bound(light, diffuse),
             refined=self._refined,
-            emission=self.texture,
+            **self.written,
         )
+
+    @property
+    def whole(self) -> Texture:
+        """All that is scattered towards the eye, by light of any order."""
+        return self._other if self.has_local_shafts else self.texture
+
+    @property
+    def written(self) -> dict[str, Texture]:
+        """By slot name, of `EMISSION_SLOTS`."""
+        return {"emission": self.texture, "whole": self._other}
 
     def encode_furnace(
         self,

@@ -2,8 +2,7 @@
 // the furnace corrections of all cells, then the indirect light of surfaces in them.
 //! use beam_emission
 //! use sky_gain
-
-const HALF_MAX = 65504.0;
+//! use store_emission
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells) {
@@ -11,7 +10,7 @@ const HALF_MAX = 65504.0;
     }
     let cell = cell_of(id.x);
     if (reach[id.x] == 0u) {
-        textureStore(emission, cell, vec4f(0.0, 0.0, 0.0, 1.0));
+        store_emission(cell, vec3f(0.0), vec3f(0.0));
         return;
     }
     // Multiple scattering: forwards only, and diffuse; corrected as in the furnace.
@@ -22,9 +21,8 @@ const HALF_MAX = 65504.0;
     if (view.correction > 0.0) {
         scattered *= pow(refined[id.x].rgb, vec3f(view.correction));
     }
-    // Single scattering of lights and sky, and the indirect light of surfaces.
+    // Single scattering of the sun and the sky, and the indirect light of surfaces.
     let once = light.beams + light.sky * sky_correction_towards(travel);
     let indirect = refined[arrayLength(&refined) / 2u + id.x].rgb;
-    let all = once + scattered + indirect;
-    textureStore(emission, cell, vec4f(min(all, vec3f(HALF_MAX)), 1.0));
+    store_emission(cell, once + scattered + indirect, light.local);
 }

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.memory import Buffer, Texture
-from ...gpu.slots import image, sampler, storage, texture, uniform
+from ...gpu.memory import Buffer
+from ...gpu.slots import sampler, storage, texture, uniform
 from ...maths.transforms import F64
-from ..delta.emission import ViewParams, bound_by_view
+from ..delta.emission import EMISSION_SLOTS, Emission, ViewParams, bound_by_view
 from ..light.incident import IncidentLight
 from ..light.table import OrdinateData
 from ..medium.grid_medium import GridMedium
@@ -20,7 +20,7 @@ from .propagation import GridPropagation
 
 
 class GridEmission(ComputePass):
-    """Fills the texture of `delta.emission.Emission`."""
+    """Fills the textures of `delta.emission.Emission`."""
 
     slots = (
         uniform("params", MediumParams),
@@ -34,7 +34,7 @@ class GridEmission(ComputePass):
         uniform("view", ViewParams),
         texture("sky_correction"),
         sampler("sky_sampler"),
-        image("emission", "rgba16float", "3d"),
+        *EMISSION_SLOTS,
     )
     workgroup = (64, 1, 1)
     file = "emission.wgsl"
@@ -50,7 +50,7 @@ class GridEmission(ComputePass):
         eye: F64,
         light: IncidentLight,
         diffuse: Buffer,
-        emission: Texture,
+        emission: Emission,
     ) -> None:
         """Fill `emission` for an eye at `eye` (3,), m in the frame of the medium."""
         propagation = self._propagation
@@ -59,10 +59,10 @@ class GridEmission(ComputePass):
             (self._medium.cells,),
             params=params,
             hops=propagation.grids.params(eye),
-            **bound_by_view(light.table, eye, 0.0),
+            **bound_by_view(light.table, eye, 0.0, has_local_shafts=emission.has_local_shafts),
             passed=light.passed,
             diffuse=diffuse,
             reach=self._medium.density.reach,
             merged=propagation.merge.merged,
-            emission=emission,
+            **emission.written,
         )

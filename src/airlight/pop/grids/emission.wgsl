@@ -2,8 +2,8 @@
 // (not as printed) of beams.
 //! use beam_emission
 //! use sky_gain
+//! use store_emission
 
-const HALF_MAX = 65504.0;
 const RESIDUAL_LOBE = 0.5;
 
 // The radiance of the residuum; see maths/ordinate_hops.py, residual_emission.
@@ -23,9 +23,11 @@ fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     let cell = cell_of(id.x);
     let travel = normalize(hops.eye - cell_centre(cell) + vec3f(1e-12));
     var light = merged[id.x].xyz + residual_emission(id.x, travel);
+    var local = vec3f(0.0);
     if (hops.is_paper == 0u && reach[id.x] != 0u) {
         let beams = beam_emission(id.x, travel);
         light += beams.beams + beams.sky * sky_correction_towards(travel);
+        local = beams.local;
     }
-    textureStore(emission, cell, vec4f(min(light, vec3f(HALF_MAX)), 1.0));
+    store_emission(cell, light, local);
 }

@@ -107,7 +107,7 @@ class OrdinateGrids:
             self._encode_residuum(commands, params)
         with commands.stage("pop emission"):
             diffuse = self.diffuse.diffuse
-            self._emission.encode(commands, params, eye, self.light, diffuse, emission.texture)
+            self._emission.encode(commands, params, eye, self.light, diffuse, emission)
 
     def _encode_residuum(self, commands: Commands, params: MediumParams) -> None:
         """Spread the residuum: by diffusion, or isotropically from cell to cell as printed."""
