@@ -1,6 +1,5 @@
 import dataclasses
 
-import numpy as np
 import pytest
 
 from airlight.errors import SettingsError
@@ -36,16 +35,6 @@ def test_a_ball_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over
     assert chosen(dataclasses.replace(under_lamp, volumes=(ball,))) == "lpv-scatter"
     thin = dataclasses.replace(ball, sigma_t=(0.02, 0.02, 0.02))
     assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "lpv with pop"
-
-
-def test_a_lamp_inside_forward_smoke_is_the_lattices(smoke_over_floor):
-    """Surfaces get what the smoke deflects on its way to them, which `lpv` leaves out."""
-    (smoke,) = smoke_over_floor.volumes
-    middle = tuple(np.mean(smoke.bounds, axis=0))
-    inside = dataclasses.replace(smoke_over_floor, lights=(PointLight(middle, (9.0, 9.0, 9.0)),))
-    for g, wanted in ((0.0, "lpv with pop"), (0.6, "lpv-scatter")):
-        volume = dataclasses.replace(smoke, g=(g,) * 3)
-        assert chosen(dataclasses.replace(inside, volumes=(volume,))) == wanted
 
 
 def test_all_three_solvers_in_one_frame(smoke_over_floor):
