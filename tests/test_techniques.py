@@ -7,8 +7,14 @@ import dataclasses
 import pytest
 
 from airlight.errors import SettingsError, nearest
+from airlight.lighting.kit import Context
 from airlight.scene import Scene
 from airlight.techniques import TECHNIQUES, make_technique, technique_settings
+
+
+def _context(scene: Scene) -> Context:
+    """Without a device: settings are checked before one is used."""
+    return Context(None, scene, None, (64, 48))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", sorted(TECHNIQUES))
@@ -66,11 +72,11 @@ def test_an_unknown_technique_is_refused(name, remedy):
 )
 def test_bad_settings_are_refused_before_anything_is_made(values, message):
     with pytest.raises(SettingsError) as caught:
-        make_technique(None, Scene(), None, "lpv", values, (64, 48))  # type: ignore[arg-type]
+        make_technique(_context(Scene()), "lpv", values)
     assert str(caught.value) == message
 
 
 def test_a_bad_setting_of_the_scene_file_is_refused_too():
     scene = Scene(settings={"lpv": {"resolutoin": 8}})
     with pytest.raises(SettingsError, match="unknown setting 'resolutoin'"):
-        make_technique(None, scene, None, "lpv", {}, (64, 48))  # type: ignore[arg-type]
+        make_technique(_context(scene), "lpv", {})

@@ -19,6 +19,7 @@ from .gpu.device import open_gpu
 from .gpu.one_thread import OneThread
 from .gpu.process import enter_driver, is_forked
 from .lighting.accumulate import Accumulator
+from .lighting.kit import Context
 from .lighting.read_layers import read_layers
 from .lighting.view import View
 from .maths.sampling import pixel_jitter, shutter_shares
@@ -96,9 +97,8 @@ class Renderer:
             self.commands = Commands(gpu)
             first = self._nearby.of(self._shown.of(self._first))
             self.meshes = GpuScene(gpu, first)
-            self.technique = make_technique(
-                gpu, first, self.meshes, technique, settings, self.size, nearby=self._nearby
-            )
+            context = Context(gpu, first, self.meshes, self.size, self.commands)
+            self.technique = make_technique(context, technique, settings, nearby=self._nearby)
             made.callback(self.technique.release)
             self.view = View(gpu, self.size)
             self._made = made.pop_all()

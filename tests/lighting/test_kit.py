@@ -58,3 +58,25 @@ def test_no_light_is_black(gpu: Any, owned: Any, square: Any) -> None:
     assert not bound["lattice_red"].read().any()
     assert bound["lattice_red"].size == kit.lattices.texture_size
     assert not kit.no_irradiance.is_reflected
+
+
+def test_the_sky_is_drawn_once_where_a_frame_follows_at_once(
+    gpu: Any, owned: Any, square: Any
+) -> None:
+    """Its maps are begun with the kit; the frame lights its lattice from them, to the same bits."""
+    floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2))
+    scene = Scene(
+        meshes=(floor, square((0, 1, 0), (1, 0, 0), (0, 0, -1))),
+        environment=Environment((0.5, 0.6, 0.7)),
+    )
+    meshes, commands = owned(GpuScene(gpu, scene)), Commands(gpu)
+    cubes = []
+    for begun in (None, commands):
+        kit = owned(Kit(Context(gpu, scene, meshes, (8, 8), begun), SETTINGS))
+        assert kit.sky.version == (begun is not None)
+        kit.encode(commands, scene, *kit.bounds(scene))
+        commands.submit()
+        assert kit.sky.version == 1
+        cubes.append(kit.lattices.cube.read())
+    assert cubes[0].any()
+    np.testing.assert_array_equal(*cubes)

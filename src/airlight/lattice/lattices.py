@@ -33,7 +33,7 @@ class Level:
     placement: Placement
     blockers: Blockers
     skylight: Skylight
-    lit: int = -1  # the blockers' version under which the sky last lit it
+    lit: tuple[int, int] | None = None  # the versions of sky and blockers when it was last lit
 
     def move_to(self, placement: Placement) -> None:
         """Move the lattice; blockers and sky light are updated when they are encoded."""

@@ -15,6 +15,7 @@ from ..area.emitters import Emitters
 from ..area.lighting import AreaShadows
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.lanes import has_row_lanes
 from ..lattice.blockers import Blockers
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
@@ -84,12 +85,17 @@ class SurfaceSettings:
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """What a technique is made for. `size`: of the image, pixels."""
+    """What a technique is made for. `size`: of the image, pixels.
+
+    `commands`, where a frame of the scene as it is follows at once: what needs neither lattices nor
+    solvers is submitted before they are made, and the device draws while the host makes them.
+    """
 
     gpu: Gpu
     scene: Scene
     meshes: GpuScene
     size: tuple[int, int]
+    commands: Commands | None = None
 
 
 class Kit:
@@ -132,6 +138,8 @@ class Kit:
             has_panes=self.meshes.has_translucent,
         )
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
+        if context.commands:
+            self._begin(context.commands, scene, nest.levels[-1])
         self.lattices = Lattices(
             gpu,
             scene,
@@ -147,6 +155,13 @@ class Kit:
         """Of lights with extent, where there are any and surfaces that they could light."""
         if self.emitters.count and self.meshes.draws:
             self.area_shadows = AreaShadows(gpu, self.emitters, settings.lamp_resolution)
+
+    def _begin(self, commands: Commands, scene: Scene, placement: Placement) -> None:
+        """Submit the sky's maps, most of a first frame's work on a CPU adapter, for a lattice."""
+        # An answer of the device would wait for them, so it is asked before.
+        has_row_lanes(self.gpu)
+        if self.sky.encode(commands, self.meshes, scene.environment, placement):
+            commands.submit()
 
     @property
     def placement(self) -> Placement:
@@ -183,18 +198,18 @@ class Kit:
 
     def _light_sky(self, commands: Commands, scene: Scene) -> None:
         """Update the sky's maps, and its light in lattices where it or their blockers changed."""
-        changed = self.sky.encode(commands, self.meshes, scene.environment, self.placement)
         # The device draws the maps while the passes that read them are compiled and encoded.
-        if changed:
+        if self.sky.encode(commands, self.meshes, scene.environment, self.placement):
             commands.submit()
         for level in self.lattices.levels:
-            version = level.blockers.version
-            if changed or level.lit != version:
+            versions = (self.sky.version, level.blockers.version)
+            if level.lit != versions:
                 # Blockers that views see change where no lattice moved.
-                is_same = not changed and self.lattices.source is None
+                is_same_sky = level.lit is not None and level.lit[0] == self.sky.version
+                is_same = is_same_sky and self.lattices.source is None
                 bound = level.blockers.bound
                 self.sky.light(commands, level.skylight, bound, is_same_light=is_same)
-                level.lit = version
+                level.lit = versions
 
     def shadow_rays(self, commands: Commands) -> ShadowRays | None:
         """Rays for shadow maps that are unsure, where there are any and the settings want them."""

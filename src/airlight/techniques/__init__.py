@@ -23,12 +23,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import SettingsError, nearest
-from ..gpu.device import Gpu
 from ..lighting.kit import Context, SurfaceSettings
 from ..scene.nearby import Nearby
 from ..scene.scene import Scene
 from ..scene.settings import make_settings
-from ..surface.geometry import GpuScene
 from . import recipes, settings
 from .auto import recipe_for
 from .technique import Technique
@@ -106,21 +104,14 @@ def checked_settings(name: str, scene: Scene, given: Mapping[str, Any]) -> Any:
 
 
 def make_technique(
-    gpu: Gpu,
-    scene: Scene,
-    meshes: GpuScene,
-    name: str,
-    given: Mapping[str, Any],
-    size: tuple[int, int],
-    *,
-    nearby: Nearby | None = None,
+    context: Context, name: str, given: Mapping[str, Any], *, nearby: Nearby | None = None
 ) -> Technique:
-    """The technique `name` for `scene`: the scene file's settings, then those `given` over them.
+    """The technique `name` for a scene: the scene file's settings, then those `given` over them.
 
-    `size` of the image in pixels. `nearby`: how the scene was moved from the world, of which
-    settings say. Raises SettingsError for an unknown technique or setting.
+    `nearby`: how the scene was moved from the world, of which settings say. Raises SettingsError
+    for an unknown technique or setting.
     """
-    made = checked_settings(name, scene, given)
+    made = checked_settings(name, context.scene, given)
     if nearby is not None:
         made = replace(made, bounds=nearby.box(made.bounds))
-    return RECIPES[chosen_recipe(name, scene)].make(Context(gpu, scene, meshes, size), made)
+    return RECIPES[chosen_recipe(name, context.scene)].make(context, made)
