@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import io
 from collections.abc import Mapping
@@ -29,9 +30,12 @@ def view(
 ) -> Any:
     """Look at `scene` in a notebook: the live widget, to be the last value of a cell.
 
-    A path or builtin:NAME is loaded, and read again when the file is saved. Where the widget
-    cannot run (no anywidget, a page without a kernel) a still image is shown in its place.
-    Outside notebooks use `airlight view`. Raises SceneError, SettingsError, DeviceError.
+    A path or builtin:NAME is loaded, and read again when the file is saved. Where an event loop
+    runs, as in a notebook's kernel, the call returns as soon as the scene is loaded: the widget
+    draws on that loop, its panel says how far it is and what went wrong, and `snapshot()` puts a
+    still image into the notebook for pages without a kernel. Without a loop the call waits for a
+    still image, which stands behind the widget; without anywidget it is all there is. Outside
+    notebooks use `airlight view`. Raises SceneError, SettingsError, DeviceError.
     """
     source = "" if isinstance(scene, Scene) else str(scene)
     loaded = scene if isinstance(scene, Scene) else load(source)
@@ -39,13 +43,24 @@ def view(
         loaded, source=source, technique=technique, settings=settings, adapter=adapter
     )
     session.prepare(size)
-    still = session.image(_STILL_SAMPLES)
     try:
         from rendercanvas import anywidget
     except ImportError:
+        still = session.image(_STILL_SAMPLES)
         session.close()
         return Still(still)
-    return live_widget(anywidget, session, size, still)
+    return live_widget(
+        anywidget, session, size, None if loop_runs() else session.image(_STILL_SAMPLES)
+    )
+
+
+def loop_runs() -> bool:
+    """Whether this thread is in an event loop, which draws when the call has returned."""
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 class Still:
@@ -58,8 +73,10 @@ class Still:
         return png_bytes(self.image)
 
 
-def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: Image) -> Any:
-    """A canvas of `rendercanvas.anywidget` with `session` on it and `still` behind it."""
+def live_widget(
+    anywidget: Any, session: Session, size: tuple[int, int], still: Image | None
+) -> Any:
+    """A canvas of `rendercanvas.anywidget` with `session` on it and `still`, if any, behind it."""
 
     class LiveView(anywidget.AnywidgetRenderCanvas):  # type: ignore[misc]
         _esm, _css = widget_files(anywidget.JS, anywidget.CSS)
@@ -74,6 +91,8 @@ def live_widget(anywidget: Any, session: Session, size: tuple[int, int], still: 
         def _repr_mimebundle_(self, **kwargs: Any) -> Any:
             bundle = super()._repr_mimebundle_(**kwargs)
             data, metadata = bundle if isinstance(bundle, tuple) else (bundle or {}, {})
+            if still is None:
+                return data, metadata
             image = base64.b64encode(png_bytes(still)).decode()
             return {**data, "image/png": image}, metadata
 
