@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from airlight.app.view.asking import Asking
+from types import SimpleNamespace
+
+import pytest
+
+from airlight.app.view.asking import Asking, has_dialogs
 
 
 class Dialog:
@@ -47,3 +51,21 @@ def test_a_dialog_that_was_shut_opens_nothing_and_may_open_again():
     assert not asking.taken()
     asking.ask()
     assert (opened, len(dialogs.made)) == ([], 2)
+
+
+def test_a_library_that_can_be_asked_is_asked():
+    for is_so in (True, False):
+        settings = SimpleNamespace(available=lambda is_so=is_so: is_so)
+        assert has_dialogs(SimpleNamespace(settings=settings)) is is_so
+
+
+@pytest.mark.parametrize(
+    ("platform", "programs", "there"),
+    [("linux", (), False), ("linux", ("kdialog",), True), ("win32", (), True)],
+)
+def test_one_that_cannot_be_asked_needs_a_program_of_the_desktop(
+    monkeypatch, platform, programs, there
+):
+    monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.setattr("shutil.which", lambda name: name if name in programs else None)
+    assert has_dialogs(SimpleNamespace()) is there

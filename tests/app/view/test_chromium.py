@@ -83,6 +83,12 @@ def shown(page) -> np.ndarray:
     return np.asarray(image).astype(int)[:, PANEL_PX:]
 
 
+def box_share(pixels: np.ndarray) -> float:
+    """The share of the image that the scene's red box takes, lit or not."""
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    return float(((red > 1.4 * green) & (red > 1.4 * blue) & (red > 25)).mean())
+
+
 def until(page, is_so, what: str, seconds: float = 90.0) -> np.ndarray:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -110,11 +116,14 @@ def test_a_drag_in_the_browser_changes_the_image(page):
 @pytest.mark.slow
 def test_keys_fly(page):
     opened, _ = page
+    opened.keyboard.press("r")
+    opened.wait_for_timeout(2000)
     before = until(opened, lambda p: p.std() > 4.0, "the scene is shown")
     opened.mouse.click(500, 200)
     opened.keyboard.down("d")
-    until(opened, lambda p: np.abs(p - before).mean() > 3.0, "flying is seen")
+    after = until(opened, lambda p: np.abs(p - before).mean() > 3.0, "flying is seen")
     opened.keyboard.up("d")
+    assert box_share(after) < 0.9 * box_share(before)  # who flies right sees the box go left
 
 
 @pytest.mark.slow
@@ -152,7 +161,8 @@ def test_two_fingers_come_nearer(page):
         touch("touchMove", (440 - 12 * step, 160), (480 + 12 * step, 160))
         opened.wait_for_timeout(40)
     touch("touchEnd")
-    until(opened, lambda p: np.abs(p - before).mean() > 3.0, "it came nearer")
+    after = until(opened, lambda p: np.abs(p - before).mean() > 3.0, "it came nearer")
+    assert box_share(after) > 1.2 * box_share(before)
 
 
 @pytest.mark.slow
@@ -175,6 +185,7 @@ def test_a_second_tab_is_told_that_it_looks_on(page):
     second.goto(link)
     status = second.locator("#status")
     until(second, lambda p: "look on" in status.inner_text(), "the second tab is told")
+    assert second.locator("aside.panel").is_hidden()  # what it cannot use it does not show
     second.close()
 
 

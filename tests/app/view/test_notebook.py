@@ -56,7 +56,7 @@ def test_a_missing_scene_is_said():
 @pytest.fixture
 def fake_widgets(monkeypatch):
     """In the place of `rendercanvas.anywidget`: a canvas that a running event loop draws."""
-    offscreen = pytest.importorskip("rendercanvas.offscreen")
+    from rendercanvas import offscreen
 
     class Canvas(offscreen.OffscreenRenderCanvas):
         image = None
@@ -92,6 +92,7 @@ def fake_widgets(monkeypatch):
     return module
 
 
+@pytest.mark.needs("rendercanvas")
 def test_in_a_running_loop_the_call_returns_and_the_loop_draws(fake_widgets):
     """What blocks its cell has a renderer, and an image, before the loop has its turn."""
 

@@ -39,6 +39,12 @@ def test_without_a_display_the_browser_is_offered(monkeypatch, capsys):
     assert "error: there is no display to open a window on. Use --in browser" in said
 
 
+def box_share(pixels: np.ndarray) -> float:
+    """The share of the image that the scene's red box takes, lit or not."""
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    return float(((red > 1.4 * green) & (red > 1.4 * blue) & (red > 25)).mean())
+
+
 class Desk:
     """An X server of its own, with the viewer on it."""
 
@@ -132,7 +138,9 @@ def test_a_drag_turns_the_image(desk):
     before = desk.rested()
     desk.do("mousemove", 480, 160, "mousedown", 1, "mousemove", 500, 160, "mousemove", 540, 165)
     desk.do("mouseup", 1)
-    desk.until_changed(before, "the drag is seen")
+    after = desk.until_changed(before, "the drag is seen")
+    # Who drags to the right turns the box: it stays in the image, and shows another side.
+    assert 0.5 < box_share(after) / box_share(before) < 2.0
 
 
 @needs_a_desk
@@ -140,13 +148,15 @@ def test_a_drag_turns_the_image(desk):
 def test_the_wheel_keys_and_sun(desk):
     before = desk.rested()
     desk.do("mousemove", 480, 160, "click", "--repeat", 3, 4)
-    before = desk.until_changed(before, "the wheel is seen")
+    far, before = before, desk.until_changed(before, "the wheel is seen")
+    assert box_share(desk.rested()) > 1.05 * box_share(far)  # up is nearer
     desk.do("keydown", "d")
     before = desk.until_changed(before, "flying is seen")
     desk.do("keyup", "d")
     before = desk.rested()
     desk.do("keydown", "ctrl", "mousedown", 1, "mousemove", 560, 120, "mouseup", 1, "keyup", "ctrl")
-    desk.until_changed(before, "the turned sun is seen", least=1.0)
+    after = desk.until_changed(before, "the turned sun is seen", least=1.0)
+    assert box_share(after) == pytest.approx(box_share(before), rel=0.15)  # the camera stayed
 
 
 @needs_a_desk
@@ -227,6 +237,8 @@ def test_a_click_at_rest_opens_the_list_of_techniques(desk):
     while np.abs(desk.shot()[118:250, 15:150] - before).mean() < 8.0:
         assert time.monotonic() < end, "the list stayed shut"
         time.sleep(0.2)
+    opened = desk.shot()[118:250, 15:150]
+    assert np.abs(opened - before).mean() >= 8.0
     desk.do("mousemove", 480, 310, "click", 1)  # beside it: shut again
     time.sleep(1.0)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +12,16 @@ from .canvas import CanvasView
 from .document import MAP_SUFFIXES
 
 _LOOK_S = 0.1
+_PROGRAMS = ("zenity", "kdialog", "matedialog", "qarma")
+"""That imgui-bundle's dialogs are shown by, but on Windows and macOS."""
+
+
+def has_dialogs(dialogs: Any) -> bool:
+    """Whether the desktop can show one; imgui-bundle 1.93 has no `settings` to ask any more."""
+    settings = getattr(dialogs, "settings", None)
+    if settings is not None:
+        return bool(settings.available())
+    return sys.platform in ("win32", "darwin") or any(map(shutil.which, _PROGRAMS))
 
 
 class Asking:
@@ -26,7 +38,7 @@ class Asking:
             from imgui_bundle import portable_file_dialogs as dialogs
         except ImportError:
             return None
-        return cls(dialogs, opened) if dialogs.settings.available() else None
+        return cls(dialogs, opened) if has_dialogs(dialogs) else None
 
     def ask(self) -> None:
         """Open the dialog, unless it is open."""
