@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -35,14 +36,13 @@ from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
-from .scene.shown import ShownScenes, drawn_alike
+from .scene.shown import ShownScenes, changed, drawn_alike, has_unlit
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
 
 Progress = Callable[[str, float], None]
 _MOST_TIMES = 256
-_MANY = ("lights", "light_groups", "meshes", "volumes")
 
 
 class Renderer:
@@ -80,6 +80,8 @@ class Renderer:
         self.frame_ms: list[float] = []
         self.python_ms: list[float] = []
         self._first_image_s: float | None = None
+        self.exposure_stops: float | None = None
+        """Instead of the camera's, where it is a number."""
         self._make()
 
     def _make(self) -> None:
@@ -131,19 +133,21 @@ class Renderer:
             changes: dict[str, Any] = dict(camera=camera, lights=lights, environment=environment)
             changes |= dict(meshes=meshes, volumes=volumes, light_groups=light_groups)
             before = self.scene
-            scene = self._asked(before if time is None else before.at(time), **changes)
+            changes |= dict(exposure_stops=self.exposure_stops)
+            scene = changed(before if time is None else before.at(time), **changes)
             moments: Iterator[Scene] | None = None
             if time is not None and samples > 1 and has_moments(scene):
                 times_s = time + scene.camera.shutter_s * shutter_shares(samples)
-                moments = (self._asked(before.at(t), **changes) for t in times_s.tolist())
+                moments = (changed(before.at(t), **changes) for t in times_s.tolist())
             if not drawn_alike(scene, self._first):
                 self._first = scene
                 self._release()
                 self._make()
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
-                if moments is None:
+                if moments is None or has_unlit(scene):
                     self.technique.solve(self.commands, self.show(scene), is_still=samples > 1)
+                self.view.metered_stops = self._meter() if read and has_unlit(scene) else 0.0
                 self._draw(samples, progress, moments)
                 if moments is not None:
                     self.show(scene)
@@ -171,6 +175,13 @@ class Renderer:
     def aim(self, camera: Camera, jitter_px: tuple[float, float], sample: int) -> None:
         """Look through `camera`, a camera of the world; as `View.aim`."""
         self.view.aim(self._nearby.camera(camera), jitter_px, sample)
+
+    def _meter(self) -> float:
+        """The exposure of an image without its unlit surfaces, which then follow it."""
+        self.view.metered_stops = math.inf  # they are black, which is not metered
+        self._draw(1, None)
+        self.gpu.wait()
+        return auto_exposure(read_layers(self.view, self.technique.layers(self.view), None)[1])
 
     def _draw(
         self, samples: int, progress: Progress | None, moments: Iterator[Scene] | None = None
@@ -314,20 +325,6 @@ class Renderer:
         self._made.close()
         self._accumulator = None
 
-    def _asked(self, scene: Scene, **changes: Any) -> Scene:
-        """`scene` with those of `changes` that are not None. Raises SettingsError."""
-        given: dict[str, Any] = {
-            name: tuple(value) if name in _MANY else value
-            for name, value in changes.items()
-            if value is not None
-        }
-        scene = dataclasses.replace(scene, **given) if given else scene
-        if [type(x) for x in scene.lights] != [type(x) for x in self.scene.lights]:
-            raise SettingsError(
-                "frame() got lights of other kinds than the scene's", remedy="Make a new Renderer"
-            )
-        return scene
-
     def _count(self, begin: float, encoded: float, done: float) -> None:
         """Store a frame's times, seconds; of a long animation the first and the latest."""
         if self._first_image_s is None:
@@ -348,8 +345,10 @@ class Renderer:
         means = self._accumulator if samples > 1 else None
         layers, radiance = read_layers(self.view, textures, means)
         stops = self.scene.camera.exposure_stops
-        exposure = float(auto_exposure(radiance)) if stops is None else stops
-        return Image(radiance, layers, exposure_stops=exposure, stats=self.stats())
+        if stops is None:
+            is_known = has_unlit(self.scene)
+            stops = self.view.metered_stops if is_known else float(auto_exposure(radiance))
+        return Image(radiance, layers, exposure_stops=stops, stats=self.stats())
 
 
 def render(

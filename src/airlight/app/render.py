@@ -85,6 +85,9 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         started_s = time.perf_counter()
         loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
         load_s = time.perf_counter() - started_s
+        if options["exposure"] is not None:  # which unlit surfaces follow
+            camera = replace(loaded.camera, exposure_stops=options["exposure"])
+            loaded = replace(loaded, camera=camera)
         check_outputs(output, stats_path)
         from ..rendering import render
 

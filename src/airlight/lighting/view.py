@@ -35,6 +35,8 @@ class View:
         self.is_still = False
         """Whether its image is one of several samples, not a frame alone."""
         self.camera = Camera()
+        self.metered_stops = 0.0
+        """The exposure where the camera leaves it to the image: of unlit surfaces."""
         self._aimed: tuple[Camera, tuple[float, float], tuple[int, int]] | None = None
 
     def _make_layers(self) -> None:
@@ -46,6 +48,8 @@ class View:
     ) -> None:
         """Look through `camera`, the image moved by `jitter_px`; it is the still's `sample`."""
         self.sample, self.camera = sample, camera
+        stops = self.metered_stops if camera.exposure_stops is None else camera.exposure_stops
+        self.gbuffer.unlit_radiance = 2.0**-stops
         aim = (camera, jitter_px, self.size)
         if aim == self._aimed:
             return
@@ -62,6 +66,7 @@ class View:
         """Look where `other`, of the same size, looks."""
         self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
         self._aimed, self.eye = other._aimed, other.eye
+        self.gbuffer.unlit_radiance = other.gbuffer.unlit_radiance
         self.clip_from_world = other.clip_from_world
         self.world_from_clip = other.world_from_clip
 

@@ -49,6 +49,8 @@ def _material_bsdf(
     """The BSDF of `material` on `geometry`; what it cannot say exactly goes to `notes`."""
     material, geometry = _with_constant_colors(material, geometry, notes)
     _note_wrapping(material, notes)
+    if material.is_unlit:
+        notes.append(f"material '{material.name}': unlit, and written as a matt one")
     if material.transmission > 0.0 and material.is_translucent:
         return _covered(_glass(material, geometry, files, notes), material, geometry, files)
     if material.specular == 0.0 and material.metallic == 0.0:

@@ -52,6 +52,8 @@ class Material:
     `transmission`: of the light that a dielectric does not mirror, the share that passes unbent,
     tinted by `base_color`; the rest is reflected diffusely (KHR_materials_transmission, as thin
     glass). `specular` scales the dielectric reflectance of 0.04 (0: a pure Lambert surface).
+    Where it `is_unlit`, cameras see `base_color` itself, as radiance after exposure
+    (KHR_materials_unlit); light meets it as a surface like any other.
     """
 
     name: str = ""
@@ -70,6 +72,7 @@ class Material:
     two_sided: bool = True
     is_blended: bool = False
     transmission: float = 0.0
+    is_unlit: bool = False
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -80,7 +83,8 @@ class Material:
         put(self, "normal_scale", checks.number(self.normal_scale, "normal_scale"))
         put(self, "emission", checks.rgb(self.emission, "emission"))
         put(self, "two_sided", checks.boolean(self.two_sided, "two_sided"))
-        put(self, "is_blended", checks.boolean(self.is_blended, "is_blended"))
+        for name in ("is_blended", "is_unlit"):
+            put(self, name, checks.boolean(getattr(self, name), name))
 
     @property
     def is_emissive(self) -> bool:

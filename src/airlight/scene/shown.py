@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
+from ..errors import SettingsError
 from .coefficients import in_parts
 from .light_shapes import LightMeshes
 from .scene import Scene
 
+_MANY = ("lights", "light_groups", "meshes", "volumes")
 
 class ShownScenes:
     """Puts the meshes of lights among the others, and cuts volumes of many colours into parts."""
@@ -22,3 +27,29 @@ def drawn_alike(one: Scene, other: Scene) -> bool:
     """Whether the volumes of two scenes have as many parts: what is made for one fits the other."""
     counts = [tuple(len(volume.parts) for volume in scene.volumes) for scene in (one, other)]
     return counts[0] == counts[1] or len(counts[0]) != len(counts[1])
+
+
+def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any) -> Scene:
+    """`scene` with those of `changes` that are not None, and that exposure of its camera.
+
+    Raises SettingsError for lights of other kinds.
+    """
+    given: dict[str, Any] = {
+        name: tuple(value) if name in _MANY else value
+        for name, value in changes.items()
+        if value is not None
+    }
+    made = replace(scene, **given) if given else scene
+    if [type(x) for x in made.lights] != [type(x) for x in scene.lights]:
+        raise SettingsError(
+            "frame() got lights of other kinds than the scene's", remedy="Make a new Renderer"
+        )
+    if exposure_stops is None or made.camera.exposure_stops == exposure_stops:
+        return made
+    return replace(made, camera=replace(made.camera, exposure_stops=exposure_stops))
+
+
+def has_unlit(scene: Scene) -> bool:
+    """Whether surfaces follow an exposure that comes from the image."""
+    is_metered = scene.camera.exposure_stops is None
+    return is_metered and any(mesh.material.is_unlit for mesh in scene.meshes)

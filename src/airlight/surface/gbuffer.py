@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, mat4x4f
+from ..gpu.layout import Struct, f32, mat4x4f
 from ..gpu.memory import Texture
 from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
@@ -25,9 +25,10 @@ GPUs alone ask: CPU adapters draw `surface.visibility_buffer`."""
 
 
 class CameraParams(Struct):
-    """The camera's matrix."""
+    """The camera's matrix, and what an unlit surface of base colour 1 sends to it."""
 
     clip_from_world = mat4x4f()
+    unlit_radiance = f32("W m^-2 sr^-1")
 
 
 class _Depth(DepthPipeline):
@@ -65,7 +66,8 @@ class GBuffer:
         if self.has_triangle_ids and uses_visibility_buffer(gpu):
             self._visibility = VisibilityBuffer(gpu, size)
         self._parts = DrawParts(self._split)
-        self._key: tuple[GpuScene, int, bytes] | None = None  # of what the textures hold
+        self.unlit_radiance = 1.0
+        self._key: tuple[GpuScene, int, bytes, float] | None = None  # of what the textures hold
         self._make_textures(size)
 
     def _make_textures(self, size: tuple[int, int]) -> None:
@@ -95,7 +97,7 @@ class GBuffer:
 
     def encode(self, commands: Commands, scene: GpuScene, clip_from_world: F64) -> None:
         """Rasterise the scene through `clip_from_world`; cached while neither changes."""
-        key = (scene, scene.version, clip_from_world.tobytes())
+        key = (scene, scene.version, clip_from_world.tobytes(), self.unlit_radiance)
         if key == self._key:
             return
         self._key = None  # until all is drawn: after an error nothing counts as drawn
@@ -112,7 +114,7 @@ class GBuffer:
             "depth_store_op": "store",
             "depth_clear_value": 0.0,
         }
-        params = CameraParams(clip_from_world=clip_from_world)
+        params = CameraParams(clip_from_world=clip_from_world, unlit_radiance=self.unlit_radiance)
         # Triangle ids first, which a full-screen pass turns into surfaces.
         if self._visibility:
             targets = (self.albedo, self.normal, self.emission)

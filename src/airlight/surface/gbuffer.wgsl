@@ -14,7 +14,7 @@ struct GBufferOut {
 }
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> GBufferOut {
-    let point = surface_at(in, is_front);
+    let point = shown_point(in, is_front, params.unlit_radiance);
     if (IS_CUTOUT && point.alpha < materials[in.material].alpha_cutoff) {
         discard;
     }

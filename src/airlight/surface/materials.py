@@ -30,6 +30,7 @@ class MaterialData(Struct):
     transmission = f32()
     is_blended = u32("1: alpha is coverage")
     is_translucent = u32()
+    is_unlit = u32()
     uv_base_color = vec4f("scale, offset")
     uv_metallic_roughness = vec4f("scale, offset")
     uv_normal = vec4f("scale, offset")
@@ -50,6 +51,7 @@ def material_fields(m: Material) -> dict[str, Any]:
         "transmission": m.transmission,
         "is_blended": int(m.is_blended),
         "is_translucent": int(m.is_translucent),
+        "is_unlit": int(m.is_unlit),
         "uv_base_color": uv_transform(m.base_color_texture),
         "uv_metallic_roughness": uv_transform(m.metallic_roughness_texture),
         "uv_normal": uv_transform(m.normal_texture),

@@ -43,7 +43,8 @@ def most_texels(gpu: Gpu) -> int:
 def is_packable(m: Material) -> bool:
     """Whether the maps share size and transform, and none is of emission or varying metal.
 
-    Translucent materials are not, either: their triangles are drawn one behind the other.
+    Translucent materials are not, either: their triangles are drawn one behind the other; nor
+    unlit ones, which follow the exposure.
     """
     maps = _maps(m)
     alike = {(t.pixels.shape, t.wrap, t.scale, t.offset) for t in maps}
@@ -52,6 +53,7 @@ def is_packable(m: Material) -> bool:
     return (
         m.emission_texture is None
         and not m.is_translucent
+        and not m.is_unlit
         and len(alike) <= 1
         and linear
         and max(sides, default=0) <= _MOST_SIDE

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, mat4x4f, u32, vec3f
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.memory import Texture
 from ..gpu.raster import color_attachments
 from ..gpu.slots import texture, uniform
@@ -26,6 +26,7 @@ class PeelParams(Struct):
     clip_from_world = mat4x4f()
     eye = vec3f("m")
     is_first = u32()
+    unlit_radiance = f32("W m^-2 sr^-1")
 
 
 class _Layer(MeshPipeline):
@@ -83,7 +84,10 @@ class PeeledGBuffer(GBuffer):
         }
         targets = (self.albedo, self.normal, self.emission, self.taken)
         params = PeelParams(
-            clip_from_world=clip_from_world, eye=self._eye, is_first=int(self._index == 0)
+            clip_from_world=clip_from_world,
+            eye=self._eye,
+            is_first=int(self._index == 0),
+            unlit_radiance=self.unlit_radiance,
         )
         with commands.render(
             "layer",

@@ -16,7 +16,7 @@ struct LayerOut {
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> LayerOut {
     let pixel = vec2i(in.clip.xy);
-    let point = surface_at(in, is_front);
+    let point = shown_point(in, is_front, params.unlit_radiance);
     let m = materials[in.material];
     if (IS_CUTOUT && point.alpha < m.alpha_cutoff) {
         discard;
@@ -27,7 +27,7 @@ struct LayerOut {
         discard;
     }
     let to_eye = normalize(params.eye - in.world);
-    let base = vec4f(point.base_color, point.alpha);
+    let base = base_color_at(in);
     let there = coverage(point.alpha, m.is_blended != 0u);
     var out: LayerOut;
     // Of what is there, the part that passes is no diffuse albedo.

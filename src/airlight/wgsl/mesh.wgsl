@@ -118,3 +118,15 @@ fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {
     }
     return point;
 }
+
+// What a camera sees of it: of an unlit material the base colour, `unlit_radiance` times, and no reflection.
+fn shown_point(in: VertexOut, is_front: bool, unlit_radiance: f32) -> SurfacePoint {
+    var point = surface_at(in, is_front);
+    if (materials[in.material].is_unlit != 0u) {
+        point.emission = point.base_color * unlit_radiance;
+        point.base_color = vec3f(0.0);
+        point.metallic = 0.0;
+        point.specular = 0.0;
+    }
+    return point;
+}

@@ -116,8 +116,8 @@ def test_extensions_understood_and_not(material):
     assert len(warnings) == 1
     assert "KHR_materials_clearcoat is not supported" in warnings[0]
     m, warnings = material({"extensions": {"KHR_materials_unlit": {}}})
-    assert (m.metallic, m.specular) == (0, 0)
-    assert "unlit" in warnings[0]
+    assert (m.is_unlit, m.metallic, m.specular) == (True, 0, 0)
+    assert not warnings
     old = {"diffuseFactor": [0.1, 0.2, 0.3, 1], "glossinessFactor": 0.75}
     m, warnings = material({"extensions": {"KHR_materials_pbrSpecularGlossiness": old}})
     assert m.base_color == (0.1, 0.2, 0.3)

@@ -34,14 +34,13 @@ class FrameMaker:
         """Made when first asked for. Raises DeviceError, SettingsError."""
         if self._renderer is None:
             self._renderer = _renderer(self.plan, self.scene, self.plan.size)
+            self._renderer.exposure_stops = self.plan.exposure_stops
         return self._renderer
 
     def image(self, frame: int) -> Image:
         """One frame. Raises SceneError where the scene cannot be at its time."""
         image = self.renderer.frame(time=self.plan.time_s(frame), samples=self.plan.samples)
         assert image is not None
-        if self.plan.exposure_stops is not None:
-            image = replace(image, exposure_stops=self.plan.exposure_stops)
         if self.plan.tone_map is not None:
             image = replace(image, tone_map=self.plan.tone_map)
         return image

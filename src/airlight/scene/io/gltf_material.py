@@ -133,8 +133,7 @@ class Materials:
         values["alpha"] = _unit(factor[3])
         values["specular"] = _specular(extensions)
         if extensions.has("KHR_materials_unlit"):
-            values |= {"metallic": 0.0, "roughness": 1.0, "specular": 0.0}
-            self._warn(item, "unlit is not supported, the surface is lit as a matte one")
+            values |= {"is_unlit": True, "metallic": 0.0, "roughness": 1.0, "specular": 0.0}
         # Extensions that are not read, and parts of those that are.
         for name in extensions.keys():  # noqa: SIM118
             if not name.startswith("KHR_materials_"):
@@ -149,6 +148,8 @@ class Materials:
         strength = item.at("extensions", "KHR_materials_emissive_strength").number(
             "emissiveStrength", 1.0
         )
+        if values.get("is_unlit"):  # it shows its base colour alone
+            factor = (0.0, 0.0, 0.0)
         values["emission"] = tuple(max(c * strength, 0.0) for c in factor)
         if max(values["emission"]) > 0.0:
             values["emission_texture"] = self._texture(item, "emissiveTexture", uses)

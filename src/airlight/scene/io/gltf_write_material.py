@@ -46,6 +46,8 @@ def material_json(
     held: Json = {}
     if material.transmission > 0.0:
         held["KHR_materials_transmission"] = {"transmissionFactor": material.transmission}
+    if material.is_unlit:
+        held["KHR_materials_unlit"] = {}
     if material.specular < 1.0:
         held["KHR_materials_specular"] = {"specularFactor": material.specular}
     # Emission; what is beyond 1 is a factor of its own.
