@@ -12,6 +12,7 @@ from .scene import Scene
 
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 
+
 class ShownScenes:
     """Puts the meshes of lights among the others, and cuts volumes of many colours into parts."""
 
