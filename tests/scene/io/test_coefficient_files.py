@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from airlight.errors import SceneError
 from airlight.reference.mitsuba_scene import write_mitsuba
 from airlight.scene import Scene, Volume
+from airlight.scene.coefficients import albedo_of, sigma_t_of
 from airlight.scene.io import load
+from airlight.scene.io.toml_text import scene_text
 
 BOX = ((-1.0, 0.0, -1.0), (1.0, 3.0, 1.0))
 RNG = np.random.default_rng(2)
@@ -98,3 +102,31 @@ def test_mitsuba_takes_colours_and_gives_them_back(tmp_path):
     np.testing.assert_allclose(got, wanted, rtol=1e-4)
     np.testing.assert_allclose(again.albedo_grid, volume.albedo_grid, atol=1e-4)
     np.testing.assert_allclose(again.g_grid, volume.g_grid, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("keys", "keeps_albedo"),
+    [
+        ('sigma_t_grid = "s"', True),
+        ('sigma_t_grid = "s"\nalbedo = 0.5', True),
+        ('sigma_t = [1, 2, 3]\nsigma_t_grid = "s"\nalbedo_grid = "c"\nalbedo = 0.9', True),
+        ('sigma_s_grid = "s"\nsigma_a_grid = "a"', False),
+    ],
+)
+def test_a_changed_albedo_comes_back_beside_grids_of_extinction(tmp_path, keys, keeps_albedo):
+    """Or is said, where the file's sigma_s and sigma_a leave no place for it."""
+    grids = {"s": COLOURS, "a": DENSITY, "c": COLOURS}
+    source = tmp_path / "scene.toml"
+    changed = replace(scene(tmp_path, keys, **grids), albedo=(0.2, 0.4, 0.6), sigma_t=(3.0,) * 3)
+    before = load(source)
+    text = scene_text(replace(before, volumes=(changed,)), before, str(source), tmp_path)
+    source.write_text(text)
+    (back,) = load(source).volumes
+    np.testing.assert_allclose(sigma_t_of(back), sigma_t_of(changed), rtol=1e-5)
+    assert ("changed albedo" in text) != keeps_albedo
+    if keeps_albedo:
+        np.testing.assert_allclose(
+            np.broadcast_to(albedo_of(back), COLOURS.shape),
+            np.broadcast_to(albedo_of(changed), COLOURS.shape),
+            rtol=1e-5,
+        )

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..camera import Camera
 from ..environment import Environment
@@ -35,6 +36,7 @@ from .toml_text_moving import has_own_camera, moves_light, with_motion
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
 _NO_MAP = "# The environment's image is no file: its mean stands for it.\n"
 _NO_GRID = "# A volume's density is no file: it is left out.\n"
+_NO_ALBEDO = "# A changed albedo is left out where grids say sigma_s and sigma_a.\n"
 _SCATTERING = ("sigma_s", "sigma_a", "sigma_t", "albedo", "g", "emission")
 
 
@@ -225,7 +227,7 @@ def _volumes(
     tables = []
     for volume, table in zip(volumes, raw, strict=False):
         kept = {key: value for key, value in table.items() if key not in _SCATTERING}
-        tables.append({**kept, **_by_voxel(_scattering(volume), table)})
+        tables.append({**kept, **_by_voxel(_scattering(volume), table, notes)})
     for volume in volumes[len(raw) :]:
         if volume.density is None:
             matrix = volume.world_from_volume
@@ -237,7 +239,9 @@ def _volumes(
     return tables
 
 
-def _by_voxel(coefficients: dict[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
+def _by_voxel(
+    coefficients: dict[str, Any], table: Mapping[str, Any], notes: list[str]
+) -> dict[str, Any]:
     """The coefficients of a volume as the factors of the grids that its table names."""
     grids = [name for name in COEFFICIENTS if f"{name}_grid" in table]
     if "g" in grids:
@@ -246,14 +250,22 @@ def _by_voxel(coefficients: dict[str, Any], table: Mapping[str, Any]) -> dict[st
         return coefficients
     # Its extinction is one with such grids: what it is now is a factor of what the file said.
     scale = np.array(coefficients.pop("sigma_t"), np.float64)
-    for name in (*OF_DENSITY, "albedo"):
+    albedo = np.array(coefficients.pop("albedo"), np.float64)
+    for name in OF_DENSITY:
         if name in table or name in grids:
-            factor = scale if name in OF_DENSITY else 1.0
-            number = np.broadcast_to(np.multiply(table.get(name, 1.0), factor), 3)
-            coefficients[name] = _colour(number.tolist())
-    if "albedo" not in table and "albedo" not in grids:
-        coefficients.pop("albedo")
+            coefficients[name] = _factor(table.get(name, 1.0), scale)
+    # An albedo without a grid is itself; with one it is a factor of what the file said.
+    if "sigma_t" in coefficients:
+        said = table.get("albedo", 1.0) if "albedo" in grids else 1.0
+        coefficients["albedo"] = _factor(said, albedo)
+    elif np.any(albedo != 1.0):
+        notes.append(_NO_ALBEDO)
     return coefficients
+
+
+def _factor(number: Any, factor: NDArray[np.float64]) -> Any:
+    """A coefficient times what it is to be multiplied with."""
+    return _colour(np.broadcast_to(np.multiply(number, factor), 3).tolist())
 
 
 def _colour(rgb: Sequence[float]) -> Any:

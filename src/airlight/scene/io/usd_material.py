@@ -102,7 +102,8 @@ class UsdMaterials:
             emission=(1.0,) * 3 if emission else self._color(shader, "emissiveColor", 0.0),
             emission_texture=emission,
             two_sided=two_sided,
-            **numbers,
+            roughness=numbers["roughness"],
+            metallic=numbers["metallic"],
         )
 
     def _producer(self, shader: Any, name: str) -> tuple[Any, str]:
