@@ -22,6 +22,19 @@ RIM_SCALE = float(np.sqrt(2.0 * np.pi / (RIM_CORNERS * np.sin(2.0 * np.pi / RIM_
 """Its radius over the disk's."""
 
 
+def softened_gain(nearest: F64, squared: F64) -> F64:
+    """What a softened light is multiplied by, to light as much in all of space as a point does.
+
+    A point stands for a part of a surface: 1/s in place of 1/r^2, s = r^2 + n (m^2), with n
+    `nearest` and s `squared`, keeps its dots out of the air and loses the light near it. With
+    1 + n/s + 4 (n/s)^2 the integral of r^2/s over r is that of 1, since those of n/s, r^2 n/s^2 and
+    r^2 n^2/s^3 are pi sqrt(n) times 1/2, 1/4 and 1/16; and far away only terms of r^-6 are left.
+    Source: ours.
+    """
+    share = nearest / squared
+    return np.asarray(1.0 + share + 4.0 * share**2, np.float64)
+
+
 def polygon_irradiance(corners: F64) -> float:
     """Irradiance, W m^-2, of a convex polygon with corners (n, 3), metres; of either winding.
 

@@ -88,7 +88,8 @@ fn local_node(
     let p = origin + t * direction;
     var sent = sent_by(light, index, m, p, t, -sin(x), h / cos(x));
     if (sends_by_direction(light.kind)) {
-        sent *= sent_share(light, normalize(p - light.position));
+        let softened = h * h / (cos(x) * cos(x));
+        sent *= spread_gain(light, softened) * sent_share(light, normalize(p - light.position));
     }
     return sent;
 }

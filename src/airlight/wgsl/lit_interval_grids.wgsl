@@ -130,7 +130,9 @@ fn local_node(
     let t = clamp(t_near + h * tan(x), step_begin, step_end);
     var sent = sent_by(light, t, length(vec2f(h, t - t_near)), -sin(x));
     if (sends_by_direction(light.kind)) {
-        sent *= sent_share(light, normalize(origin + t * direction - light.position));
+        let softened = h * h + (t - t_near) * (t - t_near);
+        sent *= spread_gain(light, softened)
+            * sent_share(light, normalize(origin + t * direction - light.position));
     }
     return sent;
 }

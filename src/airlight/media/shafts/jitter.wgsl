@@ -56,7 +56,10 @@ fn step_radiance(
     var gain = sample.y;
     if (light.kind != LIGHT_DIRECTIONAL) {
         travel = normalize(p - light.position);
-        if (sends_by_direction(light.kind)) { gain *= sent_share(light, travel); }
+        if (sends_by_direction(light.kind)) {
+            let away = p - light.position;
+            gain *= spread_gain(light, dot(away, away) + light.nearest) * sent_share(light, travel);
+        }
     }
     if (gain <= 0.0) {
         return vec3f(0.0);

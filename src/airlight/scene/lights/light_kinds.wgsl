@@ -27,3 +27,9 @@ fn share_at(kind: u32, cosine: f32, shape: vec2f) -> f32 {
     }
     return spot_share(cosine, shape);
 }
+
+// The twin of maths.area_light.softened_gain.
+fn softened_gain(nearest: f32, squared: f32) -> f32 {
+    let share = nearest / squared;
+    return 1.0 + share + 4.0 * share * share;
+}

@@ -19,6 +19,11 @@ fn softened(light: LightData, distance: f32) -> f32 {
     return select(distance, sqrt(distance * distance + light.nearest), light.kind == LIGHT_SAMPLE);
 }
 
+// What 1/d^2, with d the softened distance, has to be multiplied by to send as much as a point in all of space.
+fn spread_gain(light: LightData, squared: f32) -> f32 {
+    return select(1.0, softened_gain(light.nearest, squared), light.kind == LIGHT_SAMPLE);
+}
+
 fn incoming(light: LightData, position: vec3f) -> Incoming {
     var result: Incoming;
     if (light.kind == LIGHT_DIRECTIONAL) {
