@@ -22,7 +22,6 @@ from ..media.march.kernel import MAX_LEVELS_AT_ONCE, Variant, field_slots
 from ..media.march.kernel_wgsl import emission_wgsl
 from ..media.march.march import March, MarchedLight, Steps, march_params
 from ..surface.hits import Hits
-from .points import Points
 from .trace import Segment
 
 STEPS = Steps(per_cell=0.5, most=24)
@@ -67,13 +66,14 @@ class Air:
     def encode(
         self,
         commands: Commands,
-        points: Points,
+        reduced: tuple[int, int],
         ends: tuple[Texture, Hits],
         segment: Segment,
         light: MarchedLight,
         air: Buffer,
     ) -> None:
-        """Fill `air`. `ends`: where the segments of paths start, and the hits where they end."""
+        """Fill `air` for rays of `reduced` points. `ends`: where the segments of paths
+        start, and the hits where they end."""
         starts, hits = ends
         lattice = light.lattice
         levels = min(len(lattice.levels), MAX_LEVELS_AT_ONCE) if lattice else 1
@@ -83,9 +83,9 @@ class Air:
         cells = [s.cell_m for s in (*light.sources, lattice) if s is not None]
         self._passes[variant].dispatch(
             commands,
-            (points.reduced[0], points.reduced[1] * len(segment.numbers)),
+            (reduced[0], reduced[1] * len(segment.numbers)),
             params=AirParams(
-                reduced=points.reduced, rays=len(segment.numbers), segment=segment.index
+                reduced=reduced, rays=len(segment.numbers), segment=segment.index
             ),
             march=march_params(light, STEPS, min(cells, default=math.inf)),
             starts=starts,

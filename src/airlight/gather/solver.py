@@ -13,6 +13,8 @@ from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
+from ..lighting.gathered import Gathered
+from ..lighting.glossy import is_any_glossy
 from ..lighting.hits import HitLighting
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
@@ -24,6 +26,7 @@ from .air import Air, light_in
 from .albedo import Albedos
 from .beams import Beams
 from .filtering import Filtering
+from .mirrors import Mirrors
 from .paths import Paths
 from .points import Points
 from .settings import GatherSettings
@@ -66,6 +69,11 @@ class GatherSolver(Solver):
         self._trace: Trace | None = None
         self._albedos: Albedos | None = None
         self._scene = kit.context.scene
+        # What smooth surfaces mirror is lit apart: images of another size.
+        self._mirrors: Mirrors | None = None
+        materials = (mesh.material for mesh in self._scene.meshes)
+        if kit.settings.glossy_rays and is_any_glossy(materials):
+            self._mirrors = Mirrors(kit, HitLighting(kit, media), self._air)
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Nothing that does not depend on a view."""
@@ -114,7 +122,17 @@ class GatherSolver(Solver):
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
-        return replace(fields, gathered=gathered)
+        return replace(fields, gathered=self._with_mirrors(commands, view, fields, gathered))
+
+    def _with_mirrors(
+        self, commands: Commands, view: View, fields: Fields, gathered: Gathered
+    ) -> Gathered:
+        """With what smooth surfaces mirror, where there are any."""
+        if self._mirrors is None or self._albedos is None:
+            return gathered
+        rays = self.kit.rays.of_frame(commands)
+        found = self._mirrors.encode(commands, view, fields, rays, self._albedos)
+        return replace(gathered, mirrored=found)
 
     def _follow(self, commands: Commands, sized: _Sized, numbers: range, fields: Fields) -> None:
         """Trace paths of several segments; lattices light what the last of them meets."""
@@ -130,7 +148,12 @@ class GatherSolver(Solver):
                 way = (sized.points.places if index == 0 else before.positions, hits)
                 with commands.stage("gather air"):
                     self._air.encode(
-                        commands, sized.points, way, segment, light_in(fields), sized.paths.air
+                        commands,
+                        sized.points.reduced,
+                        way,
+                        segment,
+                        light_in(fields),
+                        sized.paths.air,
                     )
             with commands.stage("gather lighting"):
                 light = self._light(commands, sized, hits, fields, is_last=index == count - 1)
@@ -171,6 +194,8 @@ class GatherSolver(Solver):
             media = self._air.media if self._air else None
             self._sky_rays = SkyRays(kit.gpu, rays, self._cells, media)
         self._lighting.shadows = kit.shadow_rays(commands)
+        if self._mirrors is not None:
+            self._mirrors.lighting.shadows = self._lighting.shadows
 
     def _fitted(self, size: tuple[int, int]) -> _Sized:
         if self._sized is None or self._sized.points.size != size:

@@ -1,6 +1,7 @@
-"""Which surfaces mirror enough of the lattice's light to trace mirrored rays into it.
+"""Which surfaces mirror enough of the light around them to follow mirrored rays.
 
-`wgsl/glossy.wgsl` traces the rays; scenes without such surfaces are lit without it.
+`wgsl/glossy.wgsl` follows them into lattices, `gather.mirrors` among triangles; scenes without such
+surfaces are lit without either.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..area.attenuation import Attenuation
 from .shadow_rays import ShadowRays
-from .slots import GATHERED, Gloss, Part
+from .slots import GATHERED, MIRRORED, Gloss, Part
 
 _NO_ATTENUATION = """
 fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
@@ -101,10 +101,10 @@ _MEDIA_FIRST = {
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
-_FROM_GATHERED = "".join(
-    f"fn {name}_of(pixel: vec2u) -> vec4f {{ return textureLoad({name}, pixel, 0); }}\n"
-    for name in GATHERED
-)
+_ROW = "fn {}_of(pixel: vec2u) -> vec4f {{ return {}; }}\n"
+_FROM_GATHERED = "".join(_ROW.format(x, f"textureLoad({x}, pixel, 0)") for x in GATHERED)
+_FROM_MIRRORED = "".join(_ROW.format(x, f"textureLoad({x}, pixel, 0)") for x in MIRRORED)
+_NOT_MIRRORED = "".join(_ROW.format(x, "vec4f(0.0)") for x in MIRRORED)
 
 
 @dataclass(frozen=True)
@@ -173,12 +173,9 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
     is_listed = gloss == "listed"
     listing = TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
     if part == "gathered":
-        if gloss != "inline":
-            text = f"{listing}{_FROM_GATHERED}//! use gathered_alone\n"
-            return Kernel(text, {"HAS_LATTICES": 1.0}, {})
-        constants = {**light.constants, "HAS_LATTICES": 1.0, "HAS_GLOSS": 1.0}
-        text = f"{listing}{_FROM_GATHERED}//! use gathered_light\n"
-        return Kernel(text, constants | {"HAS_OCCLUSION": 0.0}, LATTICES_FIRST)
+        mirrored = _FROM_MIRRORED if gloss == "traced" else _NOT_MIRRORED
+        text = f"{_NOT_LISTED}{_FROM_GATHERED}{mirrored}//! use gathered_light\n"
+        return Kernel(text, {"HAS_LATTICES": 1.0}, {})
     constants = {
         **light.constants,
         "HAS_LATTICES": 1.0,

@@ -21,10 +21,11 @@ whole     all of it
 lights    that of lights, emission and background, into one target
 rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
 lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
-gathered  on top of "lights" what rays gathered, and lattices' light in smooth surfaces alone
+gathered  on top of "lights" what rays gathered, those that smooth surfaces mirror included
 """
-Gloss = Literal["none", "inline", "listed"]
-"""Who traces smooth surfaces' mirrored rays into the lattice: nobody, the pass, `GlossyPixels`."""
+Gloss = Literal["none", "inline", "listed", "traced"]
+"""Who follows smooth surfaces' mirrored rays: nobody; into the lattice the pass or `GlossyPixels`;
+the gather."""
 
 
 class LightingParams(Struct):
@@ -76,7 +77,8 @@ _LISTS = (
 )
 GATHERED = ("gathered_irradiance", "gathered_sky")
 """What `Gathered` brings, by slot."""
-_GATHERED_SLOTS = tuple(texture(name, "2d", "unfilterable-float") for name in GATHERED)
+MIRRORED = ("mirrored_light", "mirrored_sky")
+"""And where there are smooth surfaces."""
 
 
 def lighting_slots(
@@ -90,12 +92,13 @@ def lighting_slots(
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
     is_after = part in ("lattices", "rest", "gathered")
-    has_lattices = part != "lights" and (part != "gathered" or gloss == "inline")
+    has_lattices = part not in ("lights", "gathered")
+    gathered = GATHERED + MIRRORED * (gloss == "traced") if part == "gathered" else ()
     return (
         *(points.slot if slot is PIXELS.slot else slot for slot in SURFACE_SLOTS),
         *((texture("lit", "2d", "unfilterable-float"),) if is_after else ()),
         *(LATTICE_SLOTS if has_lattices else ()),
-        *(_GATHERED_SLOTS if part == "gathered" else ()),
+        *(texture(name, "2d", "unfilterable-float") for name in gathered),
         *(() if is_after else (*_LIGHT_SLOTS, *(attenuation.slots if attenuation else ()))),
         *(PANE_SLOTS if has_panes and not is_after else ()),
         *(RAY_SLOTS if is_traced and not is_after else ()),

@@ -143,9 +143,10 @@ class Surfaces:
         values |= gathered.bound if gathered else {}
         values |= shadows.bound if shadows else {}
         self._make_cpu_passes(view.size)
-        lighting = self._lighting_of(part, irradiance, shadows)
+        gloss = self._gloss_of(part, gathered)
+        lighting = self._lighting_of(part, irradiance, shadows, gloss)
         drawn = {name: values[name] for name in lighting.names if name in values}
-        if self.glossy is None or part == "lights":
+        if self.glossy is None or gloss != "listed":
             targets = (layers.lit,) if part == "lights" else layers.targets
             lighting.draw(commands, targets, **drawn)
             return
@@ -206,9 +207,9 @@ class Surfaces:
         self.glossy = GlossyPixels(self._cpu_scope, self._lattices) if is_listed else None
 
     def _lighting_of(
-        self, part: Part, irradiance: Irradiance, shadows: ShadowRays | None
+        self, part: Part, irradiance: Irradiance, shadows: ShadowRays | None, gloss: Gloss
     ) -> Lighting:
-        key = (part, shadow_key(shadows))
+        key = (part, gloss, shadow_key(shadows))
         if key not in self._passes:
             count, directional = self._plain
             emitters = Emitters(
@@ -229,12 +230,14 @@ class Surfaces:
                 part,
                 emitters,
                 lattices,
-                gloss=self._gloss_of(part),
+                gloss=gloss,
                 attenuation=self.attenuation,
             )
         return self._passes[key]
 
-    def _gloss_of(self, part: Part) -> Gloss:
+    def _gloss_of(self, part: Part, gathered: Gathered | None) -> Gloss:
+        if gathered is not None:
+            return "traced" if part == "gathered" and gathered.mirrored else "none"
         if self.glossy is not None and part != "lights":
             return "listed"
         return "inline" if self._is_glossy else "none"

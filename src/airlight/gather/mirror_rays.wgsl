@@ -1,0 +1,41 @@
+// A ray from each listed pixel, mirrored at a microfacet that the eye sees; writes the surface that it meets.
+//! use pixel_point
+//! use gather
+//! use gather_hit
+//! use flat_normal
+//! use ggx_sampling
+
+const RAISED = 2e-4;        // of the distance to the eye: where rays start above their surface
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= params.batch)) {
+        return;
+    }
+    let row = params.first + id.y * params.batch.x + id.x;
+    var hit = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    var start = vec4f(0.0);
+    if (row < found[0]) {
+        let pixel = vec2u(listed[row] & 0xffffu, listed[row] >> 16u);
+        let p = pixel_point(vec2f(pixel) + 0.5, textureLoad(depth, pixel, 0));
+        let facing = textureLoad(normal, pixel, 0);
+        let n = normalize(facing.xyz);
+        let away = params.eye - p;
+        let frame = orthonormal_frame(n);
+        var v = normalize(away) * frame;
+        v.z = max(v.z, 1e-4);
+        let h = visible_normal(v, max(facing.w * facing.w, 0.002), ray_numbers(pixel.x, pixel.y, params.sample));
+        let mirrored = reflect(-v, h);
+        if (mirrored.z > 0.0) {
+            // What relief and smooth normals mirror below their surface comes back up.
+            var direction = frame * mirrored;
+            let flat = flat_normal(vec2i(pixel), p, n);
+            direction -= 2.0 * min(dot(direction, flat), 0.0) * flat;
+            start = vec4f(p + RAISED * length(away) * n, 1.0);
+            hit = gather_hit(start.xyz, direction);
+        }
+    }
+    textureStore(starts, id.xy, start);
+    textureStore(hit_positions, id.xy, hit.position);
+    textureStore(hit_normals, id.xy, hit.normal);
+    textureStore(hit_albedos, id.xy, hit.albedo);
+}
