@@ -4,6 +4,7 @@ points     G-buffer -> places and normals at reduced resolution
 trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
 sky        more rays towards what is bright outside
+mirrors    rays of smooth surfaces' pixels, and what they mirror
 solver     all of it in its order, batch by batch
 filtering  the points' light shared between neighbours
 upsample   and brought to pixels, turned to their own normals and near occluders

@@ -84,9 +84,7 @@ class Air:
         self._passes[variant].dispatch(
             commands,
             (reduced[0], reduced[1] * len(segment.numbers)),
-            params=AirParams(
-                reduced=reduced, rays=len(segment.numbers), segment=segment.index
-            ),
+            params=AirParams(reduced=reduced, rays=len(segment.numbers), segment=segment.index),
             march=march_params(light, STEPS, min(cells, default=math.inf)),
             starts=starts,
             reached=hits.positions,

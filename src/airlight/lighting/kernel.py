@@ -101,10 +101,20 @@ _MEDIA_FIRST = {
 }
 _LIGHTS_FIRST: dict[str, tuple[str, ...]] = {"lights": (), "parallel_views": ("world_from_clip",)}
 LATTICES_FIRST: dict[str, tuple[str, ...]] = {"lattices": ()}
-_ROW = "fn {}_of(pixel: vec2u) -> vec4f {{ return {}; }}\n"
-_FROM_GATHERED = "".join(_ROW.format(x, f"textureLoad({x}, pixel, 0)") for x in GATHERED)
-_FROM_MIRRORED = "".join(_ROW.format(x, f"textureLoad({x}, pixel, 0)") for x in MIRRORED)
-_NOT_MIRRORED = "".join(_ROW.format(x, "vec4f(0.0)") for x in MIRRORED)
+
+
+def _texels(names: tuple[str, ...]) -> str:
+    """How a pixel of each of these textures is read."""
+    return "".join(
+        f"fn {name}_of(pixel: vec2u) -> vec4f {{ return textureLoad({name}, pixel, 0); }}\n"
+        for name in names
+    )
+
+
+_NOT_MIRRORED = """
+fn mirrored_light_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
+fn mirrored_sky_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
+"""
 
 
 @dataclass(frozen=True)
@@ -173,8 +183,8 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
     is_listed = gloss == "listed"
     listing = TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
     if part == "gathered":
-        mirrored = _FROM_MIRRORED if gloss == "traced" else _NOT_MIRRORED
-        text = f"{_NOT_LISTED}{_FROM_GATHERED}{mirrored}//! use gathered_light\n"
+        mirrored = _texels(MIRRORED) if gloss == "traced" else _NOT_MIRRORED
+        text = f"{_NOT_LISTED}{_texels(GATHERED)}{mirrored}//! use gathered_light\n"
         return Kernel(text, {"HAS_LATTICES": 1.0}, {})
     constants = {
         **light.constants,

@@ -73,7 +73,9 @@ class SurfaceSettings:
         4, "translucent surfaces one behind the other that a pixel shows", low=0, high=16
     )
     glossy_rays: bool = setting(
-        True, "whether smooth surfaces mirror the lattice along rays, not just their own cell"
+        True,
+        "whether smooth surfaces mirror along rays, what triangles are where a frame gathers and "
+        "the lattice's light else, not just their own cell",
     )
     ambient_occlusion: bool = setting(
         True, "whether what is smaller than cells shades sky and indirect light"

@@ -30,7 +30,8 @@ def visible_normal(v: ArrayLike, alpha: ArrayLike, numbers: ArrayLike) -> F64:
     x, s = radius * np.cos(angle), 0.5 * (1.0 + stretched[..., 2])
     y = (1.0 - s) * np.sqrt(np.maximum(1.0 - x * x, 0.0)) + s * radius * np.sin(angle)
     z = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
-    h = x[..., None] * across + y[..., None] * np.cross(stretched, across) + z[..., None] * stretched
+    h = x[..., None] * across + y[..., None] * np.cross(stretched, across)
+    h = h + z[..., None] * stretched
     return _unit(np.concatenate([a * h[..., :2], np.maximum(h[..., 2:], 1e-6)], axis=-1))
 
 

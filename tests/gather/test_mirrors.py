@@ -1,0 +1,72 @@
+"""What smooth surfaces mirror in a gathered image, against closed forms and a mirrored camera."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from airlight.maths.area_light import cosine_table
+from airlight.rendering import render
+from airlight.scene import Camera, DirectionalLight, Environment, Material, Mesh, Scene
+from airlight.scene.mesh import Geometry
+
+SIZE = (48, 32)
+LPV = {"resolution": 8, "shadow_resolution": 256, "map_resolution": 32, "iterations": 16}
+GATHERED = {**LPV, "gather": "still"}
+X, Y, Z = np.eye(3)
+
+
+def rectangle(corner, right, down, paint):
+    points = np.array([corner, corner + right, corner + right + down, corner + down], np.float32)
+    return Mesh(Geometry(points, np.array([[0, 1, 2], [0, 2, 3]], np.uint32)), paint)
+
+
+def albedo_at_normal(alpha: float) -> float:
+    """Of a metal that reflects all: the table's first column by rows of roughness."""
+    table = cosine_table()
+    row = np.sqrt(alpha) * (len(table) - 1)
+    low = int(row)
+    own = table[low, 0, 4:6].sum() * (1.0 - row + low)
+    return float(own + table[min(low + 1, len(table) - 1), 0, 4:6].sum() * (row - low))
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.3, 0.6])
+def test_metal_under_an_even_sky_reflects_its_albedo(roughness):
+    """A floor seen from above, with nothing else to meet: all of it is the sky's light."""
+    metal = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=roughness)
+    floor = rectangle(-2 * X - 2 * Z, 4 * X, 4 * Z, metal)
+    above = Camera((0.0, 9.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 8.0)
+    scene = Scene((floor,), (), Environment((0.5, 0.75, 1.0)), camera=above)
+    image = render(scene, "lpv", SIZE, samples=2, settings=GATHERED)
+    expected = albedo_at_normal(max(roughness**2, 0.002)) * np.array([0.5, 0.75, 1.0])
+    np.testing.assert_allclose(image.radiance, np.tile(expected, (*SIZE[::-1], 1)), rtol=0.02)
+
+
+def test_a_mirror_shows_what_a_mirrored_camera_sees():
+    """A wall in three colours stands on a mirror; a camera below the mirror sees it directly.
+
+    The light goes along the floor, so that the wall alone is lit.
+    """
+    paints = [(0.5, 0.1, 0.1), (0.1, 0.5, 0.1), (0.1, 0.1, 0.5)]
+    wall = [
+        rectangle((k - 1.5) * X + 0.5 * Y - Z, X, Y, Material(base_color=paint, specular=0.0))
+        for k, paint in enumerate(paints)
+    ]
+    mirror = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.0)
+    floor = rectangle(-3 * X - 3 * Z, 6 * X, 6 * Z, mirror)
+    light = DirectionalLight((0.0, 0.0, -1.0), (3.0, 3.0, 3.0))
+    camera = Camera((0.0, 1.5, 3.0), (0.0, -1.0, -1.0), (0.0, 1.0, 0.0), 25.0)
+    scene = Scene((floor, *wall), (light,), camera=camera)
+    shown = render(scene, "lpv", SIZE, samples=4, settings={**GATHERED, "bounces": False})
+    below = Camera((0.0, -1.5, 3.0), (0.0, 1.0, -1.0), (0.0, 1.0, 0.0), 25.0)
+    alone = replace(scene, meshes=tuple(wall), camera=below)
+    truth = render(alone, "direct", SIZE, samples=4).radiance[::-1]
+    assert truth.max() > 0.05
+    # Of dark paint: what falls back onto the wall from the floor is little.
+    inside = truth.sum(axis=-1) > 0.5 * truth.sum(axis=-1).max()
+    ratio = shown.radiance[inside].sum(axis=0) / truth[inside].sum(axis=0)
+    np.testing.assert_allclose(ratio, 1.0, atol=0.06)
+    error = shown.radiance[inside] - truth[inside]
+    assert np.sqrt((error**2).sum() / (truth[inside] ** 2).sum()) < 0.1
