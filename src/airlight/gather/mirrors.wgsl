@@ -1,4 +1,5 @@
 // What a pixel mirrors: what its ray found and those of pixels around, each as far as the pixel's own lobe reaches there.
+// Source: Stachowiak2015 (rays of neighbours, weighted by the BRDF of the pixel that takes them).
 //! use pixel_point
 //! use gather
 //! use ggx_sampling

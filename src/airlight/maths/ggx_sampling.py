@@ -15,7 +15,7 @@ F64 = NDArray[np.float64]
 def visible_normal(v: ArrayLike, alpha: ArrayLike, numbers: ArrayLike) -> F64:
     """Unit normals (..., 3) of microfacets, as often as the eye sees them.
 
-    `v` (..., 3): unit, towards the eye; `numbers` (..., 2) in [0, 1), uniform. Source: Heitz2018,
+    `v` (..., 3): unit, towards the eye; `numbers` (..., 2) in [0, 1), uniform. Source: Heitz2018b,
     Sampling the GGX distribution of visible normals.
     """
     eye, u = np.asarray(v, dtype=np.float64), np.asarray(numbers, dtype=np.float64)

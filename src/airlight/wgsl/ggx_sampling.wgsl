@@ -2,7 +2,7 @@
 // third is the normal.
 //! use surface_reflection
 
-// A microfacet's normal, distributed as those that the eye sees (Heitz2018).
+// A microfacet's normal, distributed as those that the eye sees (Heitz2018b).
 fn visible_normal(v: vec3f, alpha: f32, numbers: vec2f) -> vec3f {
     let stretched = normalize(vec3f(alpha * v.xy, v.z));
     let flat = dot(stretched.xy, stretched.xy);
