@@ -33,7 +33,7 @@ def albedo_at_normal(alpha: float) -> float:
 
 
 @pytest.mark.parametrize("roughness", [0.0, 0.3, 0.6])
-def test_metal_under_an_even_sky_reflects_its_albedo(roughness):
+def test_metal_under_a_uniform_sky_reflects_its_albedo(roughness):
     """A floor seen from above, with nothing else to meet: all of it is the sky's light."""
     metal = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=roughness)
     floor = rectangle(-2 * X - 2 * Z, 4 * X, 4 * Z, metal)
