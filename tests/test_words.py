@@ -47,6 +47,9 @@ INSTEAD = {
     "glow of an ordinate": "angular blur of an ordinate",
     "steady fields?": "converged",
     "bent (cells?|coordinates)": "warped",
+    "what is left(?! to)": "the rest, the remainder; what exactly remains",
+    "(that |what )?stands? still": "static",
+    "lamps?(?! resolution)": "local light; point light, spot, area light",
 }
 """A word or two as they are said in prose or joined in a name, and what to write instead."""
 
@@ -64,6 +67,13 @@ ALLOWED = {
         "tests/exports": "reads that array",
         "tests/figures": "reads that array",
         "docs/exports.md": "names that array",
+    },
+    "lamps?(?! resolution)": {
+        "src/airlight/scene": "a thing in a room, and what warnings call the light hung there",
+        "src/airlight/figures": "captions",
+        "tests": "things in rooms",
+        "docs": "things in rooms",
+        "CHANGELOG.md": "things in rooms",
     },
     "dead ends?": {
         "src/airlight/exports": "an array of light field files",

@@ -107,7 +107,7 @@ def test_without_a_libllvm_figures_of_fog_have_a_truth_without_layers(
     assert (told["notes"], told["layers"]) == ([note], {})
     assert told["energy_ratio"] > 0.0
 
-    # Failures of a lattice are scored by layers alone: what is left is the image.
+    # Failures of a lattice are scored by layers alone: that leaves the image.
     monkeypatch.setattr(lpvms_6, "CASES", dict(list(lpvms_6.CASES.items())[:1]))
     lacks: list[str] = []
     (told,) = lpvms_6.draw(Request((48, 28), warn=lacks.append)).numbers.values()

@@ -17,7 +17,7 @@ SETTINGS = SurfaceSettings(
 )
 
 
-def test_nothing_changes_in_a_scene_that_stands_still(gpu: Any, owned: Any, square: Any) -> None:
+def test_nothing_changes_in_a_static_scene(gpu: Any, owned: Any, square: Any) -> None:
     floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2))
     sun = DirectionalLight((0.0, -1.0, 0.0), (2.0,) * 3)
     scene = Scene(

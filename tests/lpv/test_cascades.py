@@ -168,7 +168,7 @@ def test_a_teleport_leaves_nothing_of_where_it_was(gpu):
     assert np.abs(back - first).mean() < 0.01 * first.mean()
 
 
-def test_lattices_go_on_to_where_a_camera_that_stands_still_wants_them(gpu, monkeypatch):
+def test_lattices_go_on_to_where_a_static_camera_wants_them(gpu, monkeypatch):
     scene = inside()
     asked = []
 

@@ -41,7 +41,7 @@ def test_an_uniform_sky_stays_even_and_light_is_kept(g):
 
 
 def test_the_gain_takes_the_spots_off():
-    """Of 32 ordinates and g = .95: what is left is 1, where there were spots of tens of percent."""
+    """Of 32 ordinates and g = .95: the sum is 1, where there were spots of tens of percent."""
     g, even = (0.95,) * 3, uniform_sky(32)
     table = beam_phase_table(g, even.mean_cosine)
     gain = sky_gain(convolved(np.ones((48, 96, 3)), g), even, table)

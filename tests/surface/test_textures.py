@@ -34,7 +34,7 @@ def test_the_mean_is_kept_in_linear_light(is_srgb):
         np.testing.assert_allclose(mean(level), mean(pixels), atol=0.006)
 
 
-def test_what_is_cut_away_does_not_colour_what_is_left():
+def test_what_is_cut_away_does_not_colour_the_rest():
     pixels = np.zeros((4, 4, 4), np.uint8)
     pixels[:, ::2] = (255, 0, 0, 255)
     pixels[:, 1::2] = (0, 255, 0, 0)  # green, but not there

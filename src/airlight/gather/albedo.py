@@ -68,9 +68,9 @@ class Albedos:
 def albedo_map(material: Material) -> F64:
     """(H, W, 4): albedo over the material's base-colour map, and what grazing light adds to it.
 
-    Their sum is the bihemispherical albedo, which light from all around meets; a lamp or the sun,
-    which seldom graze, meet the first alone. One texel where there is no map. Metallic and
-    roughness vary with it where their map lies as it does, and are means else.
+    Their sum is the bihemispherical albedo, which light from all around meets; local and
+    directional lights, which seldom graze, meet the first alone. One texel where there is no map.
+    Metallic and roughness vary with it where their map lies as it does, and are means else.
     """
     colour_map, gloss_map = material.base_color_texture, material.metallic_roughness_texture
     size = _size(colour_map or gloss_map)

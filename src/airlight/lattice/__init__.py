@@ -3,7 +3,7 @@
    placement, nested    cells in the world; finer lattices ahead of the camera
    facing               the axes along which cells are laid: those of the scene's walls
    gaps                 how far apart surfaces are, and how many lattices that asks for
-   bodies, rooms        closed bodies, which side of them blocks, which hold the eye or a lamp
+   bodies, rooms        closed bodies, which side of them blocks, which hold the eye or a light
    surfels -> blockers  samples of all surfaces -> visibility and reflectance of cell faces
    inject, emission, point_lights   virtual point lights (lobes) -> fixed-point sums -> cells
    skylight             the sky's direct light: an ambient cube per cell

@@ -111,7 +111,7 @@ def unturned(medium: MediumGrid, largest: float, mean_density: float | None = No
 class Beam:
     """One ordinate: unit `direction` of travel (3,), `irradiance` (channel,) W m^-2.
 
-    Around a lamp both differ by cell: (z, y, x, 3), (z, y, x, channel); see `point_light_beam`.
+    Around a point both differ by cell: (z, y, x, 3), (z, y, x, channel); see `point_light_beam`.
     `mean_cosine` is that of its part of the sky; `passed` (z, y, x), m, the density that its light
     has passed on reaching each cell's centre.
     """

@@ -45,7 +45,7 @@ class Hops:
     neighbour, -1 outside. `side_gain` (4, y, x): share of the sideways light that each neighbour
     takes, the rest stays. `curvature` (z, 1, 1, 1): path/radius, 0 where light is parallel.
     `inside` (z, y, x, 1), of shells: where light is not lost. A box is convex, and what has left it
-    does not come back, as hops around a lamp outside of it would.
+    does not come back, as hops around a point light outside of it would.
     """
 
     path: F64
@@ -58,7 +58,7 @@ class Hops:
 
     @property
     def is_radial(self) -> bool:
-        """Whether the layers are shells around a lamp."""
+        """Whether the layers are shells around a point light."""
         return bool(self.curvature.any())
 
 

@@ -53,7 +53,7 @@ def mean_inverse_square(away: F64, cell: F64) -> F64:
 
 
 def near_table(albedo: float) -> F64:
-    """H (NEAR_TABLE,) at s/(1 + s) = 0 .. 1 in equal steps, s the optical distance to the lamp.
+    """H (NEAR_TABLE,) at s/(1 + s) = 0 .. 1 in equal steps, s the optical distance to the light.
 
     Missing fluence in units of I sigma_s/r. The exact fluence of a point source of unit power has
     the transform A/(1 - albedo A), A = arctan(k)/k; beam and diffusion have A + albedo A/(D k^2 +
@@ -78,7 +78,7 @@ def near_fluence(
     radius_m: float,
     mean_density: float,
 ) -> F64:
-    """Fluence (z, y, x, channel), W m^-2, that beam and diffusion miss around a lamp.
+    """Fluence (z, y, x, channel), W m^-2, that beam and diffusion miss around a point light.
 
     `away_m` (z, y, x): distance to it; `radius_m`: the medium's (three times the largest
     diffusivity); `mean_density`: over its mass. In a medium thinner than the radius the lost part
@@ -107,7 +107,7 @@ def axis_share(position: ArrayLike, axis: ArrayLike, extent: ArrayLike, points: 
     """How much of a spot's axis is in a medium's box (3,), m, beside the way to points (..., 3).
 
     Both as far as the points are away; at most 1. What scatters close to a spot is in its cone: one
-    that turns its back on a medium, however near by, has none. (A lamp of which nothing was known
+    that turns its back on a medium, however near by, has none. (A light of which nothing was known
     but the lit share of the sphere tripled the light of a cube .1 m behind it.)
     """
     p, d, size = (np.asarray(x, dtype=np.float64) for x in (position, axis, extent))

@@ -1,4 +1,4 @@
-"""Grids of shells around a lamp, their cells on an octahedron (Elek2014 section 6).
+"""Grids of shells around a point light, their cells on an octahedron (Elek2014 section 6).
 
 A radial grid is a box of cells like any other: x and y on the octahedron's square, which is sewn to
 itself along its edges, z the shell. Shells grow by a constant factor, so that cells stay compact.

@@ -182,7 +182,7 @@ def auto_exposure(radiance: ArrayLike, key: float = MIDDLE_GREY) -> float:
     """Stops that bring the log-average luminance of radiance (..., 3) to `key`.
 
     Black and non-finite pixels are left out, as are the darkest 5% and the brightest 2% of the
-    rest: the sky's black or a lamp must not decide. A black image gets 0.
+    rest: the sky's black or a light source must not decide. A black image gets 0.
     Source: Reinhard et al. 2002, eq. 1, with percentile clipping.
     """
     y = luminance(radiance).ravel()

@@ -73,7 +73,7 @@ def density_behind(
     """Density passed (...), m, by light of travel `direction` when it reaches `points` (..., 3).
 
     Directions (3,) or (..., 3), unit. From where the light enters the box (extent (3,), m), or
-    from its lamp `distance_m` before the point, in equal steps of at most `step_m`, each sampled
+    from its light `distance_m` before the point, in equal steps of at most `step_m`, each sampled
     in its middle.
     """
     back = -np.asarray(direction, dtype=np.float64)

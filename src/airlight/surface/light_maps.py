@@ -1,9 +1,9 @@
 """Reflective shadow maps of all lights of a scene.
 
-Directional lights share one array of maps, local lights another of half the side. The light of a
-sun comes past edges, of roofs, windows or columns, which wander over texels as it moves. So its
-maps may be drawn finer than virtual point lights are, `BLOCK` texels to a side of each, and are
-turned about the light, so that no row of texels lies along upright walls.
+Directional lights share one array of maps, local lights another of half the side. The light of
+the first comes past edges, of roofs, windows or columns, which wander over texels as it moves. So
+their maps may be drawn finer than virtual point lights are, `BLOCK` texels to a side of each, and
+are turned about the light, so that no row of texels lies along upright walls.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ SMALLEST_LOCAL = 8  # texels
 BLOCK = 2
 """Texels along each side of a block that is one virtual light, in maps of directional lights."""
 TURN_DEG = 20.0
-"""Of the texels of a sun's map about its light: along no wall."""
+"""Of the texels of a directional light's map about its light: along no wall."""
 
 
 class LightMaps:

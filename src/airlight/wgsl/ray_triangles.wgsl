@@ -91,7 +91,7 @@ fn ray_is_there(hit: RayHit) -> bool {
     let high = mix(ray_mask_texel(first, size, corner + vec2f(0.0, 1.0), wrap),
         ray_mask_texel(first, size, corner + 1.0, wrap), share.x);
     let alpha = mix(low, high, share.y) / 255.0;
-    // Alpha cuts holes, of glass too; as coverage it thins what is left.
+    // Alpha cuts holes, of glass too; as coverage it thins the rest.
     let chance = met * select(1.0, alpha, passing.second.x != 0u);
     return alpha >= bitcast<f32>(limit.x) && (met == 0.0 || ray_chance(hit) < chance);
 }

@@ -31,7 +31,7 @@ fn sky_chosen(numbers: vec2f) -> SkyRay {
     let alias_row = sky_cells[2u * index + 1u];
     let within = place - f32(index);
     let is_kept = within < alias_row.x;
-    // What is left of the number is uniform again.
+    // The rest of the number is uniform again.
     var along = within / max(alias_row.x, 1e-9);
     if (!is_kept) {
         along = (within - alias_row.x) / max(1.0 - alias_row.x, 1e-9);

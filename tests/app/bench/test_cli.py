@@ -123,7 +123,7 @@ def test_every_axis_varies_what_it_says(monkeypatch):
     longest = next(a for a in bench_growth.axes(is_long=True) if a.name == "thousand triangles")
     assert longest.values[-1] == 5000
     low, high = scene.bounds
-    for lamp in bench_growth.lamps(scene, 3):
+    for lamp in bench_growth.point_lights(scene, 3):
         assert (lamp.position >= low).all() and (lamp.position <= high).all()
         assert lamp.intensity[0] == pytest.approx(1.0 / 3.0)
 

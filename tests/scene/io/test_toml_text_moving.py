@@ -311,7 +311,7 @@ def test_what_moves_but_cannot_be_written_is_said(folder):
     smoke = VolumeTrack(0, MadeDensity(lambda time_s: np.zeros((2, 2, 2), np.float32)))
     moving = replace(scene, camera=Camera(), animation=Animation((CameraTrack(turning), smoke)))
     text = scene_text(moving, scene, "builtin:cornell", folder)
-    assert "# How the camera moves cannot be said in a scene file: it stands still." in text
+    assert "# How the camera moves cannot be said in a scene file: it is static." in text
     assert "# How a volume moves cannot be said in a scene file" in text
     assert "[animation]" not in text
 

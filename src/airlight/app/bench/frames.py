@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 WARM_UP_FRAMES = 3  # shaders compiled, maps of what does not move drawn
 TIMED_FRAMES = 3  # whose stages are waited for one by one
-TURN_DEG = 0.25  # a sun's turn about +Y from frame to frame
-STEP_M = 0.01  # a lamp's step, and the camera's
+TURN_DEG = 0.25  # a directional light's turn about +Y from frame to frame
+STEP_M = 0.01  # a local light's step, and the camera's
 PAPER_LATTICE: Mapping[str, Any] = {"resolution": 32, "iterations": 8, "map_resolution": 256}
 """Kaplanyan2010 Table 1: one lattice of 32^3, 8 iterations, a 256^2 reflective shadow map."""
 

@@ -57,7 +57,7 @@ def axes(*, is_long: bool = False) -> tuple[Axis, ...]:
     )
 
 
-def lamps(scene: Scene, count: int) -> tuple[Light, ...]:
+def point_lights(scene: Scene, count: int) -> tuple[Light, ...]:
     """`count` point lights on a line through the middle of the scene, 1 W/sr in all."""
     low, high = scene.bounds
     share = (np.arange(count) + 1.0) / (count + 1.0)
@@ -69,7 +69,7 @@ def lamps(scene: Scene, count: int) -> tuple[Light, ...]:
 
 
 def _with_lights(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
-    return dataclasses.replace(scene, lights=lamps(scene, value)), {}
+    return dataclasses.replace(scene, lights=point_lights(scene, value)), {}
 
 
 def _with_ground(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:

@@ -44,7 +44,7 @@ class Page:
         self._charts: dict[int, tuple[U8, str]] = {}
 
     def width(self, whole: float, height: float) -> float:
-        """Nothing: the page gives the image what is left."""
+        """Nothing: the page gives the image the rest."""
         del whole, height
         return 0.0
 

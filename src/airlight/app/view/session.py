@@ -306,7 +306,7 @@ class Session(Document):
         return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
 
     def _refine(self) -> None:
-        """The view stands still, and its coarser image is done."""
+        """Begin the finer image: the view is static, and its coarser image is done."""
         if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
             return
         self.fine.begin(
@@ -314,7 +314,7 @@ class Session(Document):
         )
 
     def _compare(self) -> None:
-        """The view stands still: the other technique's image of it goes on."""
+        """Go on with the other technique's image of the static view."""
         state = self.state
         if state.compared != self._compared_is:
             self.compared, self._compared_is = self._emptied(self.compared), state.compared
@@ -322,7 +322,7 @@ class Session(Document):
             self.compared.begin(self._maker(self._size, state.compared), self._shot_now())
 
     def _shot_now(self) -> Shot:
-        """What stands still: the same until something moves."""
+        """The static view that other renderers draw: the same until something moves."""
         if self._shot is None:
             look, format = self.state.look, self._shown.format
             self._shot = Shot(self.scene_now(), self._size, look, format)

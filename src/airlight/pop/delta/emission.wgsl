@@ -21,7 +21,7 @@
     if (view.correction > 0.0) {
         scattered *= pow(refined[id.x].rgb, vec3f(view.correction));
     }
-    // Single scattering of the sun and the sky, and the indirect light of surfaces.
+    // Single scattering of directional lights and the sky, and the indirect light of surfaces.
     let once = light.beams + light.sky * sky_correction_towards(travel);
     let indirect = refined[arrayLength(&refined) / 2u + id.x].rgb;
     store_emission(cell, once + scattered + indirect, light.local);

@@ -140,7 +140,7 @@ def _without_blosc(packed: bytes, size: int) -> bytes:
             "is packed by Blosc, which needs the package blosc",
             remedy="Run: pip install 'airlight[vdb]', or convert it with nanovdb_convert --zip.",
         ) from None
-    # Chunk after chunk, each checked against what is left of the size before it is unpacked.
+    # Chunk after chunk, each checked against the rest of the size before it is unpacked.
     found, at, left = [], 0, size
     while left > 0:
         (length,) = _LENGTH.unpack_from(packed, at)

@@ -16,7 +16,7 @@ from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack
 from ..scene import Scene
 from .toml_keys import KEYS
 
-_NOT_WRITTEN = "# How {what} moves cannot be said in a scene file: it stands still.\n"
+_NOT_WRITTEN = "# How {what} moves cannot be said in a scene file: it is static.\n"
 _USUAL = {"start_s": 0.0, "end_s": None, "fps": 24.0, "is_loop": False}
 _MOVING = ("key", "between")
 
