@@ -74,6 +74,7 @@ ALLOWED = {
         "tests": "things in rooms",
         "docs": "things in rooms",
         "CHANGELOG.md": "things in rooms",
+        "README.md": "things in rooms",
     },
     "dead ends?": {
         "src/airlight/exports": "an array of light field files",

@@ -102,5 +102,5 @@ def test_a_panel_inside_a_volume_loses_no_light(shape):
     truth = np.mean(
         [scattered_once(LAMP + np.array([a, 0, b]), lobe=True).sum() for a in x for b in z]
     )
-    # What is left: phase functions and depths of a sample's point, and what is beyond the box.
+    # The rest: phase functions and depths of a sample's point, and what is beyond the box.
     assert found / truth == pytest.approx(1.0, abs=0.1)

@@ -79,6 +79,7 @@ def interpolated(
     found = _ENTRY.search(text)
     if not found:
         return Interpolated(slots, first_elements(slots, firsts), text, "fragment")
+    # As many parameters as there are interpolants, uniforms before first elements.
     parts: list[_Part] = []
     used, renamed, rest = 0, [], dict(firsts)
     named = {slot.name: slot for slot in slots}
@@ -90,6 +91,7 @@ def interpolated(
         parts.append(part)
         rest.pop(slot.name, None)
         renamed += [slot.name] if slot.is_dynamic else []
+    # Buffers give up their names to the variables that the pass reads from now on.
     bound = tuple(_renamed(slot) if slot.name in renamed else slot for slot in slots)
     generated = _wgsl(parts, found[1] or "", found[2]) + first_elements(slots, rest)
     plain = f"fn fragment(position: vec4f) -> {found[2]} {{"
@@ -131,12 +133,14 @@ def _word(index: int) -> str:
 
 
 def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
+    # Four words to an interpolant.
     words = [word for part in parts for word in part.words]
     words += ["0u"] * (-len(words) % 4)
     groups = [", ".join(words[i : i + 4]) for i in range(0, len(words), 4)]
     members = "".join(
         f"    @location({i}) @interpolate(flat) w{i}: vec4u,\n" for i in range(len(groups))
     )
+    # The struct, a private variable for each part, and the accessors of first elements.
     lines = [f"struct Interpolants {{\n    @builtin(position) position: vec4f,\n{members}}}"]
     lines += [f"var<private> {part.variable}: {part.struct.__name__};" for part in parts]
     lines += [
@@ -145,6 +149,7 @@ def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
         for part in parts
         if part.variable.startswith("carried_")
     ]
+    # The vertex shader reads all words once; the fragment shader rebuilds the parts from them.
     lines += [
         "@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> Interpolants {",
         "    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));",

@@ -117,6 +117,7 @@ class Diffusion:
         h = float(self.cell[axis])
         low, high = _sides(phi, axis)
         between = self.between(axis)
+        # Fick's law between cells, then the mean of what deposits carry across the face.
         inner = between * (low - high) / h
         if source is not None:
             b0, b1 = _sides(source[axis], axis)
@@ -156,15 +157,18 @@ def solve(system: Diffusion, rhs: F64, steps: int) -> tuple[F64, F64]:
 
     The residual (channel,) is |b - A Phi|/|b|, 0 where b is 0. Source: Hestenes and Stiefel 1952.
     """
+    # The residual of phi = 0, preconditioned, is the first direction of search.
     inverse = 1.0 / system.diagonal()
     phi, r = np.zeros_like(rhs), rhs.copy()
     z = inverse * r
     p, rz = z, _dot(r, z)
     for _ in range(steps):
+        # The step that minimises the error along p.
         ap = system.apply(p)
         alpha = _quotient(rz, _dot(p, ap))
         phi += alpha * p
         r -= alpha * ap
+        # The next direction is conjugate to all before.
         z = inverse * r
         before, rz = rz, _dot(r, z)
         p = z + _quotient(rz, before) * p

@@ -116,6 +116,7 @@ def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metri
     "NAME_variance"); without it there is no noise floor. `perceptual = False` leaves FLIP out.
     Raises ReferenceFailure for images of different sizes or with NaN.
     """
+    # Every layer against its own truth, with the exposure and epsilons of the whole reference.
     judge = _Judge.of(reference, perceptual)
     judge.check(image.radiance, "image")
     layers = {
@@ -125,6 +126,7 @@ def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metri
         for name in LAYERS
         if name in image.layers and name in reference.layers
     }
+    # The whole image, beside a black one and one of direct light alone.
     whole = judge.score_beside_black(
         image.radiance, reference.radiance, reference.layers.get("variance")
     )
@@ -172,6 +174,7 @@ def equal_time(
     """
     if samples < 1 or reference_seconds <= 0.0:
         raise ReferenceFailure("equal-time figures need a reference with samples and a time")
+    # What one sample would be off, and the technique's own error.
     unit, per_sample = floor * samples, reference_seconds / samples
     own = error - floor
     needed = unit / own if own > floor else None

@@ -59,6 +59,7 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
     """
     path = Path(path)
     prefix = f"{path.stem}_files"
+    # All is written beside the target, and takes its place when it is whole.
     staged = path.parent / f".{prefix}.{os.getpid()}.part"
     check_target(path)
     try:
@@ -127,6 +128,7 @@ def export(
     notes = [] if notes is None else notes
     files = FileStore(folder, prefix, knows_airlight=knows_airlight)
     diagonal = scene_diagonal(scene)
+    # Surfaces, media and everything that sends light, in Mitsuba's terms.
     shapes = [shape for mesh in scene.meshes for shape in mesh_shapes(mesh, diagonal, files, notes)]
     media = scene_media(scene, files, notes)
     emitters = [e for light in scene.lights for e in light_elements(light, files, notes)]

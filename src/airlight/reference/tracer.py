@@ -114,6 +114,7 @@ def trace(
     """
     if batches < 2 or photons < batches or min(cells) < 1:
         raise ReferenceFailure("a trace needs at least 2 batches, a photon in each, and a cell")
+    # What the compiled kernel takes: plain tuples and arrays.
     kernel = _kernel()
     emitter, power = source.emitter(medium.bounds)
     domain, chosen = medium.domain(), plane or Slice(-1, 0)
@@ -126,6 +127,7 @@ def trace(
         kernel.run_batch(domain, emitter, chosen, looks, per_batch, power, int(batch_seed), tally)
         return tally
 
+    # Independent batches, whose spread is the standard error.
     seeds = np.random.SeedSequence(seed).generate_state(batches)
     total, squares = _add_up(one_batch, seeds.tolist(), progress)
     return _transport(total, squares, batches, per_batch * batches, domain)
@@ -231,6 +233,7 @@ def _transport(
         np.sqrt(np.maximum(s / batches - m * m, 0.0) / (batches - 1))
         for s, m in zip(squares, mean, strict=True)
     ]
+    # Track lengths over a cell's volume are fluence; over a bin's solid angle, too, radiance.
     size = np.subtract(domain.high, domain.low)
     volume = float(np.prod(size)) / math.prod(mean[0].shape[1:4])
     bins = mean[4].shape[3] * mean[4].shape[4]

@@ -69,22 +69,27 @@ def _walk(
     survivor = 1e-3 * weight
     while True:
         wall, face = _exit(domain, p, d)
+        # A tentative free flight by the largest extinction (delta tracking, Woodcock1965).
         step = math.inf
         if domain.majorant > 0.0:
             step = -math.log(1.0 - np.random.random()) / domain.majorant  # noqa: NPY002
         _deposit(domain, plane, p, d, min(step, wall), weight, order, tally)
+        # Light that reaches the wall first leaves the box.
         if step >= wall:
             tally.exits[order, face] += weight
             return
         p = _advance(p, d, step)
+        # A null collision where the extinction here is less than the largest: nothing happened.
         if np.random.random() * domain.majorant >= _extinction(domain, p):  # noqa: NPY002
             continue
+        # Absorption takes its share of the weight; Russian roulette ends what became too weak.
         tally.totals[1] += weight * (1.0 - domain.albedo)
         weight *= domain.albedo
         if weight < survivor:
             if np.random.random() < 0.5 or weight == 0.0:  # noqa: NPY002
                 return
             weight *= 2.0
+        # The light that goes on: towards distant eyes, and in a new direction.
         _look(domain, views, p, d, weight, min(order, 1), tally.brightness)
         d = _scatter(d, domain.g)
         order = min(order + 1, 2)
@@ -133,6 +138,7 @@ def _extinction(domain: Domain, p: Vector) -> float:
     if domain.kind == ELLIPSOID:
         inside = (x - 0.5) ** 2 + (y - 0.5) ** 2 + (z - 0.5) ** 2 <= 0.25
         return domain.sigma_t if inside else 0.0
+    # Trilinear between the eight voxels around the point.
     grid = domain.density
     k, k1, w = _bracket(z, grid.shape[0])
     j, j1, v = _bracket(y, grid.shape[1])
@@ -180,6 +186,7 @@ def _deposit(
     tally: Tally,
 ) -> None:
     """Share a flight of `length` m among the cells it crosses (Amanatides and Woo 1987)."""
+    # The first cell, and where the flight leaves it on each axis.
     counts = (tally.track.shape[3], tally.track.shape[2], tally.track.shape[1])
     i, next_x, per_x, step_x = _first_cell(domain, p, d, 0, counts[0])
     j, next_y, per_y, step_y = _first_cell(domain, p, d, 1, counts[1])
@@ -187,6 +194,7 @@ def _deposit(
     mu, phi = _direction_bin(plane, d, tally.slice_track)
     t = 0.0
     while 0 <= i < counts[0] and 0 <= j < counts[1] and 0 <= k < counts[2]:
+        # Flux and its vector in this cell, and in the slice's bins of directions.
         end = min(next_x, next_y, next_z, length)
         amount = weight * max(end - t, 0.0)
         cell = tally.track[order, k, j, i]
@@ -198,6 +206,7 @@ def _deposit(
             _record(plane, i, j, k, mu, phi, min(order, 1), amount, tally.slice_track)
         if end >= length:
             return
+        # On into the neighbour whose face is met first.
         t = end
         if end == next_x:
             i, next_x = i + step_x, next_x + per_x
@@ -276,6 +285,7 @@ def _scatter(d: Vector, g: float) -> Vector:
 @compiled
 def _turned(axis: Vector, cosine: float) -> Vector:
     """A unit vector at `cosine` to the axis, azimuth uniform (frame: Duff et al. 2017)."""
+    # A frame about the axis, then the direction in it, normalised against rounding.
     azimuth = 2.0 * math.pi * np.random.random()  # noqa: NPY002
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
     x, y, z = axis
@@ -293,11 +303,13 @@ def _turned(axis: Vector, cosine: float) -> Vector:
 @compiled
 def _start(domain: Domain, emitter: Emitter) -> tuple[Vector, Vector, bool]:
     """A photon on the box's surface, in it or at the light: position, direction, if it enters."""
+    # A point light's photons start where their ray enters the box.
     if emitter.kind == POINT:
         span = 1.0 - emitter.cone_cosine
         d = _turned(emitter.direction, 1.0 - span * np.random.random())  # noqa: NPY002
         entry, hit = _entry(domain, emitter.position, d)
         return _advance(emitter.position, d, entry), d, hit
+    # Of the others a rectangle is drawn by its power, and a point on it evenly.
     face = np.searchsorted(emitter.cumulative, np.random.random(), side="right")  # noqa: NPY002
     face = min(face, emitter.cumulative.shape[0] - 1)
     low, high = emitter.rect_low[face], emitter.rect_high[face]
