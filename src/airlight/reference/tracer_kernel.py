@@ -69,7 +69,7 @@ def _walk(
     survivor = 1e-3 * weight
     while True:
         wall, face = _exit(domain, p, d)
-        # A tentative free flight by the largest extinction (delta tracking, Woodcock1965).
+        # A tentative free flight by the largest extinction (delta tracking).
         step = math.inf
         if domain.majorant > 0.0:
             step = -math.log(1.0 - np.random.random()) / domain.majorant  # noqa: NPY002
