@@ -109,7 +109,9 @@ def test_the_first_perspective_camera_is_taken(draft):
     assert scene.camera.position == (0, 1, 4)
     assert scene.camera.target == (0, 1, 3)
     assert scene.camera.fov_y_deg == pytest.approx(math.degrees(1.0))
-    assert "cameras[0]: only perspective" in scene.warnings[0]
+    said = "\n".join(scene.warnings)
+    assert "2 cameras: the first perspective one" in said
+    assert "cameras[0]: only perspective" in said
 
 
 def test_no_camera_and_points_left_out(draft):

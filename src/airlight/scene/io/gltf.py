@@ -29,6 +29,7 @@ from .gltf_compressed import DRACO
 from .gltf_deform import Deforms
 from .gltf_extensions import check_extensions, instances
 from .gltf_json import Item
+from .gltf_losses import losses
 from .gltf_material import Materials
 from .gltf_mesh import Primitive, read_primitive
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
@@ -52,7 +53,7 @@ def load_gltf(path: Path, variant: str | None = None) -> Scene:
 def read_gltf(path: Path) -> GltfFile:
     """The parsed file, whose nodes can be placed at will. Raises SceneError."""
     document, binary = read_container(path)
-    warnings = check_extensions(document)
+    warnings = [*check_extensions(document), *losses(document)]
     return GltfFile(document, Buffers(document, binary), warnings)
 
 

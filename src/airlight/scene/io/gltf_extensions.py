@@ -16,6 +16,7 @@ from ..checks import F64
 from .gltf_buffers import Buffers
 from .gltf_compressed import DRACO, MESHOPT
 from .gltf_json import Item
+from .gltf_losses import extensions_held
 
 INSTANCING = "EXT_mesh_gpu_instancing"
 MOST_INSTANCES = 100_000
@@ -28,6 +29,7 @@ _SUPPORTED = {
     "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",
+    "KHR_xmp_json_ld",  # says who made it
 }
 _LOST = {
     "KHR_node_visibility": "hidden nodes are shown",
@@ -36,7 +38,7 @@ _LOST = {
 
 
 def check_extensions(document: Item) -> list[str]:
-    """A warning for each extension that the file uses and that is not read.
+    """A warning for each extension that the file uses, or just has, and that is not read.
 
     Those of materials are named where a material has them. Raises SceneError for one that the
     file requires.
@@ -50,6 +52,7 @@ def check_extensions(document: Item) -> list[str]:
                 remedy="Export it without that extension.",
             )
     used = [str(item.value) for item in document.items("extensionsUsed")]
+    used += extensions_held(document.value)
     return [
         f"{document.file}: the extension {name} is not read: "
         + _LOST.get(name, "what it adds is left out")
