@@ -34,7 +34,8 @@ def _losses(document: Item) -> Iterator[str]:
     # Of several, one is shown.
     scenes = document.items("scenes")
     if len(scenes) > 1:
-        yield f"it has {len(scenes)} scenes: {_named(scenes, document.integer('scene', 0))} is shown"
+        shown = _named(scenes, document.integer("scene", 0))
+        yield f"it has {len(scenes)} scenes: {shown} is shown"
     hung = [node for node in document.items("nodes") if node.has("camera")]
     if len(hung) > 1:
         yield f"it has {len(hung)} cameras: the first perspective one in the scene is used"
