@@ -22,7 +22,7 @@ import numpy as np
 from .gpu.commands import Commands
 from .gpu.memory import Buffer, Texture
 from .lattice.irradiance import Irradiance, SkyIrradiance
-from .lattice.placement import Placement
+from .lattice.placement import Fade, Placement
 from .lighting.gathered import Gathered
 from .lighting.view import View
 from .maths.transforms import F64
@@ -42,7 +42,8 @@ class Source:
     W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
     of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
     one volume's, at the density's own resolution. `whole`: the same with what shafts draw in the
-    eye's rays; `texture` if not given.
+    eye's rays; `texture` if not given. `fade`, in shares of its box: where it is a
+    finer grid inside the next source, which takes over there.
     """
 
     texture: Texture
@@ -51,6 +52,7 @@ class Source:
     medium: int = ABSOLUTE
     parts: int = 1
     whole: Texture | None = None
+    fade: Fade | None = None
 
     @property
     def cell_m(self) -> float:

@@ -151,7 +151,7 @@ def test_emission_and_its_furnace_correction(solved, truth):
 
 
 def test_the_source_is_in_world_units(solved):
-    source = solved.source(2)
+    (source,) = solved.sources(2)
     assert source.medium == 2
     assert source.scale == pytest.approx(3.0)
     centre = source.uvw_from_world @ np.array([*solved_centre(solved.medium.volume), 1.0])

@@ -20,7 +20,7 @@ from ..gpu.slots import storage, texture, uniform
 from ..media.gpu_media import GpuMedia
 from ..media.march.kernel import MAX_LEVELS_AT_ONCE, Variant, field_slots
 from ..media.march.kernel_wgsl import emission_wgsl
-from ..media.march.march import March, MarchedLight, Steps, march_params
+from ..media.march.march import March, MarchedLight, Steps, fading_of, march_params
 from ..surface.hits import Hits
 from .trace import Segment
 
@@ -77,7 +77,12 @@ class Air:
         starts, hits = ends
         lattice = light.lattice
         levels = min(len(lattice.levels), MAX_LEVELS_AT_ONCE) if lattice else 1
-        variant = Variant(len(light.sources), "mean" if lattice else "none", levels=levels)
+        variant = Variant(
+            len(light.sources),
+            fading_of(light.sources),
+            "mean" if lattice else "none",
+            levels=levels,
+        )
         if variant not in self._passes:
             self._passes[variant] = _Air(self._gpu, self.media, variant)
         cells = [s.cell_m for s in (*light.sources, lattice) if s is not None]

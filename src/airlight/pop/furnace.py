@@ -24,10 +24,16 @@ _WHITE = (1.0, 1.0, 1.0)
 class Furnace:
     """One medium without absorption under a uniform sky of radiance 1."""
 
-    def __init__(self, medium: GridMedium, settings: PopSettings) -> None:
+    def __init__(
+        self, medium: GridMedium, settings: PopSettings, outer: Furnace | None = None
+    ) -> None:
+        """`outer`: of a finer grid, that of the next larger one."""
         self._medium, self._is_exact = medium, settings.exact_sky
         self._mixture = Mixture(medium.gpu, medium.cells, medium.mixture.count, has_blocks=False)
-        self._beams = DeltaBeams(medium, settings, settings.ordinates, self._mixture)
+        around: DeltaBeams | None = outer._beams if outer else None
+        self._beams: DeltaBeams = DeltaBeams(
+            medium, settings, settings.ordinates, self._mixture, outer=around
+        )
         self._sky = uniform_sky(settings.ordinates)
 
     def encode_medium(self, commands: Commands) -> None:

@@ -63,10 +63,16 @@ class _Indirect(ComputePass):
 class IndirectLight:
     """Fills `Emission.indirect`: scattered radiance per unit scattering coefficient."""
 
-    def __init__(self, medium: GridMedium, settings: PopSettings) -> None:
+    def __init__(
+        self, medium: GridMedium, settings: PopSettings, outer: IndirectLight | None = None
+    ) -> None:
+        """`outer`: of a finer grid, that of the next larger one."""
         self._medium = medium
         self._sky = uniform_sky(settings.ordinates)
-        self._uniform = DeltaBeams(medium, settings, settings.ordinates, medium.mixture)
+        around: DeltaBeams | None = outer._uniform if outer else None
+        self._uniform: DeltaBeams = DeltaBeams(
+            medium, settings, settings.ordinates, medium.mixture, outer=around
+        )
         self._pass = _Indirect(medium.gpu, self._uniform.light)
         self._linear = linear_sampler(medium.gpu)
 

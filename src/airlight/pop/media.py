@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError
+from ..errors import SceneError, SettingsError
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
@@ -27,7 +27,7 @@ from ..scene.volume import Volume
 from .light.importance import Look
 from .light.visibility import Surfaces
 from .medium.mixture import MediaCount
-from .settings import PopSettings
+from .settings import PopSettings, uses_virtual_grids
 from .several_media import encode, introduce
 from .solver import Illumination, PopSolver
 from .virtual.maps import reflected_maps
@@ -62,6 +62,7 @@ class PopMedia(Solver):
                 f"the scene has {len(volumes)} media, at most {MAX_SOURCES} can be drawn",
                 remedy="Leave some out.",
             )
+        _check_levels(settings, volumes)
         self._first_row = media.count - sum(map(len, volumes))
         # The surfaces around the media, with their virtual point lights.
         self._maps = reflected_maps(kit, media, settings)
@@ -115,7 +116,7 @@ class PopMedia(Solver):
         encode(commands, self.solvers, grouped(self._media_of(scene)), lit)
         sources, row = [], self._first_row
         for solver in self.solvers:
-            sources.append(solver.source(row))
+            sources += solver.sources(row)
             row += len(solver.medium.parts)
         return replace(fields, volumes=tuple(sources))
 
@@ -123,6 +124,23 @@ class PopMedia(Solver):
     def stats(self) -> dict[str, Any]:
         """What was solved, for --stats."""
         return self.solvers[0].stats if self.solvers else {}
+
+
+def _check_levels(settings: PopSettings, volumes: list[tuple[Volume, ...]]) -> None:
+    """Raises SettingsError where nested grids are asked for and cannot be had."""
+    if settings.grid_levels == 1 or not volumes:
+        return
+    name = f"grid_levels = {settings.grid_levels}"
+    if uses_virtual_grids(settings, alone=True):
+        raise SettingsError(
+            f"{name} is for scheme = 'delta-beam' with virtual_grids = 'beams'",
+            remedy="Use those, or grid_levels = 1",
+        )
+    if sum(map(len, volumes)) > 1:
+        raise SettingsError(
+            f"{name} is for a medium that is alone and of one colour, the scene has several",
+            remedy="Use grid_levels = 1, with a larger grid",
+        )
 
 
 class EveryMedium:

@@ -36,6 +36,16 @@ class PopSettings:
     grid: int = setting(
         20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64
     )
+    grid_levels: int = setting(
+        1,
+        "nested grids of a medium that is alone (delta-beam), each finer than the one around it "
+        "and ahead of the camera",
+        low=1,
+        high=4,
+    )
+    grid_ratio: float = setting(
+        2.0, "how much larger the cells of the next grid are", low=1.25, high=8.0
+    )
     iterations: int = setting(20, "most hops of light (split, paper)", low=1, high=400)
     residuum: bool = setting(True, "hand nearly isotropic light to one shared grid (paper)")
     residuum_iterations: int = setting(20, "hops of the shared grid (paper)", low=0, high=400)
@@ -68,6 +78,11 @@ class PopSettings:
         low=0.0,
         high=1.0,
     )
+
+
+def source_count(media: int, settings: PopSettings) -> int:
+    """How many grids are marched for so many media."""
+    return media * settings.grid_levels
 
 
 def uses_virtual_grids(settings: PopSettings, *, alone: bool) -> bool:

@@ -48,3 +48,4 @@ def encode(
     # Radiance towards the eye.
     for solver in solvers:
         solver.encode_view(commands, lit, is_new_medium=is_new_medium, is_new_light=is_new_light)
+        solver.encode_finer(commands, lit, is_new_light=is_new_light)

@@ -15,7 +15,9 @@ from __future__ import annotations
 import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
+
+import numpy as np
 
 from ..errors import SceneError
 from ..fields import ReflectedLight, Source
@@ -28,20 +30,18 @@ from ..scene.environment import Environment
 from ..scene.lights import Light, PointLight
 from ..scene.volume import Volume
 from .delta.beams import DeltaBeams
-from .delta.diffuse import Diffuse
 from .delta.emission import Emission
 from .furnace import Furnace
 from .grids.scheme import OrdinateGrids
 from .indirect import IndirectLight
 from .light.importance import Look, ViewImportance
-from .light.incident import IncidentLight
 from .light.ordinates import SceneOrdinates, local_lights
-from .light.table import LocalLight
 from .light.visibility import Surfaces
+from .medium.finer_medium import FinerMedium
 from .medium.grid_medium import NO_OTHERS, GridMedium
 from .medium.mixture import MediaCount
-from .medium.placement import MediumParams
 from .settings import PopSettings
+from .transport import Transport
 
 _VIRTUAL = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
@@ -62,59 +62,21 @@ class Illumination:
     look: Look | None = None
 
 
-class Transport(Protocol):
-    """A scheme: how the light of the ordinates spreads in one medium."""
-
-    light: IncidentLight
-    diffuse: Diffuse
-
-    @property
-    def iterations(self) -> int:
-        """Propagation steps from cell to cell; 0 where there are none."""
-
-    def write(
-        self,
-        ordinates: Ordinates,
-        local: Sequence[LocalLight],
-        scale: float = 0.0,
-        *,
-        virtual: int = 0,
-    ) -> None:
-        """Upload the light of a frame."""
-
-    def write_surfaces(
-        self, ordinates: Ordinates, lights: tuple[Light, ...], surfaces: Surfaces
-    ) -> None:
-        """Take the surfaces that shade the medium."""
-
-    def encode_medium(self, commands: Commands, params: MediumParams) -> None:
-        """Take a changed medium."""
-
-    def encode(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
-        """Solve the light of the scene."""
-
-    def encode_others(self, commands: Commands) -> None:
-        """Solve again, with the light that other media scatter."""
-
-    def encode_view(
-        self, commands: Commands, params: MediumParams, eye: F64, emission: Emission
-    ) -> None:
-        """Fill `emission` for an eye (3,), m in the frame of the medium."""
-
-
 class PopSolver:
     """The light that one volume scatters.
 
     `medium`: the volume on its grid. `transport`: the light in it. `emission`: towards the eye.
-    The size of the grid and the most lights are fixed.
+    The size of the grid and the most lights are fixed. `finer`: the solver of the next finer grid
+    inside this one, which takes the same ordinates, and whose light enters from this one.
     """
 
     Settings = PopSettings
+    medium: GridMedium
 
     def __init__(
         self,
         gpu: Gpu,
-        volume: Volume | Sequence[Volume],
+        volume: Volume | Sequence[Volume] | PopSolver,
         settings: PopSettings,
         *,
         lights: int = 0,
@@ -127,8 +89,11 @@ class PopSolver:
         `volume`: one, or the parts of one that have the same phase function. Raises SceneError
         where a scheme that knows one extinction gets parts. `has_local_shafts`: as of `Emission`.
         `voxels`: the density of the volume as a filterable 3D texture, where there is one already.
+        A solver in place of a `volume` is that of the next larger grid, for a finer one inside it.
         """
-        self.settings = settings
+        outer = volume if isinstance(volume, PopSolver) else None
+        volume = volume.medium.volumes if isinstance(volume, PopSolver) else volume
+        self.settings, self._outer = settings, outer
         is_beam = settings.scheme == "delta-beam"
         # Grids of ordinates know one medium only.
         others = others if is_beam else NO_OTHERS
@@ -138,26 +103,47 @@ class PopSolver:
                 f"scheme = '{settings.scheme}' knows no volume whose colour varies",
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
-        self.medium = GridMedium(gpu, parts, settings.grid, voxels=voxels, others=others)
+        if outer is None:
+            self.medium = GridMedium(gpu, parts, settings.grid, voxels=voxels, others=others)
+            self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
+        else:
+            self.medium = FinerMedium(outer.medium, settings.grid_ratio)
+            self._scene_ordinates = outer._scene_ordinates
         self.emission = Emission(
             self.medium, settings.furnace_correction, has_local_shafts=has_local_shafts
         )
-        scheme = DeltaBeams if is_beam else OrdinateGrids
-        self.transport: Transport = scheme(
-            self.medium,
-            settings,
-            settings.ordinates + lights,
-            self.medium.mixture,
-            indirect=self.emission.indirect,
-            takes_others=True,
-        )
-        has_furnace = is_beam and settings.furnace_correction > 0.0
-        self._furnace = Furnace(self.medium, settings) if has_furnace else None
-        self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
+        self.transport: Transport = self._scheme(settings.ordinates + lights)
+        self._furnace: Furnace | None = None
+        if is_beam and settings.furnace_correction > 0.0:
+            self._furnace = Furnace(self.medium, settings, outer._furnace if outer else None)
         self._importance = ViewImportance() if settings.importance == "view" else None
         self._indirect: IndirectLight | None = None
         self._light_key: tuple[Any, ...] = ()
         self._view_key = b""
+        self.finer: PopSolver | None = None
+        if is_beam and self.medium.level + 1 < settings.grid_levels:
+            self.finer = PopSolver(
+                gpu, self, settings, lights=lights, has_local_shafts=has_local_shafts
+            )
+
+    def _scheme(self, capacity: int) -> Transport:
+        """How the light of up to `capacity` ordinates spreads."""
+        medium, settings, indirect = self.medium, self.settings, self.emission.indirect
+        if settings.scheme != "delta-beam":
+            return OrdinateGrids(
+                medium, settings, capacity, medium.mixture, indirect=indirect, takes_others=True
+            )
+        outer = self._outer.transport if self._outer else None
+        assert outer is None or isinstance(outer, DeltaBeams)
+        return DeltaBeams(
+            medium,
+            settings,
+            capacity,
+            medium.mixture,
+            indirect=indirect,
+            takes_others=True,
+            outer=outer,
+        )
 
     def encode(
         self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None = None
@@ -176,7 +162,29 @@ class PopSolver:
             self.encode_light(commands, lit)
         # Radiance towards the eye.
         self.encode_view(commands, lit, is_new_medium=is_new_medium, is_new_light=is_new_light)
+        self.encode_finer(commands, lit, is_new_light=is_new_light)
         return self.emission.texture
+
+    def encode_finer(self, commands: Commands, lit: Illumination, *, is_new_light: bool) -> None:
+        """Solve the finer grids inside this one, if any, ahead of the eye.
+
+        `is_new_light`: whether this one was solved again.
+        """
+        finer = self.finer
+        if finer is None:
+            return
+        assert isinstance(finer.medium, FinerMedium)
+        camera = lit.look.camera if lit.look else None
+        look = np.subtract(camera.target, camera.position) if camera else np.zeros(3)
+        finer.medium.follow(lit.eye, look)
+        is_moved = finer.begin(commands, lit, self.medium.volumes)
+        if is_moved:
+            finer.encode_medium(commands, lit)
+        is_new = is_new_light or is_moved
+        if is_new:
+            finer.encode_light(commands, lit)
+        finer.encode_view(commands, lit, is_new_medium=is_moved, is_new_light=is_new)
+        finer.encode_finer(commands, lit, is_new_light=is_new)
 
     def begin(
         self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None
@@ -184,18 +192,25 @@ class PopSolver:
         """Take the light and the medium of a frame; returns whether the medium changed."""
         parts = (volume,) if isinstance(volume, Volume) else volume or self.medium.volumes
         old = self.medium.volumes
-        if not (len(parts) == len(old) and all(map(operator.is_, parts, old))):
+        is_same = len(parts) == len(old) and all(map(operator.is_, parts, old))
+        if not is_same or self._outer is not None:
             self.medium.take(parts)
         # Directional lights and environment as ordinates, directed to what the camera sees.
         with commands.stage("pop ordinates"):
-            importance = self._importance_of(lit)
-            self._ordinates = self._scene_ordinates.of(lit.lights, lit.environment, importance)
+            self._ordinates = self._ordinates_of(lit)
         # Local lights follow, then virtual point lights, whose rows the device fills.
         self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
         self._local = local_lights(lit.lights) + [_VIRTUAL] * self._virtual
         count = self._ordinates.count + len(self._local) + self.transport.light.blocks
         self.medium.params = self.medium.params_of(count)
         return self.medium.encode(commands)
+
+    def _ordinates_of(self, lit: Illumination) -> Ordinates:
+        """Those of the frame; nested grids share them."""
+        if self._outer is not None:
+            return self._outer._ordinates
+        importance = self._importance_of(lit)
+        return self._scene_ordinates.of(lit.lights, lit.environment, importance)
 
     def _importance_of(self, lit: Illumination) -> F64 | None:
         """The importance of the environment for the camera, where the settings ask for it."""
@@ -217,7 +232,8 @@ class PopSolver:
             self._furnace.encode_medium(commands)
         # The medium under a uniform sky: the share of indirect light that reaches each cell.
         if lit.reflected is not None:
-            self._indirect = self._indirect or IndirectLight(medium, self.settings)
+            outer = self._outer._indirect if self._outer else None
+            self._indirect = self._indirect or IndirectLight(medium, self.settings, outer)
             uniform = medium.params_of(self._indirect.count)
             self._indirect.encode_medium(commands, uniform, lit.reflected)
 
@@ -236,6 +252,7 @@ class PopSolver:
         # Where indirect light is all there is, its unit is the scale.
         is_dark = not self._ordinates.count and not self._local
         scale = lit.reflected.source.scale if lit.reflected and is_dark else 0.0
+        scale = self._outer.scale if self._outer else scale
         # The ordinates, corrected so that single scattering of the sky is exact.
         transport.write(self._ordinates, self._local, scale, virtual=self._virtual)
         if self.settings.exact_sky:
@@ -272,16 +289,22 @@ class PopSolver:
         """The unit of `emission`, W m^-2 sr^-1 per unit scattering coefficient."""
         return self.transport.light.table.scale
 
-    def source(self, medium: int) -> Source:
-        """The last emission for marching; `medium`: the row of the volume in `media.gpu_media`."""
-        return Source(
+    def sources(self, medium: int) -> list[Source]:
+        """The last emission for marching, the finest grid first.
+
+        `medium`: the row of the volume in `media.gpu_media`.
+        """
+        own = self.medium
+        source = Source(
             self.emission.texture,
-            self.medium.placement.uvw_from_world,
+            own.placement.uvw_from_world,
             scale=self.scale,
             medium=medium,
-            parts=len(self.medium.parts),
+            parts=len(own.parts),
             whole=self.emission.whole,
+            fade=own.grid.shares if isinstance(own, FinerMedium) else None,
         )
+        return [*(self.finer.sources(medium) if self.finer else ()), source]
 
     @property
     def stats(self) -> dict[str, Any]:
@@ -289,6 +312,7 @@ class PopSolver:
         return {
             "ordinates": self.transport.light.table.count,
             "grid": list(self.medium.placement.count),
+            "grid_levels": 1 + (self.finer.stats["grid_levels"] if self.finer else 0),
             "scheme": self.settings.scheme,
             "hops": self.transport.iterations,
             "iterations": self.settings.solver_steps,

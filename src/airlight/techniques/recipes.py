@@ -20,7 +20,7 @@ from ..gather.settings import GatherSettings
 from ..lighting.cascades import cascades_nest
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..media.settings import MediaSettings
-from ..pop.settings import PopSettings
+from ..pop.settings import PopSettings, source_count
 from ..scene.coefficients import grouped
 from ..scene.lights import DirectionalLight
 from .settings import (
@@ -36,7 +36,7 @@ from .settings import (
 from .technique import Technique
 
 if TYPE_CHECKING:
-    from ..media.media import Media
+    from ..media.media import Media, Solved
 
 
 def direct(context: Context, settings: SurfaceSettings) -> Technique:
@@ -168,23 +168,22 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))
     # Grids of cells would blur what local lights scatter once: shafts draw it.
     is_local = _has_local_shafts(context, settings)
-    drawn = MediaSettings(
-        shafts="auto" if is_local else "off",
-        march_resolution=settings.march,
-        march_steps=settings.march_steps,
-    )
+    drawn = _drawn_by_pop(settings, "auto" if is_local else "off")
     every, own = EveryMedium(context.scene), context.scene.medium
-    sources, in_cells = len(grouped(every(context.scene))), context.scene.volumes
-    media = Media(
-        kit,
-        drawn,
-        sources=sources,
-        has_sky=False,
-        solved=Solved(in_cells if own is None else (own, *in_cells), is_local),
-    )
+    in_cells = context.scene.volumes if own is None else (own, *context.scene.volumes)
+    sources = source_count(len(grouped(every(context.scene))), settings)
+    found = Solved(in_cells, is_local)
+    media = Media(kit, drawn, sources=sources, has_sky=False, solved=found)
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
     layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
     return Technique("pop", kit, [media, solved], media=media, scene_filter=scaled, layers=layers)
+
+
+def _drawn_by_pop(settings: PopTechniqueSettings, shafts: str) -> MediaSettings:
+    """How media are drawn, with the names that the settings of `pop` have for it."""
+    return MediaSettings(
+        shafts=shafts, march_resolution=settings.march, march_steps=settings.march_steps
+    )
 
 
 def _has_local_shafts(context: Context, settings: PopSettings, shafts: str = "auto") -> bool:
@@ -205,6 +204,19 @@ def _pop_layers(media: Media, more: tuple[str, ...], view: Any) -> dict[str, Any
     return {name: found[of] for name, of in names.items()}
 
 
+def _with_pop(
+    context: Context, settings: Any, but: type
+) -> tuple[PopSettings, MediaSettings, Solved, int]:
+    """Of volumes on grids of ordinates: settings without those of `but`, what is solved there, and
+    how many grids are marched."""
+    from ..media.media import Solved
+
+    own, drawn = part_of(settings, PopSettings, but=but), part_of(settings, MediaSettings)
+    volumes = context.scene.volumes
+    solved = Solved(volumes, _has_local_shafts(context, own, drawn.shafts))
+    return own, drawn, solved, source_count(len(grouped(volumes)), own)
+
+
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     """`lpv` on surfaces, principal ordinates in the volumes between them.
 
@@ -212,22 +224,16 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     light is one of the sources that illuminate them.
     """
     from ..lpv.solver import LpvSolver
-    from ..media.media import Media, Solved
+    from ..media.media import Media
     from ..pop.media import PopMedia
     from .volumes import LatticeVolumes
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
-    volumes = context.scene.volumes
-    sources = len(grouped(volumes))
-    own, drawn = (
-        part_of(settings, PopSettings, but=LpvMarchSettings),
-        part_of(settings, MediaSettings),
-    )
-    is_local = _has_local_shafts(context, own, drawn.shafts)
-    media = Media(kit, drawn, sources=sources, solved=Solved(volumes, is_local))
+    own, drawn, in_cells, sources = _with_pop(context, settings, LpvMarchSettings)
+    media = Media(kit, drawn, sources=sources, solved=in_cells)
     lattice = LpvSolver(kit, settings)
     lattice.media = LatticeVolumes(lattice, media.on_device)
-    solved = PopMedia(kit, media.on_device, own, has_local_shafts=is_local)
+    solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
     met = media if settings.scheme != "paper" else None
     gathering = _gathering(kit, settings, met, sources=sources, bounces=settings.bounces)
     return Technique("lpv with pop", kit, [lattice, media, solved, *gathering], media=media)
@@ -235,29 +241,19 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
 
 def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) -> Technique:
     """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in the fog."""
-    from ..media.media import Media, Solved
+    from ..media.media import Media
     from ..pop.media import PopMedia
     from ..scatter.solver import ScatterSolver
 
     # Media hand volumes to the ordinates, and march the rest in the lattice.
     kit = _scattering_kit(context, settings)
-    volumes = context.scene.volumes
-    own, drawn = (
-        part_of(settings, PopSettings, but=LpvScatterSettings),
-        part_of(settings, MediaSettings),
-    )
-    is_local = _has_local_shafts(context, own, drawn.shafts)
+    own, drawn, in_cells, sources = _with_pop(context, settings, LpvScatterSettings)
     media = Media(
-        kit,
-        drawn,
-        sources=len(grouped(volumes)),
-        solved=Solved(volumes, is_local),
-        is_lattice_marched=True,
-        has_multiple=True,
+        kit, drawn, sources=sources, solved=in_cells, is_lattice_marched=True, has_multiple=True
     )
     # Surfaces and fog, then volumes, which take the light that surfaces reflect.
     met = media if _is_gathered(context, settings) else None
-    gathering = _gathering(kit, settings, met, sources=len(grouped(volumes)))
+    gathering = _gathering(kit, settings, met, sources=sources)
     lattice = ScatterSolver(
         kit,
         settings,
@@ -265,9 +261,8 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         has_border_light=settings.cascade_light,
         is_gathered=bool(gathering),
     )
-    solved = PopMedia(kit, media.on_device, own, has_local_shafts=is_local)
-    solvers = [media, lattice, solved, *gathering]
-    return Technique("lpv-scatter with pop", kit, solvers, media=media)
+    solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
+    return Technique("lpv-scatter with pop", kit, [media, lattice, solved, *gathering], media=media)
 
 
 def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...gpu.layout import Struct, f32, i32, mat4x4f, u32
+from ...gpu.layout import Struct, f32, i32, mat4x4f, u32, vec3f
 from ...gpu.slots import Slot, sampler, storage, texture, uniform
 from ...lattice.placement import LatticeParams
 from ..gpu_media import GpuMedia
@@ -45,6 +45,11 @@ class SourceData(Struct):
     scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
     medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
     parts = u32("media from it on that are one volume's")
+    steps = f32("length of a step in it, in steps of the finest source")
+    fade_low = vec3f("0..1 in its box, where the light of a finer grid begins")
+    fade_low_width = vec3f("to where it is whole")
+    fade_high = vec3f("where it ends")
+    fade_high_width = vec3f()
 
 
 LatticeForm = Literal["none", "mean", "two bands", "reduced medium"]
@@ -59,11 +64,13 @@ Written = Literal["light and transmittance", "light", "transmittance"]
 class Variant:
     """What is marched: source textures, a lattice, the sky's, forward light besides the lattice.
 
-    `levels`: how many nested lattices there are at one point. `half_space_side`: directions along
-    a side of the table of an endless medium, if any. `writes`: what the targets are.
+    `fading`: which sources are finer grids inside the next one, () if none is. `levels`: how many
+    nested lattices there are at one point. `half_space_side`: directions along a side of the table
+    of an endless medium, if any. `writes`: what the targets are.
     """
 
     sources: int = 0
+    fading: tuple[bool, ...] = ()
     lattice: LatticeForm = "none"
     sky: SkyForm = "none"
     has_forward: bool = False

@@ -62,14 +62,8 @@ def _sources_wgsl(variant: Variant) -> str:
     # Textures of emission one by one, then the lattice, whole or through the reduced media.
     sources, has_lattices = variant.sources, variant.has_lattice or variant.has_sky
     parts = ["    lattice_enter(p);\n"] if has_lattices else []
-    parts += [
-        f"    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
-        f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n"
-        f"        sum += textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
-        f"            * sources[{i}].scale\n"
-        f"            * source_weight(sources[{i}].medium, sources[{i}].parts);\n    }}\n"
-        for i in range(sources)
-    ]
+    parts += ["    var left = 1.0;\n"] if any(variant.fading) else []
+    parts += [_source_wgsl(i, variant.fading) for i in range(sources)]
     lattices = ""
     if variant.has_lattice:
         lattices = "    sum += lattice_emission(p, travel);\n"
@@ -78,8 +72,7 @@ def _sources_wgsl(variant: Variant) -> str:
     if not variant.is_reduced_medium:
         parts.append(lattices)
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
-    share = "march_step_share(p)" if has_lattices and not sources else "1.0"
-    uses += f"fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
+    uses += _step_share_wgsl(variant)
     return (
         f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
         + "".join(parts)
@@ -87,6 +80,50 @@ def _sources_wgsl(variant: Variant) -> str:
         + "    var sum = vec3f(0.0);\n"
         + lattices * variant.is_reduced_medium
         + "    return sum;\n}\n"
+    )
+
+
+def _source_wgsl(i: int, fading: tuple[bool, ...]) -> str:
+    """The light of one source; nested grids add their shares of what finer ones leave."""
+    is_finer, is_next = any(fading[i : i + 1]), i > 0 and any(fading[i - 1 : i])
+    begin = "    left = 1.0;\n" if is_finer and not is_next else ""
+    share = f"        let share = left * source_share({i}u, uvw{i});\n        left -= share;\n"
+    factor = "share * " if is_finer else "left * " if is_next else ""
+    return (
+        f"{begin}    let uvw{i} = (sources[{i}].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
+        f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n{share * is_finer}"
+        f"        sum += {factor}textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
+        f"            * sources[{i}].scale\n"
+        f"            * source_weight(sources[{i}].medium, sources[{i}].parts);\n    }}\n"
+    )
+
+
+_FADING_WGSL = """
+// The share of a finer grid's light at a point of its box; see lattice.nested.shares.
+fn source_share(i: u32, uvw: vec3f) -> f32 {
+    let low = (uvw - sources[i].fade_low) / sources[i].fade_low_width;
+    let high = (sources[i].fade_high - uvw) / sources[i].fade_high_width;
+    let nearer = min(low, high);
+    return saturate(min(nearer.x, min(nearer.y, nearer.z)));
+}
+"""
+
+
+def _step_share_wgsl(variant: Variant) -> str:
+    """`step_share`: steps are as long as the cells of the finest source, or lattice, there."""
+    has_lattices = variant.has_lattice or variant.has_sky
+    if not any(variant.fading) or has_lattices:
+        share = "march_step_share(p)" if has_lattices and not variant.sources else "1.0"
+        fading = _FADING_WGSL if any(variant.fading) else ""
+        return f"{fading}fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
+    return (
+        f"{_FADING_WGSL}fn step_share(p: vec3f) -> f32 {{\n    var share = 1e9;\n"
+        f"    var longest = 1.0;\n    for (var i = 0u; i < {variant.sources}u; i++) {{\n"
+        "        let uvw = (sources[i].uvw_from_world * vec4f(p, 1.0)).xyz;\n"
+        "        longest = max(longest, sources[i].steps);\n"
+        "        if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {\n"
+        "            share = min(share, sources[i].steps);\n        }\n    }\n"
+        "    return min(share, longest);\n}\n"
     )
 
 

@@ -24,7 +24,7 @@ from ...gpu.device import Gpu
 from ...gpu.layout import pack_array
 from ...gpu.memory import Buffer, Texture, linear_sampler
 from ...gpu.raster import FullscreenPass
-from ...lattice.placement import Placement
+from ...lattice.placement import Fade, Placement
 from ...lattice.table import LatticeTable
 from ...maths.transforms import F64
 from ..gpu_media import GpuMedia
@@ -182,6 +182,7 @@ class March:
         one = light.sky or light.lattice
         return Variant(
             len(light.sources),
+            fading_of(light.sources),
             _lattice_form(light.lattice, sharpest),
             _sky_form(light.sky, sharpest),
             has_forward=light.lattice is not None and light.lattice.forward is not None,
@@ -239,6 +240,7 @@ class March:
         return self._lattices.filled([level.params() for level in levels])
 
     def _write(self, sources: Sequence[Source]) -> None:
+        finest = min(s.cell_m for s in sources)
         packed = pack_array(
             SourceData,
             [
@@ -247,6 +249,8 @@ class March:
                     "scale": s.scale,
                     "medium": s.medium,
                     "parts": s.parts,
+                    "steps": s.cell_m / finest,
+                    **_fade_fields(s.fade),
                 }
                 for s in sources
             ],
@@ -254,6 +258,19 @@ class March:
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()
             self._table.write(packed)
+
+
+def fading_of(sources: Sequence[Source]) -> tuple[bool, ...]:
+    """Which sources are finer grids inside the next one; () if none is."""
+    fading = tuple(s.fade is not None for s in sources)
+    return fading if any(fading) else ()
+
+
+def _fade_fields(fade: Fade | None) -> dict[str, Any]:
+    """The values of `SourceData` of a finer grid."""
+    names = ("low", "low_width", "high", "high_width")
+    none = (0.0, 0.0, 0.0)
+    return {f"fade_{name}": getattr(fade, name) if fade else none for name in names}
 
 
 def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm:

@@ -17,10 +17,12 @@ from ..grids.propagation import GridPropagation
 from ..light.incident import IncidentLight
 from ..light.table import LocalLight
 from ..light.visibility import Surfaces
+from ..medium.finer_medium import FinerMedium
 from ..medium.grid_medium import GridMedium, ScatteredLight
 from ..medium.mixture import Mixture
 from ..medium.placement import MediumParams
 from ..settings import PopSettings, uses_virtual_grids
+from .border import Border
 from .deposit import Deposit
 from .diffuse import Diffuse
 from .emission import Emission
@@ -42,8 +44,11 @@ class DeltaBeams:
         *,
         indirect: Buffer | None = None,
         takes_others: bool = False,
+        outer: DeltaBeams | None = None,
     ) -> None:
         """For at most `capacity` ordinates.
+
+        `outer`: of a finer grid, the light of the next larger one, which enters at its border.
 
         `takes_others`: whether light of the other media in `mixture` arrives, and this light is
         what they receive; else the world ends at the medium's box. `indirect`: where virtual
@@ -54,6 +59,9 @@ class DeltaBeams:
         self.light = IncidentLight(medium, mixture, settings, capacity, takes_others=takes_others)
         self.diffuse = Diffuse(medium.gpu, medium.placement, mixture)
         self._deposit = Deposit(medium, self.light)
+        self._border: Border | None = None
+        if outer is not None and isinstance(medium, FinerMedium):
+            self._border = Border(medium, mixture, outer.diffuse)
         self._near = NearLight(medium, self.light)
         # Virtual point lights may propagate in grids of their own.
         self._in_grids = uses_virtual_grids(settings, alone=mixture.is_alone)
@@ -135,7 +143,11 @@ class DeltaBeams:
             self._propagate_virtual(commands, params, eye)
         with commands.stage("pop diffuse"):
             density, steps = self._medium.density.cells, self._settings.solver_steps
+            if self._border is not None:
+                self._border.encode_power(commands, params, self.diffuse.deposits)
             self.diffuse.encode(commands, params, density, steps)
+            if self._border is not None:
+                self._border.encode_flux(commands, params, self.diffuse.diffuse)
             # Close to local lights the cells are too coarse for both.
             if self._has_local_lights:
                 self._near.encode(commands, params, self.diffuse.diffuse)

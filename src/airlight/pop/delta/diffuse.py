@@ -189,6 +189,11 @@ class Diffuse:
         self._update.dispatch(commands, cells, **shared, phi=v["phi"], residual=v["residual"])
 
     @property
+    def phi(self) -> Buffer:
+        """The solution, W m^-2, vec4 per cell: the fluence before it is clamped at 0."""
+        return self._vectors["phi"]
+
+    @property
     def residual(self) -> Buffer:
         """The residual b - A phi of the last solve, W m^-3, vec4 per cell."""
         return self._vectors["residual"]

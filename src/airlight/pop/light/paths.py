@@ -9,9 +9,10 @@ from __future__ import annotations
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
-from ...gpu.layout import Struct, u32
+from ...gpu.layout import Struct, f32, u32, vec3f
 from ...gpu.memory import Buffer
 from ...gpu.slots import sampler, storage, texture, uniform
+from ..medium.finer_medium import FinerMedium
 from ..medium.grid_medium import GridMedium
 from ..medium.mixture import Mixture, fine_bound, fine_slots, fine_wgsl
 from ..medium.placement import MediumParams
@@ -42,6 +43,28 @@ class _Others(ComputePass):
         super().__init__(gpu, generated=fine_wgsl(mixture.media - 1))
 
 
+class BeyondParams(Struct):
+    """The box of the whole medium, in the frame of a finer grid inside it."""
+
+    low = vec3f("m")
+    step = f32("m, the longest")
+    extent = vec3f("m")
+
+
+class _Beyond(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        uniform("beyond", BeyondParams),
+        storage("ordinates", OrdinateData),
+        storage("reach", "u32"),
+        texture("fine", "3d"),
+        sampler("linear_clamp"),
+        storage("passed", "f32", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    file = "paths_beyond.wgsl"
+
+
 class Paths(ComputePass):
     """Fills `passed`, f32 [2 * media][ordinate][z][y][x].
 
@@ -65,6 +88,7 @@ class Paths(ComputePass):
         super().__init__(medium.gpu)
         self._medium, self._mixture = medium, mixture
         self._others = None if mixture.is_alone else _Others(medium.gpu, mixture)
+        self._beyond = _Beyond(medium.gpu) if isinstance(medium, FinerMedium) else None
         nbytes = 8 * mixture.media * capacity * medium.cells
         self.passed = Buffer(medium.gpu, "density passed", nbytes)
 
@@ -83,6 +107,16 @@ class Paths(ComputePass):
         }
         # The medium's own density, then that of the others.
         self.dispatch(commands, extent, **shared, fine=density.fine)
+        # From a finer grid, paths go on through the whole medium.
+        if self._beyond is not None and isinstance(self._medium, FinerMedium):
+            whole = self._medium.whole
+            box = BeyondParams(
+                low=-self._medium.grid.offset,
+                step=float(whole.placement.cell.min()),
+                extent=whole.placement.extent,
+            )
+            own = {**shared, "fine": whole.density.fine}
+            self._beyond.dispatch(commands, extent, **own, beyond=box)
         if self._others is not None:
             self._others.dispatch(
                 commands,

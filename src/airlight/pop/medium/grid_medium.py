@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -46,11 +46,13 @@ class GridMedium:
     A volume of varying colour is several `parts` with one phase function, on one grid.
 
     `mixture`: the coefficients of all of them in its cells. `params`: for passes over the ordinates
-    of the frame. `scattered`: set by the scheme that solves it.
+    of the frame. `scattered`: set by the scheme that solves it. `voxels`: textures of the parts.
     """
 
     params: MediumParams
     scattered: ScatteredLight
+    level = 0
+    """How many larger grids lie around this one."""
 
     def __init__(
         self,
@@ -63,14 +65,27 @@ class GridMedium:
     ) -> None:
         """`voxels`: the density of the only part as a filterable 3D texture, if there is one."""
         self.gpu, self._resolution = gpu, resolution
-        self.parts = placed_parts(parts, resolution)
+        self.parts = self._placed(parts)
         self.others: tuple[GridMedium, ...] = ()
         count = others._replace(own=len(parts))
         self.mixture = Mixture(gpu, self.placement.cells, count)
         self.density = Density(gpu, self.placement, self.mixture)
         self._own_voxels = voxels is None
-        self._voxels = [density_texture(gpu, v) for v in parts] if voxels is None else [voxels]
+        self.voxels = [density_texture(gpu, v) for v in parts] if voxels is None else [voxels]
         self._key: tuple[Any, ...] = ()
+
+    def _placed(self, parts: Sequence[Volume]) -> list[PlacedVolume]:
+        """The parts on this grid."""
+        return placed_parts(parts, self._resolution)
+
+    @property
+    def whole(self) -> GridMedium:
+        """The largest grid of the same volume."""
+        return self
+
+    def moved_to(self, placement: MediumPlacement) -> list[PlacedVolume]:
+        """The parts on another grid."""
+        return [replace(part, placement=placement) for part in self.parts]
 
     def meet(self, others: Sequence[GridMedium]) -> None:
         """Set the other media; none of them if this one was made for none.
@@ -132,10 +147,10 @@ class GridMedium:
 
     def take(self, volumes: Sequence[Volume]) -> None:
         """Go on with changed parts. Raises SceneError where their grids' size changed."""
-        made = placed_parts(volumes, self._resolution)
+        made = self._placed(volumes)
         if len(made) != len(self.parts):
             raise SceneError("the volume's colours changed in number", remedy="Make a new Renderer")
-        for new, old, voxels in zip(made, self.parts, self._voxels, strict=True):
+        for new, old, voxels in zip(made, self.parts, self.voxels, strict=True):
             same_voxels = voxel_count(new.volume) == voxel_count(old.volume)
             same_grid = new.placement.count == old.placement.count
             if not (same_voxels and same_grid and new.volume.shape == old.volume.shape):
@@ -148,12 +163,13 @@ class GridMedium:
         """Fill the medium's own density where the volume changed; returns whether it did."""
         v = self.volume
         key: tuple[Any, ...] = (v.g, v.world_from_volume.tobytes(), v.bounds)
+        key += (self.placement.world_from_medium.tobytes(),)
         key += tuple((id(p.density), p.sigma_t, p.albedo) for p in self.volumes)
         if key == self._key:
             return False
         self._key = key
         with commands.stage("pop density"):
-            self.density.encode(commands, self.params, self._voxels)
+            self.density.encode(commands, self.params, self.voxels)
         return True
 
     def encode_mixture(self, commands: Commands) -> None:

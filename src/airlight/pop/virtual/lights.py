@@ -183,17 +183,19 @@ class VirtualLights:
         self, first_row: int, scale: float
     ) -> list[tuple[ReflectiveShadowMaps, VirtualParams]]:
         """The maps, each set with its parameters."""
-        # Texels count by what they send into the sphere around the medium.
-        placement = self._medium.placement
-        to_world = placement.world_from_medium
-        half = 0.5 * placement.extent
+        # Texels count by what they send into the sphere around the whole medium, of which a finer
+        # grid holds a part.
+        whole = self._medium.whole.placement
+        half = 0.5 * whole.extent
+        centre = whole.world_from_medium[:3, :3] @ half + whole.world_from_medium[:3, 3]
+        to_world = self._medium.placement.world_from_medium
         firsts = np.cumsum([0, *self._tiles_of])
         return [
             (
                 maps,
                 VirtualParams(
                     medium_from_world=np.linalg.inv(to_world),
-                    centre=to_world[:3, :3] @ half + to_world[:3, 3],
+                    centre=centre,
                     radius=float(np.linalg.norm(half)),
                     resolution=maps.resolution,
                     side=_side(maps),
