@@ -170,9 +170,9 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     is_local = _has_local_shafts(context, settings)
     drawn = _drawn_by_pop(settings, "auto" if is_local else "off")
     every, own = EveryMedium(context.scene), context.scene.medium
-    in_cells = context.scene.volumes if own is None else (own, *context.scene.volumes)
+    volumes = context.scene.volumes
     sources = source_count(len(grouped(every(context.scene))), settings)
-    found = Solved(in_cells, is_local)
+    found = Solved(volumes if own is None else (own, *volumes), is_local)
     media = Media(kit, drawn, sources=sources, has_sky=False, solved=found)
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
     layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
