@@ -1,7 +1,12 @@
-"""The lattice's spacing, and the number of iterations (Kaplanyan2010 Fig. 12)."""
+"""The lattice's spacing, and the number of iterations (Kaplanyan2010 Fig. 12).
+
+The sun alone: the sky's light comes into all cells without an iteration. Hops are the paper's below,
+whose light moves a cell in each iteration.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -18,10 +23,10 @@ ITERATIONS = (1, 4, 8, 16)
 
 def draw(request: Request) -> Drawn:
     """Indirect light: above by cells a side, below by iterations (no occlusion, as the paper)."""
-    scene = cornell() if request.quick else atrium()
+    scene = cornell() if request.quick else dataclasses.replace(atrium(), environment=None)
     rows = []
     numbers: dict[str, Any] = {"scene": scene.name}
-    plain = {"occlusion": False, "bounces": False}
+    plain = {"occlusion": False, "bounces": False, "scheme": "paper", "tail": False}
     sides = RESOLUTIONS[:2] if request.quick else RESOLUTIONS
     for name, setting, values, fixed in (
         ("cells a side", "resolution", sides, {"iterations": 8}),

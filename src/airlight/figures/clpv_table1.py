@@ -41,7 +41,7 @@ KEPT = "GV Injection here: all meshes moving. Blockers of static meshes are cach
 
 
 def draw(request: Request) -> Drawn:
-    """The atrium at the panel's size with one lattice of 32^3, 8 iterations, a 256^2 map."""
+    """The atrium with one lattice of 32 cells along its longest side, 8 iterations, a 256^2 map."""
     scene, frames = (cornell(), 1) if request.quick else (atrium(), 9)
     settings = {**PAPER_LATTICE, **(known("lpv", QUICK) if request.quick else {})}
     found: dict[str, Any] = {}
@@ -54,15 +54,17 @@ def draw(request: Request) -> Drawn:
             found[label]["passes_while_all_moves"] = moving
             found[label]["passes"]["blockers while all moves"] = moving.get("blockers", 0.0)
     ours = under_the_papers_names([found[label]["passes"] for label in MODES])
-    device = next(iter(found.values()))["device"]
+    first = next(iter(found.values()))
+    device, cells = first["device"], first["lattice"]
     numbers = {
         "stages_ms": {"ours": ours, "paper": PAPER_MS},
         "device": device,
+        "lattice": cells,
         "triangles": scene.triangle_count,
         "size": list(request.size),
         "modes": found,
     }
-    return Drawn(_table(device, ours), numbers)
+    return Drawn(_table(f"{size_of(cells)}, {device}", ours), numbers)
 
 
 def passes_while_moving(
@@ -91,10 +93,15 @@ def under_the_papers_names(passes: Sequence[Mapping[str, float]]) -> dict[str, t
     return {**ours, "Total": total}
 
 
+def size_of(cells: Sequence[int]) -> str:
+    """A lattice's size: cubes of cells that fit a scene are seldom as many along every side."""
+    return " x ".join(str(count) for count in cells)
+
+
 def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as an image."""
     machines = ("GTX285", "Xbox 360", "PS3")
-    lines: list[tuple[str, ...]] = [("Stage, ms", f"here: {device}"[:38], *machines)]
+    lines: list[tuple[str, ...]] = [("Stage, ms", f"here: {device}"[:38], *(f"{m}, 32^3" for m in machines))]
     for name, times in ours.items():
         theirs = [_times(PAPER_MS[name][machine]) for machine in machines]
         own = times if name in ("Propagation", "Total") else times[-1:]

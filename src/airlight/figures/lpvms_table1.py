@@ -48,10 +48,12 @@ def draw(request: Request) -> Drawn:
     scene, frames = (haze_box(), 1) if request.quick else (atrium_fog(), 5)
     sides = (8, 12) if request.quick else SIDES
     found: dict[int, dict[str, float]] = {}
+    sizes: list[str] = []
     device = ""
     for side in sides:
         request.report(f"{side} cells", len(found) / len(sides))
-        found[side], device = measured(request, scene, side, frames)
+        found[side], device, cells = measured(request, scene, side, frames)
+        sizes.append(" x ".join(map(str, cells)))
     ours = {
         name: tuple(sum(found[side].get(stage, 0.0) for stage in stages) for side in sides)
         for name, stages in STAGES.items()
@@ -60,17 +62,18 @@ def draw(request: Request) -> Drawn:
         "stages_ms": {"ours": ours, "paper": PAPER_MS},
         "device": device,
         "cells": list(sides),
+        "lattices": sizes,
         "triangles": scene.triangle_count,
         "size": list(request.size),
         "passes": found,
     }
-    return Drawn(_table(device, sides, ours), numbers)
+    return Drawn(_table(device, sizes, ours), numbers)
 
 
 def measured(
     request: Request, scene: Scene, side: int, frames: int
-) -> tuple[dict[str, float], str]:
-    """Milliseconds per stage with `side` cells, and the device."""
+) -> tuple[dict[str, float], str, list[int]]:
+    """Milliseconds per stage with `side` cells along the longest side, the device, all sides."""
     settings = {**LATTICE, "resolution": side}
     with renderer(request, scene, settings, technique="lpv-scatter") as made:
         made.frame(read=False)
@@ -80,8 +83,9 @@ def measured(
             made.scene = dataclasses.replace(made.scene, lights=lights)
             made.meshes.move(shifted(scene.meshes, STEP_M * step))
             told.append(made.timed_passes())
-        device = str(made.stats()["device"])
-    return {name: statistics.median(p.get(name, 0.0) for p in told) for name in told[0]}, device
+        stats = made.stats()
+    passes = {name: statistics.median(p.get(name, 0.0) for p in told) for name in told[0]}
+    return passes, str(stats["device"]), list(stats["lattice"])
 
 
 def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
@@ -94,11 +98,10 @@ def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
     )
 
 
-def _table(device: str, sides: Sequence[int], ours: Mapping[str, tuple[float, ...]]) -> U8:
+def _table(device: str, sizes: Sequence[str], ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as an image."""
-    head = [f"{side}^3" for side in sides]
     lines: list[tuple[str, ...]] = [
-        ("Stage, ms", *(f"here {h}" for h in head), *(f"GTX480 {side}^3" for side in SIDES))
+        ("Stage, ms", *(f"here {size}" for size in sizes), *(f"GTX480 {side}^3" for side in SIDES))
     ]
     for name, times in ours.items():
         lines.append((name, *(milliseconds(t) for t in (*times, *PAPER_MS[name]))))

@@ -35,6 +35,9 @@ QUICK: Mapping[str, Any] = {
     "surfels": 20_000,
 }
 """Settings of every panel with --quick, unless the figure is about them."""
+LATTICE_ALONE: Mapping[str, Any] = {"gather": "off"}
+"""Of every panel, unless the figure is about it: stills gather their indirect light along rays by
+default, and what a lattice does then hardly shows."""
 MIN_SHEET_CELL_PX = 240  # captions need room
 CAPTION_PX = 14
 CAPTIONS_IN_WIDTH = 110  # of a sheet: captions are read when the whole sheet is on a screen
@@ -63,7 +66,7 @@ class Request:
     @property
     def reference_spp(self) -> int:
         """Samples a pixel of a path-traced panel."""
-        return 4 if self.quick else 256
+        return 4 if self.quick else 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,13 +102,13 @@ def rendered(
 def renderer(
     request: Request, scene: Scene, settings: Mapping[str, Any], *, technique: str = "lpv"
 ) -> Renderer:
-    """A Renderer for panels, with `settings` over those of --quick.
+    """A Renderer for panels, with `settings` over those of all panels and of --quick.
 
     Raises SettingsError, DeviceError.
     """
     from ..rendering import Renderer
 
-    kept = known(technique, QUICK) if request.quick else {}
+    kept = known(technique, {**LATTICE_ALONE, **(QUICK if request.quick else {})})
     return Renderer(
         scene, technique, request.size, settings={**kept, **settings}, adapter=request.adapter
     )

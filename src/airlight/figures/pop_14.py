@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from ..scene.image import Image
 from .panels import Drawn, Request, exposed, exposure_of, sheet
-from .pop_scenes import drawn, moving_ms, off, plume, scores, traced
+from .pop_scenes import differences, drawn, moving_ms, off, plume, scores, traced
 
-ORDINATES = (8, 27, 64, 216)
+ORDINATES, MANY = (8, 27, 64, 216), 512
 _SAMPLES: Mapping[str, Any] = {"ordinates_from": "importance", "exact_sky": False}
 WAYS: Mapping[str, Mapping[str, Any]] = {
     "parts": {},
@@ -20,19 +21,21 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 
 
 def draw(request: Request) -> Drawn:
-    """The plume at g = 0.9 by the number of ordinates: errors, and how long a frame takes."""
+    """The plume at g = 0.9 by the number of ordinates: errors, what is off beside many, and a frame's time."""
     scene = plume(0.9)
     truth = traced(request, scene)
     rows: list[Any] = []
     numbers: dict[str, Any] = {"g": 0.9}
     stops = 0.0
+    best = drawn(request, scene, {"ordinates": MANY})
     for row, (way, settings) in enumerate(WAYS.items()):
         images: list[Any] = []
         told: dict[str, dict[str, Any]] = {}
+        made: dict[str, Image] = {}
         for index, count in enumerate(ORDINATES[: 2 if request.quick else None]):
             done = row / len(WAYS) + index / len(WAYS) / len(ORDINATES)
             request.report(f"{way}, {count} ordinates", done)
-            image = drawn(request, scene, {"ordinates": count, **settings})
+            made[str(count)] = image = drawn(request, scene, {"ordinates": count, **settings})
             stops = exposure_of(scene, image.radiance) if not rows else stops
             found = scores(image, truth)
             told[str(count)] = dict(found)
@@ -40,6 +43,7 @@ def draw(request: Request) -> Drawn:
                 told[str(count)]["moving_ms"] = moving_ms(request, scene, {"ordinates": count})
             images.append((f"{count}{off(found)}", image.radiance))
         rows.append((way, exposed(request, images, stops)))
+        rows.append((f"beside {MANY} ordinates", differences(request, made, best)))
         numbers[way] = told
     if truth is not None:
         rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ..app.compare.images import heat
+from ..maths.colour import luminance
 from ..scene.builtin import cloud, smoke
 from ..scene.builtin.milk import BOUNDS as MILK_BOUNDS
 from ..scene.builtin.milk import knot_density
@@ -29,7 +31,7 @@ EXPOSURE_STOPS = -1.2
 QUICK_POP: Mapping[str, Any] = {"ordinates": 6, "grid": 6, "solver_steps": 8, "march_steps": 32}
 _CLEAR, _BLOCK_PX = 0.98, 4
 _MOST, _DAZZLING = 0.8, 4.0
-_SPP_SHARE = 4  # of a path-traced panel's samples: air costs many scatterings a path
+_SPP_SHARE = 2  # of a path-traced panel's samples: air costs many scatterings a path
 
 
 def plume(g: float = 0.9) -> Scene:
@@ -149,6 +151,22 @@ def traced(request: Request, scene: Scene) -> Image | None:
         progress=lambda done: request.report("path tracing", done),
     )
     return layers["all"]
+
+
+def differences(request: Request, images: Mapping[str, Image], best: Image) -> list[Any]:
+    """Captioned maps of how far the scattered light of `images` is from that of `best`.
+
+    Black where it is the same, white where it is off by half of what is bright in `best`.
+    """
+    usual = luminance(best.layers["scattered"])
+    bright = float(np.quantile(usual, _MOST, method="nearest")) or float(usual.max())
+    cells = []
+    for name, image in images.items():
+        light = image.layers["scattered"]
+        error = np.abs(luminance(light) - usual) / max(0.5 * bright, 1e-30)
+        caption = f"{name}: {away(light, best.layers['scattered']):.3f} away"
+        cells.append((caption, heat(error.astype(np.float32))))
+    return cells
 
 
 def as_large_as(image: F32, truth: Image) -> F32:
