@@ -111,7 +111,7 @@ def test_without_a_libllvm_figures_of_fog_have_a_truth_without_layers(
     monkeypatch.setattr(lpvms_6, "CASES", dict(list(lpvms_6.CASES.items())[:1]))
     lacks: list[str] = []
     (told,) = lpvms_6.draw(Request((48, 28), warn=lacks.append)).numbers.values()
-    assert told["path traced"] == {"spp": 256, "notes": [note]}
+    assert told["path traced"] == {"spp": Request().reference_spp, "notes": [note]}
     assert told["ours"].keys() == {"mean_indirect"}
     assert lacks == [note]
 

@@ -1,7 +1,7 @@
 """The lattice's spacing, and the number of iterations (Kaplanyan2010 Fig. 12).
 
-The sun alone: the sky's light comes into all cells without an iteration. Hops are the paper's below,
-whose light moves a cell in each iteration.
+The sun alone: the sky's light comes into all cells without an iteration. Below, hops are the
+paper's, whose light moves a cell in each iteration, and no blockers stop it.
 """
 
 from __future__ import annotations

@@ -101,7 +101,9 @@ def size_of(cells: Sequence[int]) -> str:
 def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as an image."""
     machines = ("GTX285", "Xbox 360", "PS3")
-    lines: list[tuple[str, ...]] = [("Stage, ms", f"here: {device}"[:38], *(f"{m}, 32^3" for m in machines))]
+    lines: list[tuple[str, ...]] = [
+        ("Stage, ms", f"here: {device}"[:38], *(f"{m}, 32^3" for m in machines))
+    ]
     for name, times in ours.items():
         theirs = [_times(PAPER_MS[name][machine]) for machine in machines]
         own = times if name in ("Propagation", "Total") else times[-1:]

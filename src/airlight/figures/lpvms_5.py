@@ -36,7 +36,7 @@ def dark_hall() -> Scene:
     them dark, as in the paper.
     """
     scene = one_iteration()
-    camera = Camera((1.2, 2.1, 2.8), (-0.5, 1.5, -1.0), fov_y_deg=75.0, exposure_stops=None)
+    camera = Camera((-2.4, 2.2, 2.8), (0.4, 1.5, -1.2), fov_y_deg=75.0, exposure_stops=None)
     lamp = SpotLight((-3.2, 3.2, 0.4), (3.2, -2.0, -0.4), (90.0, 81.0, 67.5), 9.0, 12.0)
     medium = Medium(*extinction_and_albedo(SCATTERING, 0.0))
     meshes = tuple(

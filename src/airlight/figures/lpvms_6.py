@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..app.compare.images import shown
@@ -12,7 +12,17 @@ from .clpv_6 import scores
 from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
 from .truths import noise_l2, told_of, truth_of, without_grain
 
-PAPER = {"scheme": "paper"}
+PAPER: Mapping[str, Any] = {
+    "scheme": "paper",
+    "acceleration": "none",
+    "blockers": "maps",
+    "single": "random",
+    "follow_walls": False,
+    "ambient_occlusion": False,
+}
+"""The paper's hops, its blockers from maps, its points of first-scattered light, its cells along the
+world's axes, and no screen-space occlusion."""
+PAPER_ITERATIONS = 8
 RESOLUTION = 32
 CASES: dict[str, tuple[Callable[[], Scene], float]] = {
     "a  board aslant, lit behind": (bleeding, 0.0),
@@ -37,7 +47,8 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
     truth = truth_of(request, scene)
     kept: dict[str, Any] = {} if request.quick else {"resolution": RESOLUTION}
     once = scene.settings.get("lpv-scatter", {})
-    modes = {"the paper's": {**kept, **PAPER, "acceleration": "none"}, "ours": kept}
+    paper = {**kept, **PAPER} | ({} if once else {"iterations": PAPER_ITERATIONS})
+    modes = {"the paper's": paper, "ours": kept}
     if once:
         modes["ours, iterated"] = {**kept, "iterations": 8, "acceleration": "cycle"}
     images = {

@@ -43,7 +43,7 @@ def draw(request: Request) -> Drawn:
                 told[str(count)]["moving_ms"] = moving_ms(request, scene, {"ordinates": count})
             images.append((f"{count}{off(found)}", image.radiance))
         rows.append((way, exposed(request, images, stops)))
-        rows.append((f"beside {MANY} ordinates", differences(request, made, best)))
+        rows.append((f"beside {MANY}", differences(made, best)))
         numbers[way] = told
     if truth is not None:
         rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))

@@ -50,11 +50,11 @@ def draw(request: Request) -> Drawn:
     stops = exposure_of(scene, shown[0][1])
     if truth is not None:
         shown.append(("Monte Carlo", truth.radiance))
-    half = (len(shown) + 1) // 2
+    few = len(images)
     rows = [
-        ("", exposed(request, shown[:half], stops)),
-        ("", exposed(request, shown[half:], stops)),
-        (f"beside {MANY} ordinates", differences(request, images, best)),
+        ("", exposed(request, shown[:few], stops)),
+        (f"beside {MANY}", differences(images, best)),
+        ("", exposed(request, shown[few:], stops)),
     ]
     numbers = {"g": G, "ordinates": ORDINATES, "ways": told}
     return Drawn(sheet(request, f"Few ordinates: {ORDINATES}", rows), numbers)

@@ -153,18 +153,19 @@ def traced(request: Request, scene: Scene) -> Image | None:
     return layers["all"]
 
 
-def differences(request: Request, images: Mapping[str, Image], best: Image) -> list[Any]:
+def differences(images: Mapping[str, Image], best: Image) -> list[Any]:
     """Captioned maps of how far the scattered light of `images` is from that of `best`.
 
     Black where it is the same, white where it is off by half of what is bright in `best`.
     """
     usual = luminance(best.layers["scattered"])
-    bright = float(np.quantile(usual, _MOST, method="nearest")) or float(usual.max())
+    is_air = best.layers["transmittance"].min(axis=-1) < _CLEAR
+    bright = float(np.quantile(usual[is_air], _MOST)) if is_air.any() else 1.0
     cells = []
     for name, image in images.items():
         light = image.layers["scattered"]
         error = np.abs(luminance(light) - usual) / max(0.5 * bright, 1e-30)
-        caption = f"{name}: {away(light, best.layers['scattered']):.3f} away"
+        caption = f"{name}: {away(light, best.layers['scattered']):.2f}"
         cells.append((caption, heat(error.astype(np.float32))))
     return cells
 
