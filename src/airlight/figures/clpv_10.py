@@ -1,4 +1,4 @@
-"""Indirect light of foliage, steady while the sun moves (Kaplanyan2010 Fig. 10)."""
+"""Indirect light of foliage while the sun moves, and how far it jumps (Kaplanyan2010 Fig. 10)."""
 
 from __future__ import annotations
 

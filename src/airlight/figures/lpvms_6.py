@@ -20,8 +20,8 @@ PAPER: Mapping[str, Any] = {
     "follow_walls": False,
     "ambient_occlusion": False,
 }
-"""The paper's hops, its blockers from maps, its points of first-scattered light, its cells along the
-world's axes, and no screen-space occlusion."""
+"""The paper's hops, its blockers from maps, its points of first-scattered light, its cells along
+the world's axes, and no screen-space occlusion."""
 PAPER_ITERATIONS = 8
 RESOLUTION = 32
 CASES: dict[str, tuple[Callable[[], Scene], float]] = {
@@ -33,7 +33,7 @@ CASES: dict[str, tuple[Callable[[], Scene], float]] = {
 
 
 def draw(request: Request) -> Drawn:
-    """Each scene by the paper's scheme and by ours, beside the truth; bounced and air's light."""
+    """Each scene by the paper's scheme, by ours alone and gathered, beside the truth; bounced and air's light."""
     rows: list[Any] = []
     numbers: dict[str, Any] = {}
     for label, (make, more) in CASES.items():
@@ -51,6 +51,7 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
     modes = {"the paper's": paper, "ours": kept}
     if once:
         modes["ours, iterated"] = {**kept, "iterations": 8, "acceleration": "cycle"}
+    modes["ours, gathered"] = {**modes[list(modes)[-1]], "gather": "still"}
     images = {
         name: rendered(request, scene, mode, technique="lpv-scatter")
         for name, mode in modes.items()

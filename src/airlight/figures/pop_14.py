@@ -21,7 +21,7 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 
 
 def draw(request: Request) -> Drawn:
-    """The plume at g = 0.9 by the number of ordinates: errors, what is off beside many, and a frame's time."""
+    """The plume at g = 0.9 by the number of ordinates: errors, what many change, a frame's time."""
     scene = plume(0.9)
     truth = traced(request, scene)
     rows: list[Any] = []

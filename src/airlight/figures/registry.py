@@ -47,7 +47,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "clpv-9": Figure(f"{_PAPER} Fig. 9", "a polished floor that reflects the lattice", "clpv_9"),
     "clpv-10": Figure(
-        f"{_PAPER} Fig. 10", "foliage, and how steady its light is while the sun moves", "clpv_10"
+        f"{_PAPER} Fig. 10", "foliage, and how far its light jumps while the sun moves", "clpv_10"
     ),
     "clpv-11": Figure(
         f"{_PAPER} Fig. 11", "light that bleeds through thin boards and through a wall", "clpv_11"
