@@ -33,7 +33,7 @@ CASES: dict[str, tuple[Callable[[], Scene], float]] = {
 
 
 def draw(request: Request) -> Drawn:
-    """Each scene by the paper's scheme, by ours alone and gathered, beside the truth; bounced and air's light."""
+    """Each scene by the paper's scheme, by ours alone and gathered, beside the truth; numbers."""
     rows: list[Any] = []
     numbers: dict[str, Any] = {}
     for label, (make, more) in CASES.items():
