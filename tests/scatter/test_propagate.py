@@ -6,7 +6,13 @@ import pytest
 from airlight.gpu.lanes import has_row_lanes
 from airlight.gpu.layout import pack_array
 from airlight.maths import lattice26, lattice26_walls
-from airlight.scatter.coefficients import StepCoefficients, step_rows
+from airlight.scatter.coefficients import (
+    StepCoefficients,
+    handed_on,
+    paper_gain,
+    paper_rows,
+    step_rows,
+)
 from airlight.scatter.hop_visibility import HopVisibility, new_packs
 from airlight.scatter.propagate import Operator, Step, StepMedium
 
@@ -61,12 +67,32 @@ def walls(gpu, lattice, commands):
     packs.release()
 
 
-def stepped(gpu, lattice, commands, state, operator, packs=None, medium=None, has_rows=False):
+def stepped(
+    gpu,
+    lattice,
+    commands,
+    state,
+    operator,
+    packs=None,
+    medium=None,
+    has_rows=False,
+    *,
+    rows=None,
+    handed_on=0.0,
+):
     """K before, in the homogeneous medium, or in `medium` (sigma_s, sigma_t) (C, Z, Y, X)."""
-    rows = pack_array(StepCoefficients, step_rows(SIGMA_S, SIGMA_T, CELL_M))
+    if handed_on:
+        rows = paper_rows([0.0] * 3, [0.0] * 3, CELL_M)
+    rows = pack_array(StepCoefficients, rows or step_rows(SIGMA_S, SIGMA_T, CELL_M))
     before, source, after = (lattice(v) for v in (state, np.zeros_like(state), state))
     varied = None if medium is None else lattice(np.stack(medium, axis=-1))
-    step = Step(gpu, has_walls=packs is not None, is_varied=medium is not None, has_rows=has_rows)
+    step = Step(
+        gpu,
+        has_walls=packs is not None,
+        is_varied=medium is not None,
+        handed_on=handed_on,
+        has_rows=has_rows,
+    )
     cells = StepMedium(
         COUNT, CELL_M, varied or before, lattice(rows.view(np.uint32)), 0, packs or before
     )
@@ -122,6 +148,31 @@ def test_the_step_is_numpys(gpu, lattice, commands, walls, medium, has_walls, ha
         )
         # float32: some 50 terms, each of a few roundings.
         np.testing.assert_allclose(got, expected, atol=1e-5 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("has_rows", [False, True], ids=["cells", "rows"])
+def test_eq_3_as_printed_takes_each_cells_own_medium(gpu, lattice, commands, has_rows):
+    if has_rows and not has_row_lanes(gpu):
+        pytest.skip("this driver's lanes are not in rows")
+    state, share = random_state(), handed_on()
+    s, t = (0.1 * sigma / CELL_M for sigma in random_medium(state))  # some hops are deep
+    gain = np.moveaxis(paper_gain(s, t, CELL_M, share), 0, -1)
+    wanted, _ = truth(gain * state, (np.zeros_like(s), np.zeros_like(t)))
+    got = stepped(
+        gpu, lattice, commands, state, Operator.MOVE, None, (s, t), has_rows, handed_on=share
+    )
+    # float32: some 50 terms, each of a few roundings.
+    np.testing.assert_allclose(got, wanted, atol=1e-5 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("operator", [Operator.MOVE, Operator.TRACK])
+def test_eq_3_in_cells_that_are_alike_is_that_of_one_medium(gpu, lattice, commands, operator):
+    state, (s, t) = random_state(), ([0.2, 0.1, 0.0], [0.3, 0.1, 0.0])
+    alike = tuple(np.broadcast_to(np.reshape(v, (3, 1, 1, 1)), state.shape[:-1]) for v in (s, t))
+    rows = paper_rows(s, t, CELL_M)
+    one = stepped(gpu, lattice, commands, state, operator, rows=rows)
+    own = stepped(gpu, lattice, commands, state, operator, medium=alike, handed_on=handed_on())
+    np.testing.assert_allclose(own, one, atol=1e-5 * np.abs(one).max())
 
 
 def test_visibility_of_hops_is_numpys_and_incoming_is_the_neighbours_outgoing(walls):

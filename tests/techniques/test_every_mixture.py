@@ -107,11 +107,11 @@ def test_lights_by_the_thousand_are_taken_among_all_media(gpu: Gpu, media: str):
         check(mixture(ALL_LIGHTS, media, light_groups=(group,)), technique, small(technique))
 
 
-def test_the_papers_scheme_says_which_media_it_does_not_know(gpu: Gpu):
+def test_a_scheme_of_one_medium_says_which_it_does_not_know(gpu: Gpu):
     with pytest.raises(SettingsError, match="only one medium that fills the lattice"):
         Renderer(
             mixture(ALL_LIGHTS, "fog and smoke"),
             "lpv-scatter",
             size=(16, 16),
-            settings={"scheme": "paper", "resolution": 8},
+            settings={"scheme": "deposit", "resolution": 8},
         )

@@ -17,6 +17,7 @@ from ..maths.lattice26 import RHO, flux_gain, hops, mean_hop_length
 from ..maths.lattice26_levels import coarse_absorption_depth
 from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
 from ..maths.medium import mean_transmittance
+from ..maths.transforms import F64
 
 CHANNELS = 3
 _FIRST = (0, 6, 18)  # one hop of each kind
@@ -92,6 +93,31 @@ def _channel_rows(
     return move, track
 
 
+def handed_on(*, is_gamma_fixed: bool = False) -> float:
+    """The share of what scatters that eq. 3 hands on: gamma_j <Gamma_j|1> over all neighbours.
+
+    As printed 0.70; all of it with `is_gamma_fixed`.
+    """
+    return 1.0 if is_gamma_fixed else float(np.sqrt(4.0 * np.pi) / np.sqrt(hops().weights).sum())
+
+
+def paper_gain(sigma_s: float, sigma_t: float, cell_size_m: float, share: float) -> F64:
+    """What eq. 3 leaves of a state (A, B) in a cell, (4,): it scatters `share` of sigma_s."""
+    distance_m = mean_hop_length() * cell_size_m
+    passed = 1.0 - distance_m * sigma_t
+    return np.array([passed + share * distance_m * sigma_s, passed, passed, passed])
+
+
+def check_depth(sigma_t: Sequence[float], cell_size_m: float) -> None:
+    """Raise SettingsError where lambda = d sigma_t >= 1, beyond which eq. 3 is unstable."""
+    depth = mean_hop_length() * cell_size_m * max(sigma_t)
+    if depth >= 1.0:
+        raise SettingsError(
+            f"scheme = 'paper' needs less than 1 mean free path per hop, here are {depth:.3g}",
+            remedy="Raise the resolution, thin the medium or use scheme = 'deposit'.",
+        )
+
+
 def paper_rows(
     sigma_s: Sequence[float],
     sigma_t: Sequence[float],
@@ -104,24 +130,16 @@ def paper_rows(
     differs: with `is_gamma_fixed` the gamma_j hand on all that scatters; as printed, 0.70 of it.
     Raises SettingsError where lambda = d sigma_t >= 1, beyond which eq. 3 is unstable.
     """
+    check_depth(sigma_t, cell_size_m)
     distance_m = mean_hop_length() * cell_size_m
-    depth = distance_m * max(sigma_t)
-    if depth >= 1.0:
-        raise SettingsError(
-            f"scheme = 'paper' needs less than 1 mean free path per hop, here are {depth:.3g}",
-            remedy="Raise the resolution, thin the medium or use scheme = 'deposit'.",
-        )
     table = hops()
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]
-    # gamma_j <Gamma_j|1> summed over the neighbours.
-    printed = float(np.sqrt(4.0 * np.pi) / np.sqrt(table.weights).sum())
-    handed_on = 1.0 if is_gamma_fixed else printed
+    share = handed_on(is_gamma_fixed=is_gamma_fixed)
     # Eq. 3 deposits all in the cell that light enters, and no walls give anything back.
     nothing: dict[str, Any] = {name: np.zeros(3) for name in StepCoefficients.fields}
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
-        passed = 1.0 - distance_m * t
-        gain = [passed + handed_on * distance_m * s, passed, passed, passed]
+        gain = paper_gain(s, t, cell_size_m, share).tolist()
         moves.append(nothing | {"gain": gain, "arriving": w, "passing": 3.0 * RHO * w / cells})
         # The whole length of a hop counts in the cell that it leaves, open or stopped.
         own = {"kept": distance_m * w, "stopped": distance_m * w}

@@ -23,7 +23,7 @@ from ..gpu.memory import Buffer
 from ..gpu.recorded import Recorded
 from ..maths.lattice26 import RHO, persistence
 from ..maths.lattice26_levels import mean_track
-from .coefficients import CHANNELS, StepCoefficients, paper_rows, step_rows
+from .coefficients import CHANNELS, StepCoefficients, handed_on, paper_rows, step_rows
 from .hop_visibility import HopVisibility
 from .level import LatticeKind, Level
 from .level_passes import LevelParams, Prolong, Restrict, RestrictFaces, RestrictMedium
@@ -52,7 +52,13 @@ class Levels:
         rows = 2 * CHANNELS * len(self.levels)
         self._coefficients = Buffer(gpu, "step numbers", StepCoefficients.dtype.itemsize * rows)
         self._tracks = [(1.0, 1.0, 1.0) for _ in self.levels]
-        self._step = Step(gpu, has_walls=kind.has_walls, is_varied=kind.is_varied)
+        is_paper = kind.scheme != "deposit"
+        self._step = Step(
+            gpu,
+            has_walls=kind.has_walls,
+            is_varied=kind.is_varied,
+            handed_on=handed_on(is_gamma_fixed=kind.scheme == "paper-gamma") if is_paper else 0.0,
+        )
         if not schedule.is_empty:
             self._step.begin(count)
         self._visibility = HopVisibility(gpu) if kind.has_walls else None
@@ -79,6 +85,8 @@ class Levels:
 
     def set_varied(self, commands: Commands, medium: Buffer) -> None:
         """Take on a medium, (sigma_s, sigma_t) m^-1 per channel and cell, and its coarser means."""
+        if self.kind.scheme != "deposit":  # the rows of a vacuum: cells have their own gains
+            self.set_homogeneous((0.0,) * CHANNELS, (0.0,) * CHANNELS)
         self.levels[0].medium = medium
         for k in range(1, len(self.levels)):
             assert self._restrict_medium

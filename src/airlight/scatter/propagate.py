@@ -131,12 +131,23 @@ class Step:
     """Runs steps on lattices of any size, all of them with walls or none, varying or none."""
 
     def __init__(
-        self, gpu: Gpu, *, has_walls: bool, is_varied: bool, has_rows: bool | None = None
+        self,
+        gpu: Gpu,
+        *,
+        has_walls: bool,
+        is_varied: bool,
+        handed_on: float = 0.0,
+        has_rows: bool | None = None,
     ) -> None:
-        """`has_rows` chooses the kernel of rows; by default on CPU adapters that have the lanes."""
+        """`has_rows` chooses the kernel of rows; by default on CPU adapters that have the lanes.
+
+        `handed_on`, where media vary: steps are eq. 3's as printed, which hands on this share of
+        what scatters (coefficients.handed_on); 0: steps are ours.
+        """
         self._gpu = gpu
         self._has_rows = has_row_lanes(gpu) if has_rows is None else has_rows
         self._constants = {"HAS_WALLS": float(has_walls), "IS_VARIED": float(is_varied)}
+        self._constants["HANDED_ON"] = handed_on if is_varied else 0.0
         # Compiled when first needed: most lattices need one of the two.
         self._kernels: dict[type[ComputePass], ComputePass] = {}
 

@@ -38,7 +38,7 @@ fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
     let cell = (at.z * n.y + at.y) * n.x + at.x;
     let own = cell_at(vec3i(at), channel);
     var c = coefficients[params.row + channel];
-    if (IS_VARIED) {
+    if (IS_VARIED && HANDED_ON == 0.0) {
         c = varied_coefficients(own);
     }
     var walls = walls_at(cell, channel);

@@ -132,7 +132,7 @@ fn walls_at(cell: u32, channel: u32) -> Walls {
 fn stepped_cell(cell: u32, at: vec3i, channel: u32) -> vec4f {
     let own = cell_beside(at, channel, vec3i(0));
     var c = table;
-    if (IS_VARIED) {
+    if (IS_VARIED && HANDED_ON == 0.0) {
         c = varied_coefficients(own);
     }
     var walls = walls_at(cell, channel);

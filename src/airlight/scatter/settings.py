@@ -13,6 +13,8 @@ from ..scene.checks import Rgb
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.settings import setting
+from .coefficients import check_depth
+from .reduced import reduced_scene
 from .schedule import ACCELERATIONS
 
 SCHEMES = ("auto", "deposit", "half-linear", "paper", "paper-gamma")
@@ -29,7 +31,11 @@ class ScatterSettings:
         choices=SCHEMES,
     )
     iterations: int = setting(
-        12, "propagation steps on the fine lattice, or what they cost in cycles", low=0, high=512
+        12,
+        "propagation steps on the fine lattice; cycles are one for four of them, rounded, at least "
+        "one, so that 1 to 5 are the same",
+        low=0,
+        high=512,
     )
     still_iterations: int = setting(
         48,
@@ -73,7 +79,10 @@ def iterations_of(settings: ScatterSettings, *, is_still: bool) -> int:
 
 
 def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> bool:
-    """Whether cells need coefficients of their own; SettingsError where the scheme has none."""
+    """Whether cells need coefficients of their own.
+
+    Raises SettingsError where the scheme has none, or eq. 3 as printed is unstable.
+    """
     # A volume, or a medium that ends within the lattice, differs from cell to cell.
     varies = bool(scene.volumes)
     medium = scene.medium
@@ -85,11 +94,13 @@ def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> 
         first, last = placement.bounds
         least, most = box_along(np.array(placement.axes).T, first + inner, last - inner)
         varies = varies or bool((least < low).any() or (most > high).any())
-    if varies and settings.scheme not in ("auto", "half-linear"):
+    if varies and settings.scheme == "deposit":
         raise SettingsError(
             f"scheme = '{settings.scheme}' knows only one medium that fills the lattice",
             remedy="Use scheme = 'auto', or leave out volumes and the medium's bounds.",
         )
+    if varies and settings.scheme.startswith("paper"):
+        check_depth(densest_medium(reduced_scene(scene))[1], placement.cell)
     return varies or settings.scheme == "half-linear"
 
 

@@ -9,6 +9,7 @@
 
 override IS_VARIED = false;     // the medium differs from cell to cell
 override HAS_WALLS = false;
+override HANDED_ON = 0.0;       // as printed, above 0: share of what scatters that eq. 3 hands on
 
 // A cell's state, and what its half of a hop does to 1 W, by kind of hop: q is transmitted; of what is
 // lost u is ahead of the middle, w is the rest. Both are halved, times the hop's weight: as W that
@@ -23,6 +24,15 @@ struct Walls {
     closed_low: vec3f,          // how closed the faces towards -x, -y, -z are
     closed_high: vec3f,
     reflectance: f32,
+}
+
+// What eq. 3 leaves of a state in the `medium` of its cell; tracks are whole hops'.
+// Twin: scatter.coefficients.paper_gain.
+fn paper_gain(medium: vec2f) -> vec4f {
+    let distance = MEAN_HOP * params.cell;
+    let passed = 1.0 - distance * medium.y;
+    let gain = vec4f(passed + HANDED_ON * distance * medium.x, vec3f(passed));
+    return select(gain, vec4f(1.0), params.is_track != 0u);
 }
 
 fn homogeneous_cell(state: vec4f) -> Cell {
@@ -41,6 +51,9 @@ fn flux_gain(medium: vec2f) -> f32 {
 // `medium`: sigma_s and sigma_t, m^-1. With x the optical depth of half a hop of length L, q = exp(-x),
 // u = (L/4) (1 - q - x q)/x^2, w = (L/4) (x - 1 + q)/x^2; series where x is small.
 fn varied_cell(state: vec4f, medium: vec2f) -> Cell {
+    if (HANDED_ON > 0.0) {
+        return homogeneous_cell(state * paper_gain(medium));
+    }
     let quarter = 0.25 * params.cell * HOP_LENGTHS;
     let x = 2.0 * medium.y * quarter;
     let q = exp(-x);
