@@ -50,7 +50,11 @@ class PopSettings:
     residuum: bool = setting(True, "hand nearly isotropic light to one shared grid (paper)")
     residuum_iterations: int = setting(20, "hops of the shared grid (paper)", low=0, high=400)
     solver_steps: int = setting(36, "steps of the diffusion solve", low=1, high=512)
-    prefilter: bool = setting(True, "spread each ordinate over its part of the sky")
+    prefilter: bool = setting(
+        True,
+        "spread each ordinate over its part of the sky; shows where the sky is not exact "
+        "(exact_sky), or light scatters many times",
+    )
     virtual_lights: int = setting(
         0,
         "points of lit surfaces whose reflected light media see, once; 0: the light of a "
