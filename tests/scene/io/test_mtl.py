@@ -10,6 +10,7 @@ import pytest
 
 from airlight.errors import SceneError
 from airlight.scene.io.mtl import load_mtl
+from airlight.scene.io.obj import load_obj
 from airlight.scene.io.texture_files import TextureFiles
 
 
@@ -169,3 +170,22 @@ def test_statements_that_are_not_read_are_named_unless_they_say_nothing(material
     _, warnings = material("Kd 1 1 1\nPc 0.5\nrefl -type sphere a.png\nPs 0\naniso 0.0\nNi 1.45\n")
     (line,) = warnings
     assert "'pc', 'refl' of 'm' are not read" in line
+
+
+@pytest.mark.parametrize(
+    ("line", "named"),
+    [
+        ("Kd spectral red.rfl", "'kd spectral'"),
+        ("Ks xyz 1 1 1", "'ks xyz'"),
+        ("map_Kd -mm 0 2 brick.png", "'map_kd -mm'"),
+        ("map_Pr -imfchan g brick.png", "'map_pr -imfchan'"),
+    ],
+)
+def test_what_a_statement_asks_for_beyond_numbers_is_named(tmp_path, line, named):
+    (tmp_path / "tri.obj").write_text(
+        "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    )
+    (tmp_path / "a.mtl").write_text(f"newmtl a\n{line}\n")
+    assert any(named in text for text in load_obj(tmp_path / "tri.obj").warnings)
+    (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 0 0\nmap_Kd -s 2 2 -o 1 1 brick.png\n")
+    assert not any("left out" in text for text in load_obj(tmp_path / "tri.obj").warnings)

@@ -55,6 +55,12 @@ def _material(block: Block, textures: TextureFiles) -> Material:
         textures.warnings.append(
             f"{block.path}: {listed} of '{block.name}' are not read and left out"
         )
+    parts = sorted({part for key in _READ for part in block.unread(key)})
+    if parts:
+        textures.warnings.append(
+            f"{block.path}: {', '.join(parts)} of '{block.name}' left out: colours are numbers, "
+            "images are scaled and shifted only"
+        )
     return Material(**values)
 
 

@@ -24,6 +24,7 @@ _OPTION_ARGUMENTS = {
     "-mm": 2,
 }
 _VECTOR_OPTIONS = ("-s", "-o", "-t")
+_UNREAD_OPTIONS = ("-mm", "-t", "-imfchan")
 
 
 def read_blocks(path: Path) -> list[Block]:
@@ -67,6 +68,14 @@ class Block:
         if not all(math.isfinite(v) for v in values):
             raise SceneError(f"'{key} {text}' is not finite", where=f"{self.path}, line {line}")
         return values or None
+
+    def unread(self, key: str) -> list[str]:
+        """What a statement says that nobody reads: spectra, and what is done to an image."""
+        words = self.statements.get(key, ("", 0))[0].split()
+        if words and words[0] in ("spectral", "xyz"):
+            return [f"'{key} {words[0]}'"]
+        options = ImageName(" ".join(words)).options if words else {}
+        return [f"'{key} {name}'" for name in _UNREAD_OPTIONS if name in options]
 
     def number(self, key: str) -> float | None:
         """The first of them."""
