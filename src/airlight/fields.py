@@ -173,10 +173,12 @@ class AirLight:
     """What the rays of a gather meet in media, as reduced media have it (similarity theory).
 
     `mean`: the mean radiance of all light, unscattered too; media scatter their share of it.
+    `unscattered`: that of lights and sky alone, in the units of `mean`'s texture.
     `forward`: irradiance of surfaces, W m^-2, by light that media have only scattered forwards.
     """
 
     mean: LatticeSource
+    unscattered: Texture
     forward: Irradiance | None = None
 
 

@@ -12,6 +12,7 @@ import airlight
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
 from airlight.lighting.lattice_box import MEDIUM_BEYOND, lattice_box
+from airlight.maths.transforms import box_along
 from airlight.scene import Camera, Environment, Medium, Mesh, Scene
 from airlight.scene.animation import Animation
 from airlight.scene.animation.curve import Curve
@@ -139,3 +140,15 @@ radiance = [0.5, 0.7, 1.0]
 [medium]
 sigma_s = 0.3
 """
+
+
+def test_a_turned_lattice_covers_the_box_of_the_world_that_a_medium_fills():
+    """Fog without bounds fills the corners beside a room aslant; the sun lights them."""
+    c, s = np.cos(0.6), np.sin(0.6)
+    axes = ((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c))
+    low, high = lattice_box(replace(CUBE, medium=FOG), in_medium=True, axes=axes)
+    eye = np.array(CUBE.camera.position)
+    least, most = medium_box(FOG, [-0.5] * 3, [0.5] * 3, eye)
+    wanted = box_along(np.array(axes), least, most)
+    # As far as MEDIUM_BEYOND times the surfaces' longest side beyond them; the camera is nearer.
+    np.testing.assert_allclose((low, high), wanted, atol=0.02)

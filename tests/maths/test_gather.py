@@ -155,6 +155,8 @@ def test_twins(wgsl):
     u = RNG.random((500, 2))
     found = wgsl("gather", "cosine_direction", n, u, returns="vec3f")
     np.testing.assert_allclose(found, gather.cosine_direction(n, u), atol=2e-4)
+    found = wgsl("gather", "sphere_direction", u, returns="vec3f")
+    np.testing.assert_allclose(found, gather.sphere_direction(u), atol=2e-4)
     p, q = RNG.normal(size=(2, 500, 3))
     m, texel = fibonacci_sphere(500)[::-1], RNG.random(500) + 0.5
     like = wgsl("gather", "likeness", p, n, q, m, texel, returns="f32")

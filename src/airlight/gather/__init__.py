@@ -2,6 +2,7 @@
 
 points     G-buffer -> places and normals at reduced resolution
 trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
+cells      the same from the cells of media, for what they scatter
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
 sky        more rays towards what is bright outside
 mirrors    rays of smooth surfaces' pixels, and what they mirror

@@ -9,9 +9,8 @@ from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..surface.hits import Hits
-from .points import Points
 from .sky_cells import SkyCells, SkyParams
-from .trace import Segment
+from .trace import AnyPoints, Segment
 
 
 class FoldParams(Struct):
@@ -58,7 +57,7 @@ class Paths:
     """Two vec4f for each ray of a batch, as `fold.wgsl` has them; and two of the `air` along it."""
 
     def __init__(
-        self, gpu: Gpu, points: Points, cells: SkyCells, batch: int, *, has_air: bool = False
+        self, gpu: Gpu, points: AnyPoints, cells: SkyCells, batch: int, *, has_air: bool = False
     ) -> None:
         """For `batch` rays of each point. `has_air`: there are media in their way."""
         self._points, self._cells, self._fold = points, cells, _Fold(gpu, has_air=has_air)

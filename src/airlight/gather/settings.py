@@ -25,3 +25,10 @@ class GatherSettings:
     gather_bounces: int = setting(
         2, "bounces that they follow before the lattice is asked", low=1, high=16
     )
+    gather_air: int = setting(
+        8,
+        "rays that each cell of a lattice of media sends in a sample of a gathered image, for the "
+        "light that media scatter more than once; 0: what lattices solved is drawn",
+        low=0,
+        high=256,
+    )

@@ -13,6 +13,7 @@ from ..maths.gather import alias_table
 from ..maths.latlong import latlong_row_solid_angles
 from ..scene.environment import Environment
 from ..surface.sky import shrunk_map
+from .cells import CellPoints
 from .points import Points
 
 MILD = 16.0
@@ -70,7 +71,7 @@ class SkyCells:
         """Rays by brightness beside `rays` by the cosine."""
         return 0 if self.is_even else -(-rays // 2)
 
-    def params(self, points: Points, rays: int, sample: int) -> SkyParams:
+    def params(self, points: Points | CellPoints, rays: int, sample: int) -> SkyParams:
         """What passes over points must know of the sky; `rays` by the cosine, in this sample."""
         count = self.count(rays)
         return SkyParams(

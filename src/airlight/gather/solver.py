@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..fields import Fields, Frame, Solver
+from ..fields import AirLight, Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
@@ -25,6 +25,7 @@ from ..surface.hits import Hits
 from .air import Air, light_in
 from .albedo import Albedos
 from .beams import Beams
+from .cells import CellPoints, CellSums
 from .filtering import Filtering
 from .mirrors import Mirrors
 from .paths import Paths
@@ -62,7 +63,8 @@ class GatherSolver(Solver):
         self._air = Air(kit.gpu, media, sources=sources) if media else None
         self._beams = Beams(kit.gpu, kit) if media else None
         self._sized: _Sized | None = None
-        self._scope = kit.gpu.scope()
+        self._in_air: _InAir | None = None
+        self._scope, self._air_scope = kit.gpu.scope(), kit.gpu.scope()
         self._cells = SkyCells(kit.gpu)
         is_occluded = kit.settings.ambient_occlusion
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
@@ -87,6 +89,7 @@ class GatherSolver(Solver):
         if not self._gathers(view):
             return fields
         self._make(commands)
+        fields = self._gathered_air(commands, view, fields)
         sized = self._fitted(view.size)
         # What the rays start from, and what lights the surfaces that they meet.
         with commands.stage("g-buffer"):
@@ -134,10 +137,36 @@ class GatherSolver(Solver):
         found = self._mirrors.encode(commands, view, fields, rays, self._albedos)
         return replace(gathered, mirrored=found)
 
-    def _follow(self, commands: Commands, sized: _Sized, numbers: range, fields: Fields) -> None:
+    def _gathered_air(self, commands: Commands, view: View, fields: Fields) -> Fields:
+        """`fields` with the light in media of lattices found by rays of their cells."""
+        rays, source = self.settings.gather_air, fields.scattered
+        if not rays or self._air is None or source is None or fields.air is None:
+            return fields
+        cells = sum(placement.cells for placement in source.levels)
+        if self._in_air is None or self._in_air.cells != cells:
+            self._air_scope.release()
+            self._in_air = _InAir(self._air_scope, self.kit, cells, rays, self._cells)
+        sized = self._in_air
+        with commands.stage("gather points"):
+            walls = self.kit.blockers.bound["lattice_walls"]
+            sized.points.encode(commands, source.levels, walls)
+        # Rays of later samples meet what those of earlier ones found.
+        given, number = fields.air, sized.number_of(view.sample, fields.air)
+        met = fields if number == 0 else replace(fields, air=sized.found)
+        numbers = range(view.sample * sized.rays, (view.sample + 1) * sized.rays)
+        self._follow(commands, sized, numbers, met)
+        with commands.stage("gather lighting"):
+            scattered, sized.found = sized.sums.encode(
+                commands, sized.paths.buffer, numbers, (source, given), number
+            )
+        return replace(fields, scattered=scattered, air=sized.found)
+
+    def _follow(
+        self, commands: Commands, sized: _Sized | _InAir, numbers: range, fields: Fields
+    ) -> None:
         """Trace paths of several segments; lattices light what the last of them meets."""
         assert self._trace is not None
-        rays = self.settings.gather_rays
+        rays = sized.rays
         count = self.settings.gather_bounces if self._bounces else 1
         hits, before = sized.hits
         for index in range(count):
@@ -161,18 +190,28 @@ class GatherSolver(Solver):
             hits, before = before, hits
 
     def _light(
-        self, commands: Commands, sized: _Sized, hits: Hits, fields: Fields, *, is_last: bool
+        self,
+        commands: Commands,
+        sized: _Sized | _InAir,
+        hits: Hits,
+        fields: Fields,
+        *,
+        is_last: bool,
     ) -> tuple[Texture, Texture | None]:
-        """The textures with the light of `hits`: of lights, and of lattices on the last segment.
+        """The textures with the light of `hits`: of lights, and of lattices.
 
-        What a later segment finds of a mild sky, no lattice has to say.
+        On the last segment all that lattices know; before, what of lights media only scatter
+        forwards, which no ray meets. What a later segment finds of a mild sky, no lattice has to
+        say.
         """
-        layers = sized.layers
+        layers, forward = sized.layers, fields.air.forward if fields.air else None
         cache = fields.irradiance or self.kit.no_irradiance
         if not is_last and self._cells.is_mild:
+            if forward is not None:
+                return self._lighting.apart(commands, hits, layers, forward, fields.sky)
             return self._lighting.lights(commands, hits, layers, cache, fields.sky), None
         if not (is_last and self._bounces):
-            cache = self.kit.darkened(cache)
+            cache = forward or self.kit.darkened(cache)
         self._lighting.encode(commands, hits, layers, cache, fields.sky)
         return layers.direct, layers.indirect
 
@@ -227,6 +266,7 @@ class _Sized:
         has_air: bool,
     ) -> None:
         rays, is_occluded = settings.gather_rays, kit.settings.ambient_occlusion
+        self.rays = rays
         self.points = Points(gpu, size, is_occluded=is_occluded)
         width, height = self.points.reduced
         most = gpu.limits["max-texture-dimension-2d"] // height
@@ -236,3 +276,27 @@ class _Sized:
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
         self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)
+
+
+class _InAir:
+    """What the gather of so many `cells` needs; their `rays` are traced at once."""
+
+    def __init__(self, gpu: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells) -> None:
+        self.cells, self.points = cells, CellPoints(gpu, cells)
+        width, height = self.points.reduced
+        most = gpu.limits["max-texture-dimension-2d"] // height
+        self.rays = max(1, min(rays, most, MOST_HITS // self.points.count))
+        hits = (width, height * self.rays)
+        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
+        self.paths = Paths(gpu, self.points, sky, self.rays, has_air=True)
+        self.sums = CellSums(gpu, self.points, kit.lattices.texture_size)
+        self.found: AirLight | None = None
+        self._given: AirLight | None = None
+        self._sample, self._number = -1, 0
+
+    def number_of(self, sample: int, given: AirLight) -> int:
+        """How many samples in a row there were of this light before this one."""
+        is_next = given is self._given and sample == self._sample + 1
+        self._number = self._number + 1 if is_next and sample else 0
+        self._given, self._sample = given, sample
+        return self._number

@@ -12,7 +12,11 @@ from ..gpu.slots import image, storage, texture, uniform
 from ..rays.rays import RAY_SLOTS, RayScene
 from ..surface.hits import Hits
 from .albedo import AlbedoData, Albedos
+from .cells import CellPoints
 from .points import Points
+
+AnyPoints = Points | CellPoints
+"""What paths start from."""
 
 
 class TraceParams(Struct):
@@ -56,6 +60,10 @@ class _Bounce(_Trace):
     file = "bounce.wgsl"
 
 
+class _FromAir(_Trace):
+    file = "from_air.wgsl"
+
+
 class Trace:
     """Traces batches of rays through a scene whose materials reflect as `albedos` say."""
 
@@ -64,9 +72,10 @@ class Trace:
         self.constants = scene.constants
         self._first = _Trace(gpu, constants=scene.constants)
         self._next = _Bounce(gpu, constants=scene.constants)
+        self._from_air = _FromAir(gpu, constants=scene.constants)
 
     def encode(
-        self, commands: Commands, points: Points, pair: tuple[Hits, Hits], segment: Segment
+        self, commands: Commands, points: AnyPoints, pair: tuple[Hits, Hits], segment: Segment
     ) -> None:
         """Write what rays meet to the second of `pair`.
 
@@ -74,7 +83,8 @@ class Trace:
         """
         before, hits = pair
         is_first = segment.index == 0
-        used = self._first if is_first else self._next
+        first = self._from_air if isinstance(points, CellPoints) else self._first
+        used = first if is_first else self._next
         used.dispatch(
             commands,
             (points.reduced[0], points.reduced[1] * len(segment.numbers)),

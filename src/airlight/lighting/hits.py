@@ -72,6 +72,20 @@ class HitLighting:
         self._draw(commands, "lights", (layers.lit,), values, irradiance)
         return layers.lit
 
+    def apart(
+        self,
+        commands: Commands,
+        hits: Hits,
+        layers: RadianceLayers,
+        irradiance: Irradiance,
+        sky: SkyIrradiance,
+    ) -> tuple[Texture, Texture]:
+        """The textures with what lights and emitters give `hits`, and what `irradiance` does."""
+        lit = self.lights(commands, hits, layers, irradiance, sky)
+        values = self._bound(commands, hits, irradiance, sky) | {"lit": lit}
+        self._draw(commands, "rest", layers.targets, values, irradiance)
+        return lit, layers.indirect
+
     def _draw(
         self,
         commands: Commands,

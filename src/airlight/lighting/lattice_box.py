@@ -67,10 +67,9 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
         return low, high
     # Without bounds it reaches to the camera, wherever that goes.
     eyes = [scene.camera.position] if scene.animation is None else scene.animation.eyes(scene)
-    seen = whole_bounds_along(scene, turn)
-    boxes = [medium_box(medium, *seen, turn @ np.asarray(eye)) for eye in eyes]
-    if medium.bounds is not None:
-        boxes = [box_along(turn, *medium.bounds)]
+    # What it fills is a box of the world, however the lattice is turned.
+    seen = whole_bounds_along(scene, np.eye(3))
+    boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in eyes]
     longest = float(np.subtract(high, low).max())
 
     def reach(beyond: F64) -> F64:

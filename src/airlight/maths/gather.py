@@ -84,6 +84,17 @@ def cosine_direction(normal: ArrayLike, numbers: ArrayLike) -> F64:
     return np.asarray(x[..., None] * tangent + y[..., None] * bitangent + z[..., None] * n)
 
 
+def sphere_direction(numbers: ArrayLike) -> F64:
+    """Unit directions (..., 3), all alike; `numbers` (..., 2) in [0, 1), uniform.
+
+    Their mean radiance times 4 pi is fluence.
+    """
+    u = np.asarray(numbers, dtype=np.float64)
+    z, angle = 1.0 - 2.0 * u[..., 0], 2.0 * np.pi * u[..., 1]
+    radius = np.sqrt(np.maximum(1.0 - z * z, 0.0))
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
+
+
 def likeness(
     place: ArrayLike, normal: ArrayLike, other: ArrayLike, its_normal: ArrayLike, texel_m: ArrayLike
 ) -> F64:

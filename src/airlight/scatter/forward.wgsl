@@ -94,8 +94,9 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
         let offset = lattice_from_world(lattice,
             ring * (cos(turn) * across + sin(turn) * cross(light.direction, across)));
         let moved = moved_freely(vec3f(id) + half, offset);
-        // Beyond the lattice cells go on.
-        p = world_from_cells(lattice, moved);
+        // Beyond the lattice cells go on; within it walls stand where the warp has them.
+        let there = vec3u(clamp(vec3i(floor(moved)), vec3i(0), vec3i(lattice.count) - 1));
+        p = unwarped_point(lattice, there, moved - vec3f(there));
         depths = depths_towards(light, i, p);
     }
     // A local light may be in the cell, so its mean over the part is taken.

@@ -45,6 +45,7 @@ class _Pack(ComputePass):
         storage("track", "vec4f"),
         storage("light", "vec4f"),
         image("mean", FILTERED, "3d"),
+        image("unscattered", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
     file = "light_in_air.wgsl"
@@ -56,7 +57,10 @@ class LightInAir:
     def __init__(self, gpu: Gpu, kit: Kit) -> None:
         self._kit, self._pack, self.scale = kit, _Pack(gpu), 1.0
         size = kit.lattices.texture_size
-        self._mean = Texture(gpu, "light in air", size, FILTERED, dimension="3d", written=True)
+        self._mean, self._unscattered = (
+            Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
+            for name in ("light in air", "unscattered light in air")
+        )
         self._forward = SurfaceLight(gpu, kit.placement, size)
         self._table = LatticeTable(gpu, kit.lattices.table.count)
         self._has_forward = False
@@ -84,6 +88,7 @@ class LightInAir:
             track=track,
             light=part.injection.light_in_cells,
             mean=self._mean,
+            unscattered=self._unscattered,
         )
         beams = part.injection.surface_beams
         self._has_forward = beams is not None
@@ -102,6 +107,7 @@ class LightInAir:
             mean=self._mean,
         )
         if not self._has_forward:
-            return AirLight(mean)
+            return AirLight(mean, self._unscattered)
         table = self._table.filled([self._forward.params(place) for place in places])
-        return AirLight(mean, Irradiance({"lattices": table, **self._forward.bound}))
+        forward = Irradiance({"lattices": table, **self._forward.bound})
+        return AirLight(mean, self._unscattered, forward)

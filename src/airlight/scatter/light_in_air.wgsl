@@ -11,7 +11,9 @@ const LARGEST_HALF = 65504.0;
     let scattered = max(vec3f(track[cell].x, track[cell + cells].x, track[cell + 2u * cells].x),
         vec3f(0.0));
     // Track, W m, over a cell's volume is fluence.
-    let whole = params.share * scattered + params.volume * light[cell].rgb;
+    let alone = params.volume * light[cell].rgb;
+    let whole = params.share * scattered + alone;
     let texel = id + vec3u(0u, params.first_row, 0u);
     textureStore(mean, texel, vec4f(min(whole * params.scale, vec3f(LARGEST_HALF)), 1.0));
+    textureStore(unscattered, texel, vec4f(min(alone * params.scale, vec3f(LARGEST_HALF)), 1.0));
 }

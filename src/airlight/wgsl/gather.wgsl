@@ -35,6 +35,13 @@ fn cosine_direction(normal: vec3f, numbers: vec2f) -> vec3f {
     return orthonormal_frame(normal) * vec3f(radius * cos(angle), radius * sin(angle), z);
 }
 
+fn sphere_direction(numbers: vec2f) -> vec3f {
+    let z = 1.0 - 2.0 * numbers.x;
+    let radius = sqrt(max(1.0 - z * z, 0.0));
+    let angle = 6.2831853 * numbers.y;
+    return vec3f(radius * cos(angle), radius * sin(angle), z);
+}
+
 fn flux_along(normal: vec3f, direction: vec3f) -> vec3f {
     let cosine = dot(direction, normal);
     return normal + (direction - cosine * normal) / max(cosine, LEAST_COSINE);

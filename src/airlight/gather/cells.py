@@ -1,0 +1,182 @@
+"""The final gather in the air: what arrives in a lattice's cells, found by rays.
+
+Cells of a lattice know the light that came to them through the faces between; a window of two
+cells is nearly shut to it, and a wall between cells is no sharper than they are. Rays from the
+middles of the cells find instead what surfaces and the air beyond send there, as the rays of pixels
+do. They go into all directions alike, and their radiance is kept in two bands, as marching reads
+the lattice itself. The first sample's rays meet the light in air that the lattice solved, later
+ones' what earlier samples found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from ..fields import AirLight, LatticeSource
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, u32
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import FILTERED, image, storage, texture, uniform
+from ..lattice.lookup import CHANNEL_IMAGES, ChannelTextures
+from ..lattice.placement import LatticeParams, Placement
+
+_WIDTH = 1024
+CellLight = tuple[LatticeSource, AirLight]
+"""Light that is scattered towards the eye, and what rays meet."""
+
+
+class CellPointParams(Struct):
+    """Where a lattice's cells begin among the points, and the width of their texture."""
+
+    first = u32("points")
+    width = u32("texels")
+
+
+class CellSumParams(Struct):
+    """Where a lattice's cells begin, which rays they sent, and the scale of their sums."""
+
+    first = u32("points")
+    width = u32("texels")
+    points = u32("from one ray of a point to its next")
+    rays = u32("of a point")
+    first_ray = u32()
+    scale = f32("stored units per W m^-2 sr^-1, over the number of rays")
+    weight = f32("of this sample in what the next one's rays meet")
+
+
+class CellAirParams(Struct):
+    """Where a lattice's cells begin among the points, and the scale of their light."""
+
+    first = u32("points")
+    scale = f32("stored units per W m^-2 sr^-1")
+
+
+class _CellPoints(ComputePass):
+    slots = (
+        uniform("params", CellPointParams),
+        uniform("lattice", LatticeParams),
+        texture("lattice_walls", "3d"),
+        image("places", "rgba32float"),
+    )
+    workgroup = (32, 8, 1)
+    file = "cell_points.wgsl"
+
+
+class _CellSums(ComputePass):
+    slots = (
+        uniform("params", CellSumParams),
+        uniform("lattice", LatticeParams),
+        storage("paths", "vec4f"),
+        *CHANNEL_IMAGES,
+        image("mean", FILTERED, "3d"),
+        storage("before", "vec4f", "read_write"),
+    )
+    workgroup = (32, 8, 1)
+    file = "cell_sums.wgsl"
+
+
+class _CellAir(ComputePass):
+    slots = (
+        uniform("params", CellAirParams),
+        uniform("lattice", LatticeParams),
+        storage("before", "vec4f"),
+        texture("unscattered", "3d", "unfilterable-float"),
+        image("air", FILTERED, "3d"),
+    )
+    workgroup = (32, 8, 1)
+    file = "cell_air.wgsl"
+
+
+class CellPoints:
+    """The middles of all cells of nested lattices, as `points.Points` has those of an image."""
+
+    def __init__(self, gpu: Gpu, cells: int) -> None:
+        """For so many `cells`, of all lattices together."""
+        self.reduced = (_WIDTH, -(-cells // _WIDTH))
+        self.places = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
+        self.normals = Texture(gpu, "cell normals", self.reduced, "rgba16float", written=True)
+        self._pass = _CellPoints(gpu)
+
+    @property
+    def count(self) -> int:
+        """How many there are room for: whole rows of texels."""
+        return self.reduced[0] * self.reduced[1]
+
+    def encode(self, commands: Commands, placements: tuple[Placement, ...], walls: Texture) -> None:
+        """Take the middles of the cells of these lattices; `walls` as of their blockers."""
+        for first, placement in _numbered(placements):
+            self._pass.dispatch(
+                commands,
+                placement.count,
+                params=CellPointParams(first=first, width=_WIDTH),
+                lattice=placement.params(),
+                lattice_walls=walls,
+                places=self.places,
+            )
+
+
+class CellSums(ChannelTextures):
+    """The radiance that arrives in cells, in textures such as `LatticeSource` binds."""
+
+    def __init__(self, gpu: Gpu, points: CellPoints, size: tuple[int, int, int]) -> None:
+        """`size` in cells: of the textures that lattices share."""
+        super().__init__(gpu, "gathered", size)
+        self.mean, self._air = (
+            Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
+            for name in ("gathered mean", "gathered light in air")
+        )
+        self._before = Buffer(gpu, "light in air before", 16 * points.count)
+        self._points, self._pass, self._next = points, _CellSums(gpu), _CellAir(gpu)
+
+    def encode(
+        self, commands: Commands, paths: Buffer, numbers: range, light: CellLight, number: int
+    ) -> CellLight:
+        """`light` with that of the `paths` of the rays of these `numbers`.
+
+        `number`: how many samples of the same light there were before.
+        """
+        scattered, air = light
+        largest, points = scattered.placement.cell, self._points.count
+        for first, placement in _numbered(scattered.levels):
+            # Marching takes textures to hold the power of cells: of smaller ones, less.
+            share = (placement.cell / largest) ** 2
+            self._pass.dispatch(
+                commands,
+                placement.count,
+                params=CellSumParams(
+                    first=first,
+                    width=_WIDTH,
+                    points=points,
+                    rays=len(numbers),
+                    first_ray=numbers.start,
+                    scale=share / (scattered.scale * len(numbers)),
+                    weight=2.0 / (number + 2.0),
+                ),
+                lattice=placement.params(),
+                paths=paths,
+                **self.written,
+                mean=self.mean,
+                before=self._before,
+            )
+            self._next.dispatch(
+                commands,
+                placement.count,
+                params=CellAirParams(first=first, scale=share / air.mean.scale),
+                lattice=placement.params(),
+                before=self._before,
+                unscattered=air.unscattered,
+                air=self._air,
+            )
+        bound: dict[str, Any] = scattered.bound | self.bound
+        in_air = {f"lattice_{name}": self._air for name in ("red", "green", "blue")}
+        met = replace(air.mean, bound=air.mean.bound | in_air, mean=self._air)
+        return replace(scattered, bound=bound, mean=self.mean), replace(air, mean=met)
+
+
+def _numbered(placements: tuple[Placement, ...]) -> list[tuple[int, Placement]]:
+    """Each lattice with the number of its first cell among those of all."""
+    firsts = [sum(p.cells for p in placements[:i]) for i in range(len(placements))]
+    return list(zip(firsts, placements, strict=True))

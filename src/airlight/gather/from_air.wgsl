@@ -1,0 +1,19 @@
+// Rays from points in the air into all directions alike; each writes the surface that it meets.
+//! use gather
+//! use gather_hit
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
+        return;
+    }
+    let at = vec2u(id.x, id.y % params.reduced.y);
+    let place = textureLoad(places, at, 0);
+    var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    if (place.w > 0.0) {
+        let ray = params.first_ray + id.y / params.reduced.y;
+        found = gather_hit(place.xyz, sphere_direction(ray_numbers(at.x, at.y, ray)));
+    }
+    textureStore(hit_positions, id.xy, found.position);
+    textureStore(hit_normals, id.xy, found.normal);
+    textureStore(hit_albedos, id.xy, found.albedo);
+}

@@ -1,0 +1,47 @@
+"""The gather in the air: what cells of a medium receive, by closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.gather.test_solver import LPV, X, Z, rectangle
+
+from airlight.rendering import render
+from airlight.scene import Camera, DirectionalLight, Material, Medium, Scene
+
+SETTINGS = {name: value for name, value in LPV.items() if name != "iterations"}
+PAINT = Material(base_color=(0.8, 0.8, 0.8), specular=0.0)
+SIGMA = 1e-3
+
+
+def corner_angle(a, b, h):
+    """Solid angle, sr, of a rectangle of sides a and b seen from h above one of its corners."""
+    return np.arctan2(a * b, h * np.sqrt(a * a + b * b + h * h))
+
+
+def square_angle(x, z, h, half):
+    """That of a square about the origin from h above (x, z) within it."""
+    sides = [(half + i * x, half + k * z) for i in (-1, 1) for k in (-1, 1)]
+    return sum(corner_angle(a, b, h) for a, b in sides)
+
+
+@pytest.mark.parametrize("seed_view", [0.0, 0.4])
+def test_thin_air_over_a_lit_square_scatters_what_closed_forms_say(seed_view):
+    """Air so thin that all it scatters twice is what the floor sends: sigma times its solid angle.
+
+    A lattice has 8 cells and two bands, to which the floor sends too little upwards.
+    """
+    floor = rectangle(-2 * X - 2 * Z, 4 * X, 4 * Z, PAINT)
+    air = Medium((SIGMA,) * 3, (1.0,) * 3, bounds=((-2.0, 0.0, -2.0), (2.0, 3.0, 2.0)))
+    # Level views half a metre to two above the floor.
+    camera = Camera((seed_view, 1.2, 4.0), (seed_view, 1.2, 0.0), fov_y_deg=10.0)
+    sun = DirectionalLight((0, -1, 0), (np.pi,) * 3)
+    scene = Scene((floor,), (sun,), camera=camera, medium=air)
+    settings = {**SETTINGS, "gather_air": 16, "march_resolution": "full"}
+    image = render(scene, "lpv-scatter", (12, 8), samples=16, settings=settings)
+    found = image.layers["multiple_scatter"].mean()
+    z = (np.arange(64) + 0.5) / 64 * 4.0 - 2.0
+    # The view is narrow: its middle ray stands for it (0.8 of 3 m of height are seen).
+    truth = 4.0 * SIGMA * 0.8 * square_angle(seed_view, z, 1.2, 2.0).mean() / (4.0 * np.pi)
+    # 256 rays a cell and many cells: 1 %; half-empty cells at the borders take the rest.
+    assert found / truth == pytest.approx(1.0, abs=0.05)
