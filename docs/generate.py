@@ -22,11 +22,14 @@ import airlight
 from airlight import env
 from airlight.app.cli import airlight as command_line
 from airlight.app.scenes import descriptions
+from airlight.exports.light_field import LatticeLight, VolumeLight
 from airlight.figures.registry import FIGURES
 from airlight.gather.settings import GatherSettings
 from airlight.lighting.kit import SurfaceSettings
 from airlight.media.settings import MediaSettings
 from airlight.scene.io.toml_tables import schema_markdown
+from airlight.scene.lights.light_key import LightKey
+from airlight.scene.lights.light_type import LightType
 from airlight.techniques import TECHNIQUES, technique_settings
 
 DOCS = Path(__file__).parent
@@ -235,6 +238,30 @@ def command_line_page() -> str:
 # ---- Python ------------------------------------------------------------------------------------
 
 
+COMMON = {
+    "technique": "a technique's name, as `airlight render -t` takes it: `auto`, `lpv`, ...",
+    "settings": "a mapping of the technique's settings by name, as `airlight render -D` takes them",
+    "adapter": "`auto`, `cpu`, `gpu` or a part of the graphics adapter's name",
+    "size": "(width, height) of the image, pixels",
+    "samples": "how many jittered images are averaged",
+    "progress": "is called as `progress(stage, share)` after each step; a `Progress`",
+    "path": "of a file: text, or a `pathlib.Path`",
+    "seed": "a whole number: another one is another scene of the same kind",
+    "g": "mean cosine of the phase function, -1 to 1: above 0 light goes on forwards",
+}
+"""Parameters that mean the same everywhere; a docstring that names one says more of it."""
+
+TYPES = {
+    "`Vec3`": "three numbers (x, y, z): a point in metres, or a direction, of any length but 0",
+    "`Rgb`": "three numbers (red, green, blue), linear Rec.709",
+    "`Bounds`": "two `Vec3`: the lowest and the highest corner of a box along the axes, metres",
+    "`F32`, `F64`": "a NumPy array of float32 or float64",
+    "`Progress`": "`Callable[[str, float], None]`: takes a stage's name and the share done, 0 to 1",
+    "`AreaShape`": '`"rectangle"`, `"disk"` or `"sphere"`',
+}
+"""What signatures call by a name of airlight's own."""
+
+
 _PROMISES = """\
 ## Threads, processes, lost devices
 
@@ -273,6 +300,11 @@ def python_page() -> str:
     for title, names in groups.items():
         parts.append(f"## {title}\n")
         parts += [_entry(name, value) for name, value in names.items()]
+    parts.append("## What an exported light is made of\n")
+    parts.append("`LightField.lattices` and `LightField.volumes` are tuples of these.\n")
+    parts += [_class(cls.__name__, cls) for cls in (LatticeLight, VolumeLight)]
+    types_table = _table(("type", "is"), TYPES.items())
+    parts.append(f"## Types in signatures\n\n{types_table}\n")
     return "\n".join(parts)
 
 
@@ -324,7 +356,7 @@ def _class(name: str, cls: type) -> str:
         and key not in asked_for
         and isinstance(member, (types.FunctionType, property, staticmethod, classmethod))
     ]
-    body = f"### {name}\n\n```text\n{_signature(name, cls)}\n```\n\n{_prose(cls)}\n"
+    body = f"### {name}\n\n```text\n{_signature(name, cls)}\n```\n\n{_prose(cls)}\n{_listed(cls)}"
     return "\n".join([body, *methods])
 
 
@@ -336,7 +368,38 @@ def _method(key: str, member: Any) -> str:
 
 
 def _function(name: str, function: Any, level: str) -> str:
-    return f"{level} {name}\n\n```text\n{_signature(name, function)}\n```\n\n{_prose(function)}\n"
+    signature = f"```text\n{_signature(name, function)}\n```"
+    return f"{level} {name}\n\n{signature}\n\n{_prose(function)}\n{_listed(function)}"
+
+
+def described(value: Any) -> dict[str, str]:
+    """What is said of each parameter of a function or class; "" where its docstring says it.
+
+    A light's parameters are described once, for scene files and Python: by its keys.
+    """
+    is_light = isinstance(value, type) and issubclass(value, LightType)
+    by_key = {key.name: _of_key(key) for key in value.keys} if is_light else {}
+    words = set(re.findall(r"\w+", inspect.getdoc(value) or ""))
+    found = {}
+    for name in inspect.signature(value).parameters:
+        if name in by_key:
+            found[name] = by_key[name]
+        elif name in words or name in ("self", "cls"):
+            found[name] = ""
+        elif name in COMMON:
+            found[name] = COMMON[name]
+    return found
+
+
+def _of_key(key: LightKey) -> str:
+    unit = f", {key.unit}" if key.unit else ""
+    return f"{key.kind}{unit}: {key.doc}"
+
+
+def _listed(value: Any) -> str:
+    """A list of the parameters that the docstring says nothing of."""
+    rows = [f"- `{name}`: {said}" for name, said in described(value).items() if said]
+    return "\n" + "\n".join(rows) + "\n" if rows else ""
 
 
 _LONGEST_LINE = 88

@@ -54,7 +54,8 @@ class Renderer:
     The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
     everything that `frame` takes may change from call to call. An image depends on the scene that
     the renderer was made with and on the scene it shows, not on the images before it. A path or
-    builtin:NAME is loaded. Raises SceneError, SettingsError, DeviceError.
+    builtin:NAME is loaded. `settings` as in `airlight render -D`. Raises SceneError, SettingsError,
+    DeviceError.
 
     Each thread may have renderers of its own; one renderer serves one thread at a time, any
     thread, and not a forked process: else DeviceError. A frame that an error or Ctrl-C interrupts
@@ -123,10 +124,11 @@ class Renderer:
         """One image. What the arguments change stays changed for the frames after it.
 
         `time`, seconds, evaluates the scene's animation; other arguments override it. `samples`
-        jittered images are averaged. Without `read` nothing comes back to the host, as in a
-        viewer; the call then returns None when the device is done. While the camera's shutter is
-        open samples see what moves at times of their own. Raises SceneError, SettingsError,
-        DeviceError.
+        jittered images are averaged. `lights`, `environment`, `meshes`, `volumes` and
+        `light_groups` take the place of the scene's, as many as there were. Without `read` nothing
+        comes back to the host, as in a viewer; the call then returns None when the device is done.
+        While the camera's shutter is open samples see what moves at times of their own. Raises
+        SceneError, SettingsError, DeviceError.
         """
         begin = perf_counter()
         with self.used():
@@ -173,7 +175,11 @@ class Renderer:
         return shown
 
     def aim(self, camera: Camera, jitter_px: tuple[float, float], sample: int) -> None:
-        """Look through `camera`, a camera of the world; as `View.aim`."""
+        """Look through `camera`, a camera of the world.
+
+        `jitter_px`: how far the pixels' samples lie off their middles, (x, y) in pixels. `sample`:
+        the number of the image, by which noise differs.
+        """
         self.view.aim(self._nearby.camera(camera), jitter_px, sample)
 
     def _meter(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import importlib.util
+import inspect
 import re
 import sys
 from pathlib import Path
@@ -170,3 +171,44 @@ def test_what_the_troubleshooting_page_says_of_devices_is_said(said):
     # Messages are put together there: `has no memory left{what}`.
     assert said.strip() in page
     assert said.removesuffix(" for") in code
+
+
+def public_callables():
+    """(name, function or class) of all that the Python reference prints with a signature."""
+    for name in airlight.__all__:
+        value = getattr(airlight, name)
+        if inspect.ismodule(value):
+            own = ((key, getattr(value, key)) for key in value.__all__)
+            yield from ((f"{name}.{key}", f) for key, f in own if inspect.isfunction(f))
+        elif inspect.isfunction(value):
+            yield name, value
+        elif inspect.isclass(value) and not issubclass(value, Exception):
+            yield name, value
+            asked_for = {key for base in value.__mro__[1:-1] for key in vars(base)}
+            for key, member in vars(value).items():
+                function = getattr(member, "__func__", member)
+                if (
+                    not key.startswith("_")
+                    and key not in asked_for
+                    and inspect.isfunction(function)
+                ):
+                    yield f"{name}.{key}", function
+
+
+def test_every_public_parameter_is_described(generate):
+    """In its docstring, by the keys of scene files, or among those that mean the same anywhere."""
+    silent = [
+        f"{name}({parameter})"
+        for name, value in public_callables()
+        for parameter in inspect.signature(value).parameters
+        if parameter not in generate.described(value)
+    ]
+    assert not silent, "\n".join(silent)
+
+
+def test_parameters_of_lights_are_those_of_scene_files_with_units(generate):
+    page = generate.python_page()
+    assert "- `radiance`: colour, W m^-2 sr^-1: radiance" in page
+    assert "- `inner_deg`: number, degrees: half angle lit in full" in page
+    for name in ("LatticeLight", "VolumeLight", "Progress", "Vec3", "Rgb"):
+        assert f"### {name}\n" in page or f"| `{name}` |" in page

@@ -189,7 +189,10 @@ class VolumeLight:
 
 @dataclass(frozen=True, eq=False)
 class LightField:
-    """All light that a technique solved: nested lattices, the finest first, and volumes."""
+    """All light that a technique solved: nested lattices, the finest first, and volumes.
+
+    `technique` and `scene` are their names.
+    """
 
     technique: str
     scene: str
@@ -226,7 +229,7 @@ class LightField:
 
     @staticmethod
     def load(path: Any) -> LightField:
-        """Read what `save` wrote. Raises SceneError."""
+        """Read what `save` wrote to `path`: a .npz file or a folder. Raises SceneError."""
         from .light_field_file import load_light_field
 
         return load_light_field(path)

@@ -23,7 +23,7 @@ __all__ = ["compare", "render"]
 def render(scene: Scene, **options: Any) -> Image:
     """The unbiased image of a scene by Mitsuba, with its variance in layers["variance"].
 
-    Options are those of `airlight.reference.mitsuba.render`: spp, size, ...
+    `options` are those of `airlight.reference.mitsuba.render`: spp, size, ...
     Raises ReferenceFailure where Mitsuba is missing, refuses the scene, or fails.
     """
     from .mitsuba import render as render_with_mitsuba
@@ -34,7 +34,8 @@ def render(scene: Scene, **options: Any) -> Image:
 def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metrics:
     """Score an image and its layers against a reference: see `metrics.Metrics`.
 
-    Raises ReferenceFailure for images of different sizes or with NaN.
+    `perceptual`: FLIP, too, where flip-evaluator is installed. Raises ReferenceFailure for images
+    of different sizes or with NaN.
     """
     from .metrics import compare as compare_images
 

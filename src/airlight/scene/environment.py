@@ -18,6 +18,7 @@ class Environment:
 
     `map` is (H, W, 3) float32, linear; a direction (x, y, z) towards the environment has
     u = atan2(x, -z)/2pi (mod 1) and v = acos(y)/pi from the top row, as in Mitsuba.
+    `scale` multiplies map or constant; `source` is the file that the map came from, if any.
     `rotation_deg` turns the map about +Y, counter-clockwise seen from above.
     `visible = False` keeps the light but not the image. `horizon`: the map's upper and lower half
     do not blend where they meet. `sky`: what made the map; its sun is a light of the scene, and

@@ -48,7 +48,7 @@ class Image:
         )
 
     def save(self, path: str | Path, *, layers: bool = True) -> None:
-        """Write EXR (linear, with layers), HDR, or tone-mapped PNG/JPEG by the file's ending.
+        """Write to `path` EXR (linear, with layers), HDR, or tone-mapped PNG/JPEG by its ending.
 
         The file appears whole or not at all. Raises OutputError.
         """

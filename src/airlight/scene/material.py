@@ -21,7 +21,8 @@ class Texture:
     """An 8-bit image. `pixels` is (H, W, 4) uint8, top row first.
 
     `is_srgb` says that RGB is sRGB-encoded (colour); data (normals, roughness) is linear.
-    `scale` and `offset` map mesh uv to image uv: uv * scale + offset.
+    `scale` and `offset` map mesh uv to image uv: uv * scale + offset. `wrap`: beyond the image,
+    along u and along v. `source`: the file that it came from, if any.
     """
 
     pixels: NDArray[np.uint8]
@@ -46,14 +47,17 @@ class Material:
 
     `base_color` is the diffuse reflectance of a dielectric and the specular one of a metal;
     textures multiply their factor. `emission` is radiance, W m^-2 sr^-1, to both sides where
-    `two_sided`. A surface with `alpha` (times the base-colour texture's alpha) below
-    `alpha_cutoff` is not there; 0 means opaque everywhere. Where it `is_blended`, `alpha` is the
-    share of the surface that is there, and the rest of the light passes (glTF's BLEND).
-    `transmission`: of the light that a dielectric does not mirror, the share that passes unbent,
-    tinted by `base_color`; the rest is reflected diffusely (KHR_materials_transmission, as thin
-    glass). `specular` scales the dielectric reflectance of 0.04 (0: a pure Lambert surface).
-    Where it `is_unlit`, cameras see `base_color` itself, as radiance after exposure
-    (KHR_materials_unlit); light meets it as a surface like any other.
+    `two_sided`. A surface with `alpha` (times the base-colour texture's alpha) below `alpha_cutoff`
+    is not there; 0 means opaque everywhere. Where it `is_blended`, `alpha` is the share of the
+    surface that is there, and the rest of the light passes (glTF's BLEND). `transmission`: of the
+    light that a dielectric does not mirror, the share that passes unbent, tinted by `base_color`;
+    the rest is reflected diffusely (KHR_materials_transmission, as thin glass).
+    `base_color_texture` and `emission_texture` are colours; of `metallic_roughness_texture` green
+    is roughness and blue metallic; `normal_texture` has tangent-space normals, whose x and y
+    `normal_scale` multiplies. `name` is for messages and files. `specular` scales the dielectric
+    reflectance of 0.04 (0: a pure Lambert surface). Where it `is_unlit`, cameras see `base_color`
+    itself, as radiance after exposure (KHR_materials_unlit); light meets it as a surface like any
+    other.
     """
 
     name: str = ""

@@ -56,6 +56,8 @@ class Geometry:
 class Mesh:
     """A geometry with one material, placed by `world_from_object` (4x4, affine).
 
+    `name` is for messages and files.
+
     A mirroring placement keeps the front: it is counter-clockwise in the geometry's own space.
     """
 

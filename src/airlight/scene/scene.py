@@ -26,9 +26,11 @@ if TYPE_CHECKING:
 class Scene:
     """Meshes, lights, media and a camera. Change one with `dataclasses.replace`.
 
-    `settings` holds what a scene file says under [technique.NAME], unchecked until used.
-    `warnings` are what a loader dropped, replaced or approximated, for the user to read.
-    `animation` says what moves. `light_groups` are lights by the thousand, for lattices.
+    `environment` is what surrounds the scene, `medium` what fills it, `volumes` are media within
+    bounds; `meshes` are its surfaces. `name` is for files and messages. `settings` holds what a
+    scene file says under [technique.NAME], unchecked until used. `warnings` are what a loader
+    dropped, replaced or approximated, for the user to read. `animation` says what moves.
+    `light_groups` are lights by the thousand, for lattices.
     """
 
     meshes: tuple[Mesh, ...] = ()
@@ -48,7 +50,7 @@ class Scene:
         object.__setattr__(self, "warnings", tuple(one_line(text) for text in self.warnings))
 
     def at(self, time_s: float) -> Scene:
-        """The scene at a time, seconds; the very same where nothing moves.
+        """The scene at `time_s`, seconds; the very same where nothing moves.
 
         It depends on the time alone, not on what was asked before. Raises SceneError.
         """

@@ -32,6 +32,8 @@ class Volume:
     density, (z, y, x) or (z, y, x, 3): `tint` and `albedo_grid`, in [0, 1], are multiplied with
     sigma_t and `albedo`; `g_grid`, in (-1, 1), takes the place of `g`, which is its mean. A density
     with three channels is taken apart into one and a tint. `of_coefficients` takes any of them.
+    `source`: the file that the grid came from, if any. `part_of` is airlight's own: the volume that
+    this is one colour of.
     Raises SceneError.
     """
 

@@ -58,7 +58,10 @@ def cornell_area() -> Scene:
 
 
 def haze_box(*, light: str = "spot", sigma_s: float = 0.12, g: float = 0.0) -> Scene:
-    """The Cornell box full of white haze that scatters `sigma_s` per metre."""
+    """The Cornell box full of white haze that scatters `sigma_s` per metre.
+
+    `light`: "spot", "point" or "area", as of `cornell`.
+    """
     sigma_t, albedo = extinction_and_albedo(sigma_s, 0.0)
     x, z = WIDTH_M / 2.0, DEPTH_M / 2.0
     medium = Medium(sigma_t, albedo, (g, g, g), ((-x, 0.0, -z), (x, HEIGHT_M, z)))

@@ -44,7 +44,7 @@ def load(
     sun: Sky | str | None = None,
     ground: bool = False,
 ) -> Scene:
-    """A scene from a file, or from `builtin:NAME`.
+    """A scene from the file at `path`, or from `builtin:NAME`.
 
     Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
     `variant` names one of a glTF file's material variants; other files say so themselves.
