@@ -67,6 +67,7 @@ ALLOWED = {
         "tests/exports": "reads that array",
         "tests/figures": "reads that array",
         "docs/exports.md": "names that array",
+        "docs/python.md": "names that array",
     },
     "lamps?(?! resolution)": {
         "src/airlight/scene": "a thing in a room, and what warnings call the light hung there",
@@ -80,6 +81,7 @@ ALLOWED = {
         "src/airlight/exports": "an array of light field files",
         "tests/exports": "reads that array",
         "docs/exports.md": "names that array",
+        "docs/python.md": "names that array",
     },
 }
 """Where a word stays, by the folder or the file, and why."""

@@ -82,7 +82,7 @@ class Sky:
         return np.asarray(radiance * np.float32(self.scale))
 
     def turned_to(self, direction: tuple[float, float, float]) -> Sky:
-        """The sky whose sun's light travels along `direction`, a unit vector, or as low as it may be."""
+        """The sky whose sun's light travels along `direction`; no lower than it can be."""
         x, y, z = np.negative(direction) / np.linalg.norm(direction)
         elevation = max(math.degrees(math.asin(float(np.clip(y, -1.0, 1.0)))), LOWEST_DEG)
         azimuth = math.degrees(math.atan2(x, -z)) % 360.0
