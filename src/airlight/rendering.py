@@ -54,8 +54,7 @@ class Renderer:
     The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
     everything that `frame` takes may change from call to call. An image depends on the scene that
     the renderer was made with and on the scene it shows, not on the images before it. A path or
-    builtin:NAME is loaded. `settings` as in `airlight render -D`. Raises SceneError, SettingsError,
-    DeviceError.
+    builtin:NAME is loaded. Settings as of `render`. Raises SceneError, SettingsError, DeviceError.
 
     Each thread may have renderers of its own; one renderer serves one thread at a time, any
     thread, and not a forked process: else DeviceError. A frame that an error or Ctrl-C interrupts
@@ -175,11 +174,7 @@ class Renderer:
         return shown
 
     def aim(self, camera: Camera, jitter_px: tuple[float, float], sample: int) -> None:
-        """Look through `camera`, a camera of the world.
-
-        `jitter_px`: how far the pixels' samples lie off their middles, (x, y) in pixels. `sample`:
-        the number of the image, by which noise differs.
-        """
+        """Look through `camera`, (x, y) `jitter_px` beside pixels' middles, for image `sample`."""
         self.view.aim(self._nearby.camera(camera), jitter_px, sample)
 
     def _meter(self) -> float:
