@@ -7,6 +7,8 @@ import json
 import numpy as np
 
 from airlight.app import cli
+from airlight.app.info import scene_facts
+from airlight.scene import Environment, Scene
 from airlight.scene.image import Image
 
 SCENE = """
@@ -119,3 +121,12 @@ def test_a_sun_is_among_the_lights_and_none_for_grids(tmp_path, capsys):
     np.save(tmp_path / "a.npy", np.ones((2, 2, 2), np.float32))
     assert cli.run(["info", str(tmp_path / "a.npy"), "--sun", "35,135"]) == 2
     assert "a.npy: --sun lights scenes" in capsys.readouterr().err
+
+
+def test_suns_of_environment_maps_are_told():
+    pixels = np.full((256, 512, 3), 0.5, np.float32)
+    pixels[60, 100] = 20_000.0
+    told = scene_facts(Scene(environment=Environment(map=pixels)))
+    (sun,) = told["suns_in_environment"]
+    assert sun["type"] == "directional"
+    assert scene_facts(Scene(environment=Environment()))["suns_in_environment"] == []

@@ -71,6 +71,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "lights": [_light_facts(light) for light in scene.lights],
         "surfaces_that_light": _emitter_facts(scene),
         "environment": None if sky is None else sky.source or f"radiance {list(sky.radiance)}",
+        "suns_in_environment": _sun_facts(scene),
         "camera": {
             "position": scene.camera.position,
             "target": scene.camera.target,
@@ -82,6 +83,14 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "techniques": {name: dict(values) for name, values in scene.settings.items()},
         "warnings": list(scene.warnings),
     }
+
+
+def _sun_facts(scene: Scene) -> list[dict[str, Any]]:
+    """What its map has that light the scene as directional lights."""
+    from ..scene.map_suns import SunLights
+
+    lights = SunLights().of(scene).lights[len(scene.lights) :]
+    return [_light_facts(light) for light in lights]
 
 
 def _variant_facts(path: Path) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from .kernel import Emitters, LatticeLight
 from .kit import Kit
 from .lighting import Lighting, RadianceLayers
 from .shadow_rays import ShadowRays, shadow_key
-from .slots import LightingParams, Part, lighting_slots
+from .slots import NO_SUNS, LightingParams, Part, lighting_slots
 
 
 class HitLighting:
@@ -114,8 +114,8 @@ class HitLighting:
             size=hits.size,
             environment_rotation=lights.background.rotation,
             has_lattice=1,
-            # The sun that rays would meet is a light already.
-            **{**lights.background.seen, "sun_radiance": (0.0, 0.0, 0.0)},
+            # The suns that rays would meet are lights already.
+            **{**lights.background.seen, **NO_SUNS},
         )
         return {
             "params": params,

@@ -1,4 +1,4 @@
-"""Scenes as techniques take them: lights with surfaces, volumes of one colour each."""
+"""Scenes as techniques take them: lights with surfaces, suns as lights, volumes of one colour."""
 
 from __future__ import annotations
 
@@ -8,20 +8,24 @@ from typing import Any
 from ..errors import SettingsError
 from .coefficients import in_parts
 from .light_shapes import LightMeshes
+from .map_suns import SunLights
 from .scene import Scene
 
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 
 
 class ShownScenes:
-    """Puts the meshes of lights among the others, and cuts volumes of many colours into parts."""
+    """Puts the meshes of lights among the others, and the suns of environment maps among lights.
+
+    Volumes of many colours are cut into parts.
+    """
 
     def __init__(self) -> None:
-        self._light_meshes = LightMeshes()
+        self._light_meshes, self._suns = LightMeshes(), SunLights()
 
     def of(self, scene: Scene) -> Scene:
         """The scene as it is drawn; the very same where nothing of it is replaced."""
-        return in_parts(self._light_meshes.of(scene))
+        return in_parts(self._suns.of(self._light_meshes.of(scene)))
 
 
 def drawn_alike(one: Scene, other: Scene) -> bool:

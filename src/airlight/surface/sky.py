@@ -17,11 +17,16 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Sampler, Texture
 from ..maths.chunks import chunks
 from ..maths.half import half_floats
-from ..maths.latlong import latlong_row_solid_angles, latlong_texel_directions
+from ..maths.latlong import (
+    latlong_row_solid_angles,
+    latlong_texel_directions,
+    turned_about_y,
+)
 from ..maths.sampling import fibonacci_sphere
 from ..maths.sunlight import SUN_RADIUS_DEG
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight
+from ..scene.map_suns import SunlessEnvironment
 
 F64 = NDArray[np.float64]
 _BAND_BYTES = 1 << 26
@@ -45,7 +50,7 @@ def sky_lights(environment: Environment | None, count: int) -> list[SkyLight]:
     # The flux of each texel of the environment, from its direction.
     radiance = shrunk_map(environment)
     height, width = radiance.shape[:2]
-    directions = turned(latlong_texel_directions(height, width), environment.rotation_deg)
+    directions = turned_about_y(latlong_texel_directions(height, width), environment.rotation_deg)
     towards = directions.reshape(-1, 3)
     solid_angles = np.repeat(latlong_row_solid_angles(height, width), width)
     flux = radiance.reshape(-1, 3) * solid_angles[:, None]
@@ -86,14 +91,6 @@ def environment_map(environment: Environment) -> F64:
     return environment.map.astype(np.float64) * environment.scale
 
 
-def turned(directions: F64, rotation_deg: float) -> F64:
-    """Directions (..., 3) of the map's texels in the world, turned about +Y."""
-    angle = np.radians(rotation_deg)
-    c, s = np.cos(angle), np.sin(angle)
-    about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
-    return np.asarray(directions @ about_y.T)
-
-
 def shrunk_map(environment: Environment) -> F64:
     """`environment_map`, averaged over squares of texels to about _ROWS rows.
 
@@ -114,10 +111,14 @@ def shrunk_map(environment: Environment) -> F64:
     return shrunk
 
 
-def _half_pixels(radiance: NDArray[Any], scale: float) -> NDArray[np.float16]:
-    """Texels (H, W, 4) of the background."""
-    pixels = np.ones((*radiance.shape[:2], 4), np.float16)
+def _half_pixels(
+    radiance: NDArray[Any], sun_luminance: NDArray[Any] | None, scale: float
+) -> NDArray[np.float16]:
+    """Texels (H, W, 4) of the background; a: the luminance of suns that are lights, too."""
+    pixels = np.zeros((*radiance.shape[:2], 4), np.float16)
     half_floats(radiance, scale, out=pixels[..., :3])
+    if sun_luminance is not None:
+        half_floats(sun_luminance[..., None], scale, out=pixels[..., 3:])
     return pixels
 
 
@@ -156,10 +157,12 @@ class EnvironmentTexture:
         shown = self._shown
         is_sharp = shown is not None and shown.visible and shown.horizon and shown.map is not None
         sky = shown.sky if shown is not None and shown.visible else None
+        colour = shown.sun_colour if isinstance(shown, SunlessEnvironment) else (0.0, 0.0, 0.0)
         return {
             "towards_sun": (0.0, 1.0, 0.0) if sky is None else tuple(sky.towards_sun.tolist()),
             "sun_cosine": float(np.cos(np.radians(SUN_RADIUS_DEG))),
             "sun_radiance": (0.0, 0.0, 0.0) if sky is None else sky.disk_radiance,
+            "map_sun_colour": colour,
             "horizon": 0.5 / self.texture.size[1] if is_sharp else 0.0,
         }
 
@@ -170,11 +173,13 @@ class EnvironmentTexture:
     def _upload(self, environment: Environment | None) -> None:
         """Upload the texels, in bands where they are many: the device copies each upload."""
         radiance, scale = _background_map(environment)
+        suns = _sun_luminance(environment)
         height, width = radiance.shape[:2]
         for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
             if rows.start:
                 self.gpu.wait()
-            self.texture.write(_half_pixels(radiance[rows], scale), row=rows.start)
+            texels = _half_pixels(radiance[rows], None if suns is None else suns[rows], scale)
+            self.texture.write(texels, row=rows.start)
 
 
 def _background_map(environment: Environment | None) -> tuple[NDArray[Any], float]:
@@ -184,6 +189,13 @@ def _background_map(environment: Environment | None) -> tuple[NDArray[Any], floa
     if environment.map is None:
         return environment_map(environment), 1.0
     return environment.map, environment.scale
+
+
+def _sun_luminance(environment: Environment | None) -> NDArray[Any] | None:
+    """Of the background's texels, (H, W): what suns that are lights add to them."""
+    if not isinstance(environment, SunlessEnvironment) or not environment.visible:
+        return None
+    return environment.sun_luminance
 
 
 def _pixels_of(environment: Environment) -> tuple[object, ...]:

@@ -22,7 +22,8 @@ fn background(direction: vec3f) -> vec3f {
     } else {
         v = max(v, 0.5 + params.horizon);
     }
-    let far = textureSampleLevel(environment, environment_sampler, vec2f(u, v), 0.0).rgb;
+    let texel = textureSampleLevel(environment, environment_sampler, vec2f(u, v), 0.0);
+    let far = texel.rgb + texel.a * params.map_sun_colour;
     let is_disk = direction.y > 0.0 && dot(direction, params.towards_sun) > params.sun_cosine;
     return far + select(vec3f(0.0), params.sun_radiance, is_disk);
 }

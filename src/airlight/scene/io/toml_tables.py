@@ -167,7 +167,9 @@ LIGHT = Table(
 ENVIRONMENT = Table(
     "environment",
     "Light from far away, all around. Without the table the background is black where the scene "
-    "has a light or an emissive mesh; where it has none, a default sun and sky are added.",
+    "has a light or an emissive mesh; where it has none, a default sun and sky are added. Suns in "
+    "a map (at most some 2 degrees wide, at least 3 % of its light, up to four) light the scene "
+    "as directional lights do, with sharp shadows.",
     (
         Key("file", checks.text, "path", "a latitude-longitude image: EXR, HDR, PNG or JPEG"),
         Key(
