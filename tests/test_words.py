@@ -77,6 +77,15 @@ ALLOWED = {
         "CHANGELOG.md": "things in rooms",
         "README.md": "things in rooms",
     },
+    "suns": {
+        "src/airlight/scene": "bright spots of environment maps, several in one",
+        "src/airlight/app/info.py": "the module of those",
+        "src/airlight/lighting": "those",
+        "src/airlight/surface/sky.py": "those",
+        "tests/scene/test_map_suns.py": "those",
+        "docs": "those",
+        "CHANGELOG.md": "those",
+    },
     "dead ends?": {
         "src/airlight/exports": "an array of light field files",
         "tests/exports": "reads that array",

@@ -123,10 +123,10 @@ def test_a_sun_is_among_the_lights_and_none_for_grids(tmp_path, capsys):
     assert "a.npy: --sun lights scenes" in capsys.readouterr().err
 
 
-def test_suns_of_environment_maps_are_told():
+def test_the_sun_of_an_environment_map_is_told():
     pixels = np.full((256, 512, 3), 0.5, np.float32)
     pixels[60, 100] = 20_000.0
     told = scene_facts(Scene(environment=Environment(map=pixels)))
-    (sun,) = told["suns_in_environment"]
+    (sun,) = told["sun_in_environment"]
     assert sun["type"] == "directional"
-    assert scene_facts(Scene(environment=Environment()))["suns_in_environment"] == []
+    assert scene_facts(Scene(environment=Environment()))["sun_in_environment"] == []

@@ -71,7 +71,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "lights": [_light_facts(light) for light in scene.lights],
         "surfaces_that_light": _emitter_facts(scene),
         "environment": None if sky is None else sky.source or f"radiance {list(sky.radiance)}",
-        "suns_in_environment": _sun_facts(scene),
+        "sun_in_environment": _sun_facts(scene),
         "camera": {
             "position": scene.camera.position,
             "target": scene.camera.target,
