@@ -22,7 +22,7 @@ TOWARDS /= np.linalg.norm(TOWARDS)
 
 
 def photographed(*suns, height=256, radius_deg=0.6, irradiance=SUN):
-    """A map of an even sky, with suns towards the directions given."""
+    """A map of a uniform sky, with suns towards the directions given."""
     pixels = np.ones((height, 2 * height, 3)) * SKY
     solid = latlong_row_solid_angles(height, 2 * height)[:, None]
     directions = latlong_texel_directions(height, 2 * height)
