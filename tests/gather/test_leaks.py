@@ -1,0 +1,54 @@
+"""A closed dark room beside a bright one: gathered light does not come through walls."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from airlight.rendering import render
+from airlight.scene import Camera, Material, Mesh, PointLight, Scene
+from airlight.scene.mesh import Geometry
+
+SIZE = (32, 18)
+SETTINGS = {"resolution": 16, "lamp_resolution": 256, "map_resolution": 64, "gather": "still"}
+PAINT = Material(base_color=(0.8, 0.8, 0.8), specular=0.0)
+X, Y, Z = np.eye(3)
+
+
+def rectangle(corner, right, down):
+    points = np.array([corner, corner + right, corner + right + down, corner + down], np.float32)
+    return Mesh(Geometry(points, np.array([[0, 1, 2], [0, 2, 3]], np.uint32)), PAINT)
+
+
+def rooms(thick: float) -> Scene:
+    """Two rooms of 3 x 2 x 3 m side by side, a lamp in the left one, `thick` m of wall between."""
+    low, size = np.array([-3.0, 0.0, -1.5]), np.array([6.0 + thick, 2.0, 3.0])
+    x, y, z = size * np.eye(3)
+    shell = [(low, z, x), (low + y, x, z), (low, x, y), (low + z, y, x), (low, y, z)]
+    walls = [rectangle(*side) for side in [*shell, (low + x, z, y)]]
+    between = sorted({0.0, thick})
+    walls += [rectangle(at * X + low * [0, 1, 1], z, y) for at in between]
+    return Scene(tuple(walls), (PointLight((-1.5, 1.4, 0.0), (20.0, 20.0, 20.0)),))
+
+
+# Means and brightest pixels over the bright room's mean light, measured .0175 and .029 (what the
+# lattice lets through a sheet), 1.1e-4 and .019 (pixels in corners, whose lamp's shadow ends), then
+# 4e-8 and 5e-7, 6e-9 and 1e-7; allowed is about half as much again, and 1e-6 where it is rounding.
+MOST = {0.0: (0.026, 0.05), 0.001: (2e-4, 0.03), 0.01: (1e-6, 1e-6), 0.1: (1e-6, 1e-6)}
+
+
+@pytest.mark.parametrize("thick", MOST)
+def test_a_dark_room_stays_dark(thick: float) -> None:
+    scene = rooms(thick)
+    bright = Camera((-2.8, 1.0, 1.2), (0.0, 0.8, -0.6), (0.0, 1.0, 0.0), 70.0)
+    dark = Camera((2.8, 1.0, 1.2), (0.0, 0.8, -0.6), (0.0, 1.0, 0.0), 70.0)
+    lit, unlit = (
+        render(replace(scene, camera=camera), "lpv", SIZE, samples=4, settings=SETTINGS)
+        for camera in (bright, dark)
+    )
+    assert lit.layers["indirect"].mean() > 0.2
+    mean, most = MOST[thick]
+    assert unlit.radiance.mean() < mean * lit.radiance.mean()
+    assert unlit.radiance.max() < most * lit.radiance.mean()
