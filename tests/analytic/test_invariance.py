@@ -188,7 +188,7 @@ def test_air_turned_and_in_centimetres_is_the_same_image(judged, square, unlike,
     if way == "x for z" and not judged.is_sharp:
         pytest.skip(f"{judged.name} draws air at half resolution, which a mirror does not keep")
     scene = dataclasses.replace(corner(square), medium=AIR)
-    truth = judged.air_image(scene, SIZE, needs=("single_scatter",))
+    truth = judged.air_image(scene, SIZE, needs=("single_scatter", "multiple_scatter"))
     image = judged.air_image(moved(scene, WAYS[way], scale), SIZE)
     for layer in ("single_scatter", "multiple_scatter"):
         # Measured 8e-5 (single), .0023 (multiple); Mitsuba's noise explains .94 and .51.

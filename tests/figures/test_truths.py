@@ -65,7 +65,7 @@ def test_a_truth_has_half_the_size_where_that_is_whole(monkeypatch):
     monkeypatch.setattr(truths, "reference_for", pretended)
     truths.traced(Request((64, 36)), None)
     truths.traced(Request((63, 36)), None)
-    assert asked == [((32, 18), 256), ((63, 36), 256)]
+    assert asked == [((32, 18), 1024), ((63, 36), 1024)]
     assert truths.truth_of(Request((64, 36), quick=True), None) is None
 
 
