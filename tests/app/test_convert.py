@@ -71,7 +71,7 @@ def test_an_eight_bit_image_comes_back_as_it_was(tmp_path):
         (["nowhere.toml", "{in}.xml"], "error: nowhere.toml: file not found. Check the path."),
         (
             ["builtin:cornell", "{in}.xml", "--exposure", "1"],
-            "error: builtin:cornell: --exposure and --tone-map are for images",
+            "error: builtin:cornell: --exposure, --tone-map and --lut are for images",
         ),
         (["{in}.blend", "{in}.xml"], "error: {in}.blend: a scene file cannot end in '.blend'."),
     ],

@@ -12,12 +12,14 @@ import click
 from ..errors import OutputError, SettingsError
 from .options import (
     display_options,
+    displayed,
     model_options,
 )
 from .outputs import check_writable
 from .scene_argument import load_scene, reads, show_warnings
 
 if TYPE_CHECKING:
+    from ..maths.lut import Lut
     from ..scene import Scene
 
 LINEAR_SUFFIXES = (".exr", ".hdr", ".pic", ".rgbe")
@@ -39,6 +41,7 @@ def command(
     target: Path,
     exposure: float | None,
     tone_map: str | None,
+    lut: Lut | None,
     model: dict[str, Any],
 ) -> None:
     """Convert a scene or an image.
@@ -57,32 +60,29 @@ def command(
     model_keys(source, **model)
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
         check_writable(target, IMAGES_OUT)
-        convert_image(Path(source), target, exposure, tone_map)
-    elif exposure is not None or tone_map is not None:
-        raise SettingsError("--exposure and --tone-map are for images", where=source)
+        convert_image(
+            Path(source), target, {"exposure": exposure, "tone_map": tone_map, "lut": lut}
+        )
+    elif exposure is not None or tone_map is not None or lut is not None:
+        raise SettingsError("--exposure, --tone-map and --lut are for images", where=source)
     else:
         convert_scene(source, target, model)
     click.echo(str(target))
 
 
-def convert_image(
-    source: Path, target: Path, exposure: float | None = None, tone_map: str | None = None
-) -> None:
+def convert_image(source: Path, target: Path, shown: Mapping[str, Any] | None = None) -> None:
     """Write the image at `source` in the format of `target`'s ending.
 
     EXR keeps its layers in EXR. An 8-bit image is decoded from sRGB, nothing more: it is shown
-    without a curve unless `tone_map` names one. Raises SceneError, OutputError.
+    without a curve unless `shown`, the values of `display_options`, names one.
+    Raises SceneError, OutputError.
     """
     from ..scene.io.images import load_image, save_image
 
     image = load_image(source)
     if source.suffix.lower() in DISPLAY_SUFFIXES:
         image = replace(image, tone_map="none")
-    if exposure is not None:
-        image = replace(image, exposure_stops=exposure)
-    if tone_map is not None:
-        image = replace(image, tone_map=tone_map)
-    save_image(image, target)
+    save_image(displayed(image, shown) if shown else image, target)
 
 
 def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = None) -> None:

@@ -13,6 +13,8 @@ import click
 from .. import env
 
 if TYPE_CHECKING:
+    from ..maths.lut import Lut
+    from ..scene.image import Image
     from ..scene.scene import Scene
 
 LARGEST_SIDE_PX = 16384
@@ -102,13 +104,33 @@ def display_options(
     exposure_help: str = "Instead of the camera's.",
     curve_help: str = "Display curve.  [default: agx]",
 ) -> Decorator:
-    """--exposure and --tone-map, given as `exposure` and `tone_map`, None where they are not."""
+    """--exposure, --tone-map, --lut, given as `exposure`, `tone_map` and `lut`, None without."""
     return together(
         click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help=exposure_help),
         click.option(
             "--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]), help=curve_help
         ),
+        click.option(
+            "--lut",
+            metavar="FILE",
+            callback=_lut,
+            help="A .cube table of colours, looked up after the curve (.png, .jpg, videos).",
+        ),
     )
+
+
+def displayed(image: Image, options: Mapping[str, Any]) -> Image:
+    """The image with the exposure, curve and table that `display_options` ask for."""
+    names = {"exposure": "exposure_stops", "tone_map": "tone_map", "lut": "lut"}
+    return replace(
+        image, **{of: options[name] for name, of in names.items() if options[name] is not None}
+    )
+
+
+def _lut(_: click.Context, __: click.Parameter, value: str | None) -> Lut | None:
+    from ..scene.io.cube import read_cube
+
+    return None if value is None else read_cube(Path(value))
 
 
 def scene_options() -> Decorator:

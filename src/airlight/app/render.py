@@ -15,6 +15,7 @@ from .options import (
     camera_options,
     check_settings,
     display_options,
+    displayed,
     output_option,
     quiet_option,
     samples_option,
@@ -30,7 +31,6 @@ from .watching import watched
 
 if TYPE_CHECKING:
     from ..scene import Scene
-    from ..scene.image import Image
 
 _STARTED_S = time.perf_counter()
 
@@ -93,7 +93,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
 
         finished_s: list[float] = []
         asked = _asked(loaded, options)
-        image = _shown(render(loaded, **asked, progress=_stamped(report, finished_s)), options)
+        image = displayed(render(loaded, **asked, progress=_stamped(report, finished_s)), options)
         first_image_s = min([*finished_s, time.perf_counter()]) - _STARTED_S
         report("writing", 0.0)
         image.save(output, layers=options["layers"])
@@ -143,12 +143,3 @@ def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
         "time": options["time_s"],
         **({"samples": options["samples"]} if options["samples"] else {}),
     }
-
-
-def _shown(image: Image, options: dict[str, Any]) -> Image:
-    """The image with the exposure and the display curve that the options ask for."""
-    if options["exposure"] is not None:
-        image = replace(image, exposure_stops=options["exposure"])
-    if options["tone_map"] is not None:
-        image = replace(image, tone_map=options["tone_map"])
-    return image

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .chunks import CHUNK, chunks
 from .colour import luminance, srgb_encode
+from .lut import Lut
 from .sampling import r2_noise
 
 F64 = NDArray[np.float64]
@@ -155,20 +156,27 @@ def dither_codes(height_px: int, width_px: int) -> F64:
 
 
 def display_srgb8(
-    radiance: ArrayLike, exposure_stops: float, tone_map: str, *, dither: bool = False
+    radiance: ArrayLike,
+    exposure_stops: float,
+    tone_map: str,
+    *,
+    lut: Lut | None = None,
+    dither: bool = False,
 ) -> NDArray[np.uint8]:
     """8-bit sRGB (H, W, 3) of linear radiance (H, W, 3) W m^-2 sr^-1.
 
-    `tone_map` names the curve. With `dither` a fixed pattern of at most half a code value hides
-    the bands of smooth skies; the same for every image, and for all colours, so that grey stays
-    grey. Non-finite pixels become 0. Raises ValueError for an unknown curve.
+    `tone_map` names the curve; `lut` is looked up after it, by encoded values.
+    With `dither` a fixed pattern of at most half a code value hides the bands of smooth skies; the
+    same for every image, and for all colours, so that grey stays grey. Non-finite pixels become 0.
+    Raises ValueError for an unknown curve.
     """
     pixels = np.asarray(radiance)
     shown = np.empty(pixels.shape, np.uint8)
     noise = dither_codes(*pixels.shape[:2])[..., None] if dither else None
     # A few rows at a time, whose temporary arrays stay in the processor's cache.
     for rows in chunks(len(pixels), max(1, CHUNK // max(1, pixels.shape[1]))):
-        codes = srgb_encode(_mapped(pixels[rows], exposure_stops, tone_map)) * 255.0
+        encoded = srgb_encode(_mapped(pixels[rows], exposure_stops, tone_map))
+        codes = 255.0 * (lut.applied(encoded) if lut else encoded)
         if noise is not None:
             codes += noise[rows]
         shown[rows] = np.clip(np.floor(codes + 0.5), 0.0, 255.0)

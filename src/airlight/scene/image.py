@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import PIL.Image
 from numpy.typing import NDArray
 
 from ..errors import SettingsError, nearest
+from ..maths.lut import Lut
 from ..maths.tone import display_srgb8
 from .checks import F32
 
@@ -26,7 +27,8 @@ class Image:
     `layers` are (H, W, 3) or (H, W) float32: direct, indirect, single_scatter,
     multiple_scatter, transmittance, depth (metres along the view ray), normal (world),
     albedo. The radiance layers sum to `radiance`. `exposure_stops` and `tone_map` say how a
-    display-referred file is made of it. `stats` are what the renderer measured of itself.
+    display-referred file is made of it, and `lut`, the table of `graded`, which display values
+    are looked up in after the curve. `stats` are what the renderer measured of itself.
     """
 
     radiance: F32
@@ -34,6 +36,7 @@ class Image:
     exposure_stops: float = 0.0
     tone_map: str = "agx"
     stats: Mapping[str, Any] = field(default_factory=dict)
+    lut: Lut | None = None
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -68,7 +71,17 @@ class Image:
             raise SettingsError(
                 f"the image has no colour layer '{layer}'", remedy=nearest(layer, colours)
             )
-        return display_srgb8(pixels, self.exposure_stops, self.tone_map, dither=True)
+        return display_srgb8(pixels, self.exposure_stops, self.tone_map, lut=self.lut, dither=True)
+
+    def graded(self, path: str | Path) -> Image:
+        """The image whose display goes through the .cube table of colours at `path`.
+
+        The table, of one dimension or three, takes and gives display values: after the tone curve,
+        encoded as sRGB. Linear files (EXR, HDR) stay as they are. Raises SceneError.
+        """
+        from .io.cube import read_cube
+
+        return replace(self, lut=read_cube(Path(path)))
 
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""

@@ -226,4 +226,5 @@ def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
         layers=options["layers"],
         exposure_stops=options["exposure"],
         tone_map=options["tone_map"],
+        lut=options["lut"],
     )

@@ -43,7 +43,7 @@ class FrameMaker:
         assert image is not None
         if self.plan.tone_map is not None:
             image = replace(image, tone_map=self.plan.tone_map)
-        return image
+        return replace(image, lut=self.plan.lut)
 
     def save(self, frame: int, path: Path) -> None:
         """One frame into a file, whole or not at all. Raises OutputError."""

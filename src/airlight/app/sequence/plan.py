@@ -13,6 +13,7 @@ from ... import __version__
 from ...errors import SettingsError
 
 if TYPE_CHECKING:
+    from ...maths.lut import Lut
     from ...scene import Scene
 
 MOST_FRAMES = 1_000_000
@@ -39,6 +40,7 @@ class Plan:
     layers: bool = False
     exposure_stops: float | None = None
     tone_map: str | None = None
+    lut: Lut | None = None
 
     @property
     def frames(self) -> range:
@@ -66,6 +68,7 @@ class Plan:
             "layers": self.layers,
             "exposure": self.exposure_stops,
             "tone_map": self.tone_map,
+            "lut": None if self.lut is None else fingerprint(self.lut),
         }
 
 

@@ -166,7 +166,9 @@ def _write_display(image: Image, path: Path, suffix: str) -> None:
     from ...maths.tone import display_srgb8
 
     try:
-        pixels = display_srgb8(image.radiance, image.exposure_stops, image.tone_map, dither=True)
+        pixels = display_srgb8(
+            image.radiance, image.exposure_stops, image.tone_map, lut=image.lut, dither=True
+        )
     except ValueError as error:
         raise OutputError(str(error), where=path) from None
     options: dict[str, Any] = {} if suffix == ".png" else {"quality": 95, "subsampling": 0}
