@@ -11,7 +11,8 @@ import pytest
 import airlight
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
-from airlight.lighting.lattice_box import MEDIUM_BEYOND, lattice_box
+from airlight.lattice.placement import STRAIGHT, fitted
+from airlight.lighting.lattice_box import MEDIUM_BEYOND, lattice_box, lattice_extent
 from airlight.maths.transforms import box_along
 from airlight.scene import Camera, Environment, Medium, Mesh, Scene
 from airlight.scene.animation import Animation
@@ -19,6 +20,7 @@ from airlight.scene.animation.curve import Curve
 from airlight.scene.animation.tracks import CameraTrack
 from airlight.scene.material import Material
 from airlight.scene.medium import medium_box
+from airlight.scene.placing import moved_camera
 from airlight.scene.shapes import box
 
 FOG = Medium((0.3, 0.3, 0.3))
@@ -152,3 +154,32 @@ def test_a_turned_lattice_covers_the_box_of_the_world_that_a_medium_fills():
     wanted = box_along(np.array(axes), least, most)
     # As far as MEDIUM_BEYOND times the surfaces' longest side beyond them; the camera is nearer.
     np.testing.assert_allclose((low, high), wanted, atol=0.02)
+
+
+def test_a_turned_lattice_is_the_straight_one_and_whole_cells_around_it():
+    c, s = np.cos(0.6), np.sin(0.6)
+    axes = ((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c))
+    turn, straight = np.array(axes), replace(CUBE, medium=FOG)
+    # The straight scene through the inverse of what turns the world to the axes.
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn.T
+    turned = replace(
+        straight,
+        meshes=tuple(replace(m, world_from_object=matrix) for m in straight.meshes),
+        camera=moved_camera(straight.camera, matrix),
+    )
+    upright = fitted(*lattice_box(straight, in_medium=True), 32)
+    low, high, resolution = lattice_extent(turned, (), 32, in_medium=True, axes=axes)
+    found = fitted(low, high, resolution, axes)
+    assert resolution > 32
+    assert found.cell == pytest.approx(upright.cell, rel=1e-9)
+    steps = (np.array(upright.origin) - found.origin) / found.cell
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
+    # It covers the box of the world that the medium fills, to a hundredth of a cell.
+    least, most = lattice_box(turned, in_medium=True, axes=axes)
+    slack = 0.01 * found.cell
+    assert (np.array(found.origin) <= least + slack).all()
+    assert (np.array(found.origin) + found.cell * np.array(found.count) >= most - slack).all()
+    # Without a medium, and along the world's axes, nothing is added.
+    assert lattice_extent(CUBE, (), 32, in_medium=True, axes=axes)[2] == 32
+    assert lattice_extent(turned, (), 32, in_medium=True, axes=STRAIGHT)[2] == 32

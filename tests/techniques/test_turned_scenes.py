@@ -1,8 +1,9 @@
 """A scene that is turned as a whole, camera and lights with it, is the same image.
 
 Lattices turn with the walls. What differs are the texels of shadow maps, and fog without bounds,
-which fills a box of the world. The bounds are twice what was measured (.003 to .016 of relative L2;
-.06 of what fog outside the box scatters).
+which fills a box of the world. The bounds are twice what was measured: .003 to .016 of relative L2
+without fog. The fog that fills the world's box around a turned one is another: .06 of what it
+scatters, and .02 and .07 of what lights the walls, for the lattices reach as far outside as it does.
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ YAW, TILT = turn(1, 30.0), turn(1, 30.0) @ turn(0, 20.0)
         (scenes.cornell, "lpv", LATTICE, TILT, {"indirect": 0.025}),
         (scenes.cornell, "lpv", {**LATTICE, "cascades": 2}, YAW, {"indirect": 0.03}),
         (scenes.cornell, "lpv-scatter", LATTICE, YAW, {"indirect": 0.03}),
-        (foggy, "lpv-sum", {}, YAW, {"indirect": 0.03, "multiple_scatter": 0.12}),
-        (foggy, "lpv-scatter", LATTICE, YAW, {"indirect": 0.05, "multiple_scatter": 0.05}),
+        (foggy, "lpv-sum", {}, YAW, {"indirect": 0.045, "multiple_scatter": 0.12}),
+        (foggy, "lpv-scatter", LATTICE, YAW, {"indirect": 0.14, "multiple_scatter": 0.05}),
         (smoky, "auto", {}, YAW, {"indirect": 0.03, "multiple_scatter": 0.03}),
     ],
 )

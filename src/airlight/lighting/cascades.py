@@ -15,7 +15,7 @@ from ..scene.light_shapes import furnished
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .kit import SurfaceSettings
-from .lattice_box import lattice_axes, lattice_box
+from .lattice_box import lattice_axes, lattice_extent
 
 
 @dataclass(frozen=True)
@@ -52,15 +52,17 @@ def cascades_nest(scene: Scene, settings: CascadeSettings, *, in_medium: bool = 
     """
     # Along the walls, over surfaces and perhaps their medium, the finest ahead of the camera.
     axes = lattice_axes(scene, follows_walls=settings.follow_walls)
-    low, high = lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes)
+    low, high, resolution = lattice_extent(
+        scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
+    )
     count, ratio = settings.cascades, settings.cascade_ratio
     if count == 0:
-        cell = fitted(low, high, settings.resolution, axes).cell
+        cell = fitted(low, high, resolution, axes).cell
         count = nested_count(narrow_gap(furnished(scene).meshes, axes), cell, ratio)
     return nested(
         low,
         high,
-        settings.resolution,
+        resolution,
         axes=axes,
         count=count,
         ratio=ratio,

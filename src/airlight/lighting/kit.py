@@ -26,7 +26,7 @@ from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
-from .lattice_box import lattice_axes, lattice_box
+from .lattice_box import lattice_axes, lattice_extent
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
 from .sky import Sky
@@ -250,5 +250,7 @@ class Kit:
 def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = False) -> Nest:
     """One lattice over the scene, with its medium if `in_medium`, or over the settings' box."""
     axes = lattice_axes(scene, follows_walls=settings.follow_walls)
-    low, high = lattice_box(scene, settings.bounds, in_medium=in_medium, axes=axes)
-    return nested(low, high, settings.resolution, axes=axes)
+    low, high, resolution = lattice_extent(
+        scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
+    )
+    return nested(low, high, resolution, axes=axes)

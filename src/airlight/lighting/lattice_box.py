@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..lattice.facing import wall_axes
-from ..lattice.placement import STRAIGHT, Axes
+from ..lattice.placement import STRAIGHT, Axes, fitted
 from ..maths.transforms import box_along
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
@@ -20,6 +20,9 @@ from ..scene.scene import Scene
 MEDIUM_BEYOND = 2.0
 """Of the surfaces' longest side: how far a lattice reaches for the medium alone. A camera that
 frames an object stands about so far away, in a medium that fills the scene up to its camera."""
+MOST_CELLS = 256
+MOST_MORE = 1.5
+"""Times as many cells along a side at most, where a turned lattice covers a medium."""
 _HAIR = 0.01
 """Of the surfaces' longest side: a medium that ends so close to a wall adds nothing."""
 
@@ -56,6 +59,39 @@ def lattice_box(
     return (low, high) if axes == STRAIGHT else box_along(turn, low, high)
 
 
+def lattice_extent(
+    scene: Scene, bounds: Sequence[float], resolution: int, *, in_medium: bool, axes: Axes
+) -> tuple[Any, Any, int]:
+    """The `lattice_box`, and how many cells its longest side has where `resolution` are asked for.
+
+    A turned lattice covers more for what the medium fills, a box of the world. It is the lattice
+    that would cover a medium turned with the walls, and whole cells around that: what it has of
+    surfaces is the same however the scene is turned. Raises SettingsError.
+    """
+    low, high = lattice_box(scene, bounds, in_medium=in_medium, axes=axes)
+    medium = scene.medium
+    is_filled = in_medium and medium is not None and medium.bounds is None and not medium.endless
+    if axes == STRAIGHT or bounds or medium is None or not is_filled:
+        return low, high, resolution
+    # The lattice in a medium that is turned with the walls.
+    turn = np.array(axes)
+    seen = whole_bounds_along(scene, turn)
+    filled = [medium_box(medium, *seen, turn @ np.asarray(eye)) for eye in _eyes(scene)]
+    upright = fitted(
+        *_reached(*whole_bounds_along(furnished(scene), turn), filled), resolution, axes
+    )
+    # Whole cells below and above it, in pairs, unless there were too many.
+    cell, first, count = upright.cell, np.array(upright.origin), np.array(upright.count)
+    below = np.ceil(np.maximum(first - low, 0.0) / cell - _HAIR)
+    above = np.ceil(np.maximum(high - first - cell * count, 0.0) / cell - _HAIR)
+    above += (below + above) % 2
+    more = int((count + below + above).max())
+    if more > min(MOST_MORE * resolution, MOST_CELLS):
+        return low, high, resolution
+    # One cell of margin at either end is added again.
+    return first + cell * (1.0 - below), first + cell * (count + above - 1.0), more
+
+
 def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
     """Surfaces and the medium around them, as far as cells are worth it; m along `turn`.
 
@@ -65,11 +101,19 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
     medium = scene.medium
     if medium is None or medium.endless:
         return low, high
-    # Without bounds it reaches to the camera, wherever that goes.
-    eyes = [scene.camera.position] if scene.animation is None else scene.animation.eyes(scene)
     # What it fills is a box of the world, however the lattice is turned.
     seen = whole_bounds_along(scene, np.eye(3))
-    boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in eyes]
+    boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in _eyes(scene)]
+    return _reached(low, high, boxes)
+
+
+def _eyes(scene: Scene) -> Sequence[Any]:
+    """Where cameras are: a medium without bounds reaches to them, wherever they go."""
+    return [scene.camera.position] if scene.animation is None else scene.animation.eyes(scene)
+
+
+def _reached(low: F64, high: F64, boxes: Sequence[tuple[Any, Any]]) -> tuple[F64, F64]:
+    """The box low..high of surfaces with what a medium in `boxes` adds, as far as it is worth."""
     longest = float(np.subtract(high, low).max())
 
     def reach(beyond: F64) -> F64:

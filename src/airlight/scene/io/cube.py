@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.lut import F64, Lut
+from .files import read_bytes
 
 _MOST = {"LUT_1D_SIZE": 65536, "LUT_3D_SIZE": 256}
 _REMEDY = "Export it again as .cube from the application that made it."
@@ -15,10 +16,7 @@ _REMEDY = "Export it again as .cube from the application that made it."
 
 def read_cube(path: Path) -> Lut:
     """The table in a .cube file, of one dimension or three. Raises SceneError."""
-    try:
-        lines = path.read_text("utf-8", errors="replace").splitlines()
-    except OSError as error:
-        raise SceneError(f"cannot read it: {error.strerror or error}", where=path) from None
+    lines = read_bytes(path).decode("utf-8", "replace").splitlines()
     kind, size = "", 0
     ends = {"DOMAIN_MIN": np.zeros(3), "DOMAIN_MAX": np.ones(3)}
     rows: list[F64] = []
