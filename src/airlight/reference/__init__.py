@@ -2,7 +2,7 @@
 
    mitsuba      any scene, path traced          tracer    fluence, exits, directions in a box
    quadrature   closed forms and integrals      shdom, flatland, harmonics   other solvers
-   metrics      errors of an image              kept      references stored with the tests
+   metrics      errors of an image              stored    references stored with the tests
 
 Imports scene and maths only. Mitsuba, Numba and FLIP come with the `reference` extra and are
 imported when they are used; without them a ReferenceFailure says what to install.

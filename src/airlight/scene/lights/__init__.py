@@ -5,7 +5,7 @@ light_key    its fields: check, unit, meaning, whether keyframes and the viewer 
 emitters     what a type gives for Mitsuba, written by `reference.mitsuba_lights`
 directional, point, spot, area   the types that a scene may have
 sample       a part of a light with extent, made on the way to the device
-lights.wgsl, sent_share.wgsl     the same types as shaders know them
+lights.wgsl, light_kinds.wgsl    the same types as shaders know them
 
 A new type is a module here, its row in `Light` and `TYPES`, and its branch in the two shaders.
 """

@@ -2,7 +2,7 @@
 
 fields       `keys`: scene files, keyframes, the viewer and the checks of Python's own lights
 viewer       `controls`, `is_aimed`, `outline`
-device       `row`, and `sent_share`: the twin of sent_share.wgsl
+device       `row`, and `sent_share`: the twin of lights.wgsl's
 shadows      `cone`; `is_sampled` where samples of it have the shadow maps
 bounds       `most_power`
 others       `moved` by a transform, `emitters` for Mitsuba, `punctual` for glTF, `as_point` for
