@@ -12,6 +12,7 @@ import pytest
 from airlight.errors import OutputError
 from airlight.reference import mitsuba_scene
 from airlight.reference.mitsuba import write_mitsuba
+from airlight.reference.mitsuba_material import PRINCIPLED
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -150,7 +151,7 @@ def test_textures_come_back(tmp_path: Path) -> None:
     tinted = lamp.base_color_texture.pixels[..., :3] / 255.0
     tinted = np.where(tinted <= 0.04045, tinted / 12.92, ((tinted + 0.055) / 1.055) ** 2.4)
     np.testing.assert_allclose(tinted, linear * (0.5, 1, 0.25), atol=0.005)
-    assert notes == ["glossy materials are Mitsuba's principled: their diffuse part is Burley's"]
+    assert notes == [PRINCIPLED]
 
 
 def test_alpha_masks_and_vertex_colours_come_back(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ smooth, retro-reflective when rough) and loses nothing to the reflection above i
 dielectric Fresnel term is exact where ours is Schlick's; its masking is uncorrelated.
 Measured, base colour 0.5: a dielectric reflects 2 to 8% more than ours head on (roughness 0.1
 to 1), and at 84 degrees 12% less to 40% more; a metal the same head on, 0 to 27% less at 84.
+Whole images of random scenes outdoors, whose materials are dielectrics, were 14 to 18% brighter.
 """
 
 from __future__ import annotations
@@ -17,16 +18,26 @@ from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene.checks import F32, Rgb
+from ..scene.checks import Rgb
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry
 from .mitsuba_files import FileStore, write_exr, write_png
-from .mitsuba_xml import add_matrix, add_number, add_rgb, add_text, add_truth, plugin
+from .mitsuba_textures import (
+    add_bitmap,
+    add_color_texture,
+    add_data_channel,
+    note_wrapping,
+    opaque,
+    scaled_normals,
+)
+from .mitsuba_xml import add_number, add_rgb, add_text, add_truth, plugin
 
-OPACITY_UPSAMPLING = 4
-MAX_OPACITY_PX = 8192
+PRINCIPLED = (
+    "glossy materials are Mitsuba's principled, whose diffuse part is Burley's: random scenes "
+    "outdoors come out 14 to 18 % brighter. Install libLLVM 19, or name it in DRJIT_LIBLLVM_PATH"
+)
+"""Told of a reference that could not use airlight's own BRDF."""
 
 
 def material_reference(
@@ -48,7 +59,7 @@ def _material_bsdf(
 ) -> Element:
     """The BSDF of `material` on `geometry`; what it cannot say exactly goes to `notes`."""
     material, geometry = _with_constant_colors(material, geometry, notes)
-    _note_wrapping(material, notes)
+    note_wrapping(material, notes)
     if material.is_unlit:
         notes.append(f"material '{material.name}': unlit, and written as a matt one")
     if material.transmission > 0.0 and material.is_translucent:
@@ -82,7 +93,7 @@ def _covered(inner: Element, material: Material, geometry: Geometry, files: File
     if texture is None or geometry.uvs is None:
         add_number(node, "opacity", material.alpha)
     else:
-        _add_data_channel(node, "opacity", texture, 3, material.alpha, files)
+        add_data_channel(node, "opacity", texture, 3, material.alpha, files)
     node.append(inner)
     return node
 
@@ -132,64 +143,6 @@ def is_absent(material: Material) -> bool:
     return material.alpha < material.alpha_cutoff
 
 
-def linear_pixels(texture: Texture) -> F32:
-    """(H, W, 3) float32, linear, of a texture's 8-bit pixels."""
-    x = texture.pixels[..., :3].astype(np.float32) / np.float32(255.0)
-    if not texture.is_srgb:
-        return x
-    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4).astype(np.float32)
-
-
-def add_bitmap(
-    parent: Element, name: str, texture: Texture, filename: str, *, raw: bool, nearest: bool = False
-) -> None:
-    """A bitmap child with the texture's wrapping and uv transform."""
-    node = plugin("texture", "bitmap", name)
-    add_text(node, "filename", filename)
-    add_text(node, "wrap_mode", _wrap(texture))
-    if raw:
-        add_truth(node, "raw", True)
-    if nearest:
-        add_text(node, "filter_type", "nearest")
-    scale, offset = np.array(texture.scale), np.array(texture.offset)
-    if "mirror" in texture.wrap and texture.wrap[0] != texture.wrap[1]:
-        doubled = np.array([2.0 if mode == "mirror" else 1.0 for mode in texture.wrap])
-        scale, offset = scale / doubled, offset / doubled
-    if tuple(scale) != (1.0, 1.0) or tuple(offset) != (0.0, 0.0):
-        matrix = np.diag([scale[0], scale[1], 1.0, 1.0])
-        matrix[:2, 3] = offset  # Mitsuba drops the offset of a 3x3 matrix
-        add_matrix(node, "to_uv", matrix)
-    parent.append(node)
-
-
-def _wrap(texture: Texture) -> str:
-    """One mode for both axes; a mirrored axis beside another mode is unfolded into pixels."""
-    u, v = texture.wrap
-    if u == v:
-        return u
-    return "clamp" if "clamp" in (u, v) else "repeat"
-
-
-def _note_wrapping(material: Material, notes: list[str]) -> None:
-    textures = (material.base_color_texture, material.normal_texture)
-    for texture in (*textures, material.metallic_roughness_texture):
-        if texture is not None and texture.wrap[0] != texture.wrap[1] and "clamp" in texture.wrap:
-            notes.append(
-                f"texture {texture.source or 'of ' + material.name}: clamped along one axis only, "
-                "written as clamped along both"
-            )
-
-
-def unfolded(texture: Texture, pixels: F32) -> F32:
-    """`pixels` as add_bitmap expects them: mirrored copies where the two axes wrap unlike."""
-    u, v = texture.wrap
-    if u != v and u == "mirror":
-        pixels = np.concatenate([pixels, pixels[:, ::-1]], axis=1)
-    if u != v and v == "mirror":
-        pixels = np.concatenate([pixels, pixels[::-1]], axis=0)
-    return pixels
-
-
 def _with_constant_colors(
     material: Material, geometry: Geometry, notes: list[str]
 ) -> tuple[Material, Geometry]:
@@ -215,33 +168,13 @@ def _add_base_color(
 ) -> None:
     texture = material.base_color_texture
     if texture is not None and geometry.uvs is not None:
-        _add_color_texture(parent, name, texture, material.base_color, files)
+        add_color_texture(parent, name, texture, material.base_color, files)
     elif geometry.colors is not None:
         node = plugin("texture", "mesh_attribute", name)
         add_text(node, "name", "vertex_color")
         parent.append(node)
     else:
         add_rgb(parent, name, material.base_color)
-
-
-def _add_color_texture(
-    parent: Element, name: str, texture: Texture, factor: Rgb, files: FileStore
-) -> None:
-    """The texture itself where its factor is 1, else linear float pixels times the factor."""
-    key = (files.identity(texture.pixels), "color", texture.is_srgb, texture.wrap, factor)
-    if factor == (1.0, 1.0, 1.0) and texture.is_srgb and texture.wrap[0] == texture.wrap[1]:
-        pixels = texture.pixels[..., :3]
-        filename = files.once(key, "color", "png", lambda path: write_png(path, pixels))
-    else:
-        filename = files.once(
-            key,
-            "color",
-            "exr",
-            lambda path: write_exr(
-                path, unfolded(texture, linear_pixels(texture) * np.array(factor, np.float32))
-            ),
-        )
-    add_bitmap(parent, name, texture, filename, raw=False)
 
 
 def _glossy(material: Material, geometry: Geometry, files: FileStore, notes: list[str]) -> Element:
@@ -253,36 +186,20 @@ def _glossy(material: Material, geometry: Geometry, files: FileStore, notes: lis
         if texture is None or factor == 0.0:
             add_number(node, name, factor)
             continue
-        _add_data_channel(node, name, texture, channel, factor, files)
+        add_data_channel(node, name, texture, channel, factor, files)
     if files.knows_airlight:
         add_number(node, "specular", material.specular)
         return node
-    notes.append("glossy materials are Mitsuba's principled: their diffuse part is Burley's")
+    notes.append(PRINCIPLED)
     # Mitsuba's F0 = 0.08 specular; 0 would also switch a metal's reflection off.
     add_number(node, "specular", max(0.5 * material.specular, 1e-5))
     return node
 
 
-def _add_data_channel(
-    parent: Element, name: str, texture: Texture, channel: int, factor: float, files: FileStore
-) -> None:
-    key = (files.identity(texture.pixels), "data", channel, factor, texture.wrap)
-    filename = files.once(
-        key,
-        name,
-        "exr",
-        lambda path: write_exr(
-            path,
-            unfolded(texture, texture.pixels[..., channel] * np.float32(factor / 255.0)),
-        ),
-    )
-    add_bitmap(parent, name, texture, filename, raw=True)
-
-
 def _normal_mapped(inner: Element, texture: Texture, scale: float, files: FileStore) -> Element:
     key = (files.identity(texture.pixels), "normal", scale, texture.wrap)
     filename = files.once(
-        key, "normal", "exr", lambda path: write_exr(path, _scaled_normals(texture, scale))
+        key, "normal", "exr", lambda path: write_exr(path, scaled_normals(texture, scale))
     )
     node = plugin("bsdf", "normalmap")
     add_bitmap(node, "normalmap", texture, filename, raw=True)
@@ -290,15 +207,6 @@ def _normal_mapped(inner: Element, texture: Texture, scale: float, files: FileSt
     add_truth(node, "use_shadowing_function", False)
     node.append(inner)
     return node
-
-
-def _scaled_normals(texture: Texture, scale: float) -> F32:
-    """Unit normals from -1..1 to 0..1, their tilt times `scale`."""
-    n = texture.pixels[..., :3].astype(np.float32) / np.float32(127.5) - np.float32(1.0)
-    n[..., :2] *= np.float32(scale)
-    length = np.sqrt(np.einsum("ijk,ijk->ij", n, n))
-    n /= np.maximum(length, np.float32(1e-6))[..., None]
-    return unfolded(texture, np.float32(0.5) * n + np.float32(0.5))
 
 
 def _masked(inner: Element, material: Material, files: FileStore) -> Element:
@@ -317,31 +225,9 @@ def _masked(inner: Element, material: Material, files: FileStore) -> Element:
         texture.wrap,
     )
     filename = files.once(
-        key, "opacity", "png", lambda path: write_png(path, _opaque(material, texture))
+        key, "opacity", "png", lambda path: write_png(path, opaque(material, texture))
     )
     node = plugin("bsdf", "mask")
     add_bitmap(node, "opacity", texture, filename, raw=True, nearest=True)
     node.append(inner)
     return node
-
-
-def _opaque(material: Material, texture: Texture) -> NDArray[np.uint8]:
-    """255 where the filtered alpha reaches the cutoff, else 0."""
-    alpha = texture.pixels[..., 3].astype(np.float32) * np.float32(material.alpha / 255.0)
-    fine = _upsampled(unfolded(texture, alpha), texture)
-    return np.where(fine >= material.alpha_cutoff, 255, 0).astype(np.uint8)
-
-
-def _upsampled(alpha: F32, texture: Texture) -> F32:
-    """Bilinear, `OPACITY_UPSAMPLING` times finer per axis where that stays within bounds."""
-    for axis, mode in ((0, texture.wrap[1]), (1, texture.wrap[0])):
-        count = alpha.shape[axis]
-        factor = max(1, min(OPACITY_UPSAMPLING, MAX_OPACITY_PX // count))
-        at = (np.arange(count * factor) + 0.5) / factor - 0.5
-        low = np.floor(at).astype(np.int64)
-        wrap = np.mod if mode == "repeat" else lambda i, n: np.clip(i, 0, n - 1)
-        weight = (at - low).astype(np.float32)
-        weight = weight[:, None] if axis == 0 else weight
-        first, second = (np.take(alpha, wrap(low + k, count), axis=axis) for k in (0, 1))
-        alpha = first * (1 - weight) + second * weight
-    return alpha

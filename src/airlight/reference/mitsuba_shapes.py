@@ -16,7 +16,8 @@ from ..scene.checks import F32, F64, Rgb
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
 from .mitsuba_files import FileStore, write_exr, write_ply
-from .mitsuba_material import add_bitmap, is_absent, is_masked, linear_pixels, material_reference
+from .mitsuba_material import is_absent, is_masked, material_reference
+from .mitsuba_textures import add_bitmap, linear_pixels
 from .mitsuba_xml import add_matrix, add_reference, add_rgb, add_text, add_truth, plugin
 
 BACK_OFFSET = 1e-5  # of the scene's diagonal: the gap between the two sides of an emissive sheet
