@@ -27,7 +27,7 @@ from airlight.figures.registry import FIGURES
 from airlight.gather.settings import GatherSettings
 from airlight.lighting.kit import SurfaceSettings
 from airlight.media.settings import MediaSettings
-from airlight.scene.io.toml_tables import schema_markdown
+from airlight.scene.io.toml_page import schema_markdown
 from airlight.scene.lights.light_key import LightKey
 from airlight.scene.lights.light_type import LightType
 from airlight.techniques import TECHNIQUES, technique_settings

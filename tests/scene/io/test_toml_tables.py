@@ -18,14 +18,13 @@ from airlight.scene import (
     Volume,
 )
 from airlight.scene.io.toml_keys import KEYS, SEQUENCE_KEYS
+from airlight.scene.io.toml_media_tables import MEDIUM, VOLUME
+from airlight.scene.io.toml_page import schema_markdown
 from airlight.scene.io.toml_tables import (
     CAMERA,
     ENVIRONMENT,
     LIGHT,
-    MEDIUM,
     TABLES,
-    VOLUME,
-    schema_markdown,
 )
 
 NOT_FIELDS = {

@@ -31,10 +31,11 @@ from .toml_animation import (
     shifted,
     take_keys,
 )
+from .toml_media_tables import MEDIUM
 from .toml_meshes import existing_file, placed_mesh
 from .toml_schema import check_table, inside
 from .toml_sky import read_sky, under
-from .toml_tables import CAMERA, ENVIRONMENT, LIGHT, MEDIUM, MESH, TABLES
+from .toml_tables import CAMERA, ENVIRONMENT, LIGHT, MESH, TABLES
 from .toml_volumes import placed_volume, with_extinction
 
 Raw = Mapping[str, Any]

@@ -124,3 +124,15 @@ def inside(label: str) -> Iterator[None]:
         if error.where or error.problem.startswith(label):
             raise
         raise SceneError(f"{label}: {error.problem}", remedy=error.remedy) from None
+
+
+COLOUR = "colour"
+"""The kind of value that is three numbers, or one for grey."""
+
+PLACEMENT = (
+    Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),
+    Key("rotate_deg", checks.vec3, "vector", "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
+    Key("scale", scale_vec3, "number or vector", "stretches it", default="1"),
+    Key("matrix", matrix16, "16 numbers", "instead of those three: 4 x 4, row major"),
+)
+"""Where a mesh or a volume stands."""

@@ -16,9 +16,9 @@ from .emission_files import taken_emission
 from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
+from .toml_media_tables import VOLUME
 from .toml_meshes import existing_file, world_from_mesh
 from .toml_schema import check_table, inside
-from .toml_tables import VOLUME
 from .volumes import NOWHERE, VolumeGrid, is_grid_file
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
