@@ -70,3 +70,52 @@ def test_a_mirror_shows_what_a_mirrored_camera_sees():
     np.testing.assert_allclose(ratio, 1.0, atol=0.06)
     error = shown.radiance[inside] - truth[inside]
     assert np.sqrt((error**2).sum() / (truth[inside] ** 2).sum()) < 0.1
+
+
+def test_a_mirror_in_a_mirror_shows_what_a_twice_mirrored_camera_sees():
+    """The floor shows a mirror that stands on it, and in that a wall in three colours.
+
+    Two reflections are half a turn about the line where both mirrors meet.
+    """
+    paints = [(0.5, 0.1, 0.1), (0.1, 0.5, 0.1), (0.1, 0.1, 0.5)]
+    wall = [
+        rectangle(2 * X + (k - 1.5) * Z + 3.5 * Y, Z, -3 * Y, Material((*paint,), specular=0.0))
+        for k, paint in enumerate(paints)
+    ]
+    mirror = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.0, two_sided=True)
+    floor = rectangle(-2 * X - 3 * Z, 3.5 * X, 6 * Z, mirror)
+    standing = rectangle(-2 * X - 3 * Z + 1.2 * Y, 6 * Z, -1.2 * Y, mirror)
+    light = DirectionalLight((1.0, -0.4, 0.0), (3.0, 3.0, 3.0))
+    camera = Camera((1.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 20.0)
+    turned = Camera((-5.0, -1.0, 0.0), (-3.0, 0.0, 0.0), (0.0, -1.0, 0.0), 20.0)
+    scene = Scene((floor, standing, *wall), (light,), camera=camera)
+    shown = render(scene, "lpv", SIZE, samples=4, settings={**GATHERED, "bounces": False})
+    truth = render(Scene(tuple(wall), (light,), camera=turned), "direct", SIZE, samples=4).radiance
+    inside = truth.sum(axis=-1) > 0.5 * truth.sum(axis=-1).max()
+    assert inside.mean() > 0.5
+    ratio = shown.radiance[inside].sum(axis=0) / truth[inside].sum(axis=0)
+    np.testing.assert_allclose(ratio, 1.0, atol=0.06)
+    error = shown.radiance[inside] - truth[inside]
+    assert np.sqrt((error**2).sum() / (truth[inside] ** 2).sum()) < 0.15
+
+
+def test_a_panel_is_seen_in_a_mirror_in_a_mirror():
+    """The same two mirrors, and nothing but a panel that glows towards them, or away."""
+    mirror = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.0, two_sided=True)
+    floor = rectangle(-2 * X - 3 * Z, 3.5 * X, 6 * Z, mirror)
+    mirrors = (floor, rectangle(-2 * X - 3 * Z + 1.2 * Y, 6 * Z, -1.2 * Y, mirror))
+    camera = Camera((1.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 8.0)
+    glow = (2.0, 1.0, 0.5)
+    paint = Material(base_color=(0.0, 0.0, 0.0), specular=0.0, emission=glow, two_sided=False)
+    panels = (
+        rectangle(2 * X - 1.5 * Z + 3.5 * Y, 3 * Z, -3 * Y, paint),
+        rectangle(2 * X + 1.5 * Z + 3.5 * Y, -3 * Z, -3 * Y, paint),
+    )
+    shown = [
+        render(Scene((*mirrors, panel), camera=camera), "lpv", SIZE, samples=4, settings=GATHERED)
+        for panel in panels
+    ]
+    medians = [np.median(image.radiance.reshape(-1, 3), axis=0) for image in shown]
+    dark, bright = sorted(medians, key=lambda rgb: rgb.sum())
+    np.testing.assert_allclose(bright, glow, rtol=0.06)
+    assert max(dark) < 0.02

@@ -77,11 +77,11 @@ def albedo_map(material: Material) -> F64:
     colour = np.tile(np.asarray(material.base_color, np.float64), (*size, 1))
     metallic, roughness = np.full(size, material.metallic), np.full(size, material.roughness)
     if colour_map is not None:
-        colour = colour * _reduced(colour_map, size)
+        colour = colour * reduced(colour_map, size)
     colour *= reflecting_share(material)
     if gloss_map is not None:
         is_alike = colour_map is None or uv_transform(colour_map) == uv_transform(gloss_map)
-        gloss = _reduced(gloss_map, size if is_alike else (1, 1))
+        gloss = reduced(gloss_map, size if is_alike else (1, 1))
         metallic, roughness = metallic * gloss[..., 2], roughness * gloss[..., 1]
     flat = [x.reshape(-1) for x in (metallic, roughness, np.full(size, material.specular))]
     whole = bihemispherical_albedo(colour.reshape(-1, 3), *flat)
@@ -108,7 +108,7 @@ def _size(map: Texture | None) -> tuple[int, int]:
     return (min(height, _SIDE), min(width, _SIDE))
 
 
-def _reduced(map: Texture, size: tuple[int, int]) -> F64:
+def reduced(map: Texture, size: tuple[int, int]) -> F64:
     """(H, W, 3): the linear means of a map over blocks of its pixels."""
     pixels = map.pixels[..., :3]
     table = np.arange(256) / 255.0

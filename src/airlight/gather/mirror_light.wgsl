@@ -1,9 +1,42 @@
-// What listed pixels' rays found, and its light: two rows for each.
+// What listed pixels' rays found, and its light: two rows for each, to which later segments add theirs.
+//! use hit_code
 //! needs fn air_of(row: u32) -> Air
+
+const SHARP = 0.01;         // of alpha: smoother metals show lights as rays meet them
+const BLURRED = 0.16;       // rougher ones as if they were matt
 
 struct Air {
     light: vec3f,           // W m^-2 sr^-1, that media scatter into a ray
     passed: vec3f,
+}
+
+// What of a segment's light is shown here, and which share of what the next one finds.
+struct Shown {
+    light: vec3f,
+    onwards: vec3f,
+    glow: f32,              // share of glowing surfaces that the next segment shows; the rest is light here
+}
+
+fn shown(at: vec2u, hit: vec4f, seen_glow: f32) -> Shown {
+    let direct = textureLoad(direct_light, at, 0).rgb;
+    var out = Shown(direct, vec3f(0.0), 0.0);
+    if (hit.w <= 0.0) {
+        return out;
+    }
+    let gloss = glosses[hit_material(hit.w)];
+    let towards_lights = textureLoad(hit_albedos, at, 0).rgb;
+    let albedo = towards_lights + textureLoad(hit_normals, at, 0).w;
+    let all_around = albedo / max(towards_lights, vec3f(1e-4)) * textureLoad(indirect_light, at, 0).rgb;
+    // No ray meets a single light, and rough metal spreads its highlight: that stays as it is on matt surfaces.
+    let lights = textureLoad(lit, at, 0).rgb;
+    let share = select(0.0, gloss.metallic, params.goes_on != 0u);
+    out.glow = 1.0 - smoothstep(SHARP, BLURRED, gloss.alpha);
+    out.light = (1.0 - share * out.glow) * lights + (1.0 - share) * (direct - lights + all_around);
+    out.onwards = share * albedo;
+    if (!is_hit_behind(hit.w) || gloss.two_sided != 0u) {
+        out.light += seen_glow * gloss.glow;
+    }
+    return out;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -12,19 +45,25 @@ struct Air {
         return;
     }
     let hit = textureLoad(hit_positions, id.xy, 0);
-    let start = textureLoad(starts, id.xy, 0);
-    var kind = select(LEFT, MET, hit.w > 0.0);
-    if (start.w <= 0.0) {
-        kind = NOWHERE;
-    }
-    var light = textureLoad(direct_light, id.xy, 0).rgb;
-    if (hit.w > 0.0) {
-        let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
-        let all_around = (towards_lights + textureLoad(hit_normals, id.xy, 0).w) / max(towards_lights, vec3f(1e-4));
-        light += all_around * textureLoad(indirect_light, id.xy, 0).rgb;
-    }
-    let air = air_of(2u * at);
+    let is_followed = textureLoad(starts, id.xy, 0).w > 0.0;
     let row = 2u * (params.first + at);
-    mirrored[row] = vec4f(hit.xyz, kind);
-    mirrored[row + 1u] = vec4f(air.light + air.passed * light, 0.0);
+    var way = vec4f(1.0, 1.0, 1.0, 0.0);
+    var radiance = vec3f(0.0);
+    if (params.segment == 0u) {
+        // Pixels show what glows themselves, in closed form.
+        let kind = select(NOWHERE, select(LEFT, MET, hit.w > 0.0), is_followed);
+        mirrored[row] = vec4f(hit.xyz, kind);
+    } else {
+        way = ways[at];
+        radiance = mirrored[row + 1u].rgb;
+    }
+    var onwards = vec4f(0.0);
+    if (is_followed) {
+        let air = air_of(2u * at);
+        let found_here = shown(id.xy, hit, way.a);
+        radiance += way.rgb * (air.light + air.passed * found_here.light);
+        onwards = vec4f(way.rgb * air.passed * found_here.onwards, found_here.glow);
+    }
+    mirrored[row + 1u] = vec4f(radiance, 0.0);
+    ways[at] = onwards;
 }

@@ -75,7 +75,8 @@ class GatherSolver(Solver):
         self._mirrors: Mirrors | None = None
         materials = (mesh.material for mesh in self._scene.meshes)
         if kit.settings.glossy_rays and is_any_glossy(materials):
-            self._mirrors = Mirrors(kit, HitLighting(kit, media), self._air)
+            segments = settings.gather_bounces
+            self._mirrors = Mirrors(kit, HitLighting(kit, media), self._air, segments)
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Nothing that does not depend on a view."""

@@ -31,7 +31,8 @@ HITS = Points(texture("positions", "2d", "unfilterable-float"), "//! use surface
 class Hits:
     """What rays of a batch found, a texel each.
 
-    positions  xyz world, m, w 1; where a ray left the scene its direction, w 0
+    positions  xyz world, m, w the material met and its side, as `hit_code.wgsl` writes them; where
+               a ray left the scene its direction, w 0
     normal     xyz world, facing where the ray came from; w what light from all around adds to the
                albedo (to lighting a roughness, of which a surface without a coat knows nothing)
     albedo     rgb, a metallic

@@ -1,11 +1,12 @@
 // What a ray of a gather meets, as a texel of an image of hits. The including pass binds what rays and hit_albedo need.
 //! use rays
 //! use hit_albedo
+//! use hit_code
 
 const FARTHEST = 1e30;      // m
 
 struct GatherHit {
-    position: vec4f,        // m, 1; where the ray left the scene its direction, 0
+    position: vec4f,        // m, hit_code; where the ray left the scene its direction, 0
     normal: vec4f,          // w: what light from all around adds to the albedo
     albedo: vec4f,
 }
@@ -16,13 +17,14 @@ fn gather_hit(origin: vec3f, direction: vec3f) -> GatherHit {
     if (hit.triangle != NO_HIT) {
         let surface = hit_point(hit);
         // Surfaces have two sides; relief does not turn a side away from the ray that met it.
-        let side = select(1.0, -1.0, dot(surface.geometric_normal, direction) > 0.0);
+        let is_behind = dot(surface.geometric_normal, direction) > 0.0;
+        let side = select(1.0, -1.0, is_behind);
         let smooth_normal = side * surface.shading_normal;
         let flat_normal = side * surface.geometric_normal;
         let normal = select(flat_normal, smooth_normal, dot(smooth_normal, flat_normal) > 0.0);
         let albedo = hit_albedo(surface.material, surface.uv);
-        found = GatherHit(vec4f(surface.position, 1.0), vec4f(normal, albedo.a),
-            vec4f(albedo.rgb, 0.0));
+        found = GatherHit(vec4f(surface.position, hit_code(surface.material, is_behind)),
+            vec4f(normal, albedo.a), vec4f(albedo.rgb, 0.0));
     }
     return found;
 }

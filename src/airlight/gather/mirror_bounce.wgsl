@@ -1,0 +1,35 @@
+// One more ray from each metal that a mirrored ray has met; writes the surface that this one meets.
+//! use gather
+//! use gather_hit
+//! use ggx_sampling
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= params.batch)) {
+        return;
+    }
+    let row = params.first + id.y * params.batch.x + id.x;
+    let source = textureLoad(starts, id.xy, 0);
+    let place = textureLoad(met_positions, id.xy, 0);
+    var hit = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    var start = vec4f(0.0);
+    if (source.w > 0.0 && place.w > 0.0) {
+        let gloss = glosses[hit_material(place.w)];
+        if (gloss.metallic > 0.0) {
+            let pixel = vec2u(listed[row] & 0xffffu, listed[row] >> 16u);
+            let n = normalize(textureLoad(met_normals, id.xy, 0).xyz);
+            let frame = orthonormal_frame(n);
+            var v = normalize(source.xyz - place.xyz) * frame;
+            v.z = max(v.z, 1e-4);
+            let numbers = later_numbers(pixel.x, pixel.y, params.sample, params.segment);
+            let mirrored = reflect(-v, visible_normal(v, gloss.alpha, numbers));
+            if (mirrored.z > 0.0) {
+                start = vec4f(place.xyz + params.raised * n, 1.0);
+                hit = gather_hit(start.xyz, frame * mirrored);
+            }
+        }
+    }
+    textureStore(next_starts, id.xy, start);
+    textureStore(hit_positions, id.xy, hit.position);
+    textureStore(hit_normals, id.xy, hit.normal);
+    textureStore(hit_albedos, id.xy, hit.albedo);
+}

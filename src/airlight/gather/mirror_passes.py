@@ -1,0 +1,132 @@
+"""The passes of mirrored rays, and what they are given."""
+
+from __future__ import annotations
+
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
+from ..gpu.slots import Slot, image, storage, texture, uniform
+from ..rays.rays import RAY_SLOTS
+from .albedo import AlbedoData
+from .glosses import GlossData
+
+KINDS = "const NOWHERE = 0.0;\nconst LEFT = 1.0;\nconst MET = 2.0;\n"
+_NO_AIR = "fn air_of(row: u32) -> Air { return Air(vec3f(0.0), vec3f(1.0)); }\n"
+_AIR = "fn air_of(row: u32) -> Air { return Air(air[row].rgb, air[row + 1u].rgb); }\n"
+
+
+class MirrorParams(Struct):
+    """The camera, and which rows of the list are followed."""
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    first = u32("row of the list")
+    size = vec2f("px")
+    batch = vec2u("texels")
+    sample = u32("of the still")
+    reach = f32("px, within which pixels share rays")
+    texel = f32("m, how wide a pixel is one metre away")
+    segment = u32("of the paths; 0 starts at pixels")
+    raised = f32("m, how far above surfaces later segments start")
+    goes_on = u32("whether metals that are met send another segment")
+    pad = vec2u()
+
+
+_PIXELS: tuple[Slot, ...] = (
+    uniform("params", MirrorParams),
+    texture("depth", "2d", "depth"),
+    texture("albedo", "2d", "unfilterable-float"),
+    texture("normal", "2d", "unfilterable-float"),
+    texture("emission", "2d", "unfilterable-float"),
+)
+_FOUND: tuple[Slot, ...] = tuple(
+    texture(name, "2d", "unfilterable-float")
+    for name in ("hit_positions", "hit_normals", "hit_albedos")
+)
+
+
+class Listing(ComputePass):
+    """Lists the pixels that mirror enough."""
+
+    slots = (
+        *_PIXELS,
+        storage("found", "atomic<u32>", "read_write"),
+        storage("listed", "u32", "read_write"),
+        image("rows", "r32uint"),
+    )
+    file = "mirror_list.wgsl"
+
+
+class FirstRays(ComputePass):
+    """Sends a ray from each listed pixel."""
+
+    slots = (
+        *(slot for slot in _PIXELS if slot.name not in ("albedo", "emission")),
+        *RAY_SLOTS,
+        storage("albedo_rows", AlbedoData),
+        storage("albedo_texels", "u32"),
+        storage("found", "u32"),
+        storage("listed", "u32"),
+        image("starts", "rgba32float"),
+        image("hit_positions", "rgba32float"),
+        image("hit_normals", "rgba16float"),
+        image("hit_albedos", "rgba16float"),
+    )
+    file = "mirror_rays.wgsl"
+
+
+class LaterRays(ComputePass):
+    """Sends a ray from each metal that a mirrored ray has met."""
+
+    slots = (
+        uniform("params", MirrorParams),
+        texture("starts", "2d", "unfilterable-float"),
+        texture("met_positions", "2d", "unfilterable-float"),
+        texture("met_normals", "2d", "unfilterable-float"),
+        *RAY_SLOTS,
+        storage("albedo_rows", AlbedoData),
+        storage("albedo_texels", "u32"),
+        storage("glosses", GlossData),
+        storage("listed", "u32"),
+        image("next_starts", "rgba32float"),
+        image("hit_positions", "rgba32float"),
+        image("hit_normals", "rgba16float"),
+        image("hit_albedos", "rgba16float"),
+    )
+    file = "mirror_bounce.wgsl"
+
+
+class MirrorLight(ComputePass):
+    """Adds up what rays found, with its light."""
+
+    file = "mirror_light.wgsl"
+
+    def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", MirrorParams),
+            texture("starts", "2d", "unfilterable-float"),
+            *_FOUND,
+            texture("lit", "2d", "unfilterable-float"),
+            texture("direct_light", "2d", "unfilterable-float"),
+            texture("indirect_light", "2d", "unfilterable-float"),
+            storage("found", "u32"),
+            *((storage("air", "vec4f"),) if has_air else ()),
+            storage("glosses", GlossData),
+            storage("ways", "vec4f", "read_write"),
+            storage("mirrored", "vec4f", "read_write"),
+        )
+        super().__init__(gpu, generated=KINDS + (_AIR if has_air else _NO_AIR))
+
+
+class Resolving(ComputePass):
+    """Shares what rays found between pixels."""
+
+    slots = (
+        *_PIXELS,
+        texture("rows", "2d", "uint"),
+        storage("mirrored", "vec4f"),
+        storage("cosines", "vec4f"),
+        image("mirrored_sky", "rgba32float"),
+        image("mirrored_light", "rgba32float"),
+    )
+    file = "mirrors.wgsl"
