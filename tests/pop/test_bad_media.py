@@ -11,8 +11,9 @@ from airlight.errors import AirlightError, SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, PointLight, Scene, Volume
 

@@ -8,8 +8,9 @@ import pytest
 from airlight.gpu.commands import Commands
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight
 from airlight.scene.volume import Volume

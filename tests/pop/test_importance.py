@@ -9,10 +9,11 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_texel_directions
 from airlight.maths.transforms import F64
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.light.importance import Look, ViewImportance, coarse_medium
 from airlight.pop.medium.placement import placed
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene import Camera, Environment, Volume
 
 BALL = Volume((4.0,) * 3, shape="sphere", g=(0.9,) * 3)

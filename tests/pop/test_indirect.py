@@ -11,8 +11,9 @@ from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.maths.transforms import F64
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene import Environment, Volume
 
 SETTINGS = PopSettings(ordinates=16, grid=8, solver_steps=24)

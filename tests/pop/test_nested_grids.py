@@ -17,12 +17,13 @@ from airlight.maths.nested_diffusion import entering_fluence, entering_flux
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import trilinear
 from airlight.pop.delta.border import Border
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.light.importance import Look
 from airlight.pop.medium.finer_medium import FinerMedium
 from airlight.pop.medium.nesting import finer_cells, placed_ahead
 from airlight.pop.medium.placement import placed
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.rendering import Renderer, render
 from airlight.scene.camera import Camera
 from airlight.scene.environment import Environment

@@ -14,8 +14,9 @@ from airlight.maths.ordinate_grid import grid_density, ordinate_grids, read_back
 from airlight.maths.radial_grid import radial_density, radial_grid, read_radial
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Mesh, Scene, Volume
 from airlight.scene.environment import Environment

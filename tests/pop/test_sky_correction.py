@@ -10,9 +10,10 @@ from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_row_solid_angles, latlong_texel_directions
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.transforms import F64
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.light.sky_correction import SkyCorrection
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene import Environment, Volume
 
 G = 0.93

@@ -17,9 +17,10 @@ from airlight.maths.ordinates import Ordinates, uniform_sky
 from airlight.maths.point_light_beam import axis_share, near_fluence, point_light_beam
 from airlight.maths.transforms import F64
 from airlight.maths.voxels import box_averaged
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.light.ordinates import SceneOrdinates
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene.environment import Environment
 from airlight.scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from airlight.scene.volume import Volume

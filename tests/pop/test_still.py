@@ -9,8 +9,9 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.maths.latlong import latlong_texel_directions
 from airlight.maths.transforms import F64
+from airlight.pop.light.illumination import Illumination
 from airlight.pop.settings import PopSettings
-from airlight.pop.solver import Illumination, PopSolver
+from airlight.pop.solver import PopSolver
 from airlight.scene import Environment, Volume
 
 BALL = Volume((3.0,) * 3, shape="sphere", g=(0.0, 0.7, 0.95))

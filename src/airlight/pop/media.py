@@ -24,12 +24,13 @@ from ..scene.coefficients import grouped
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
+from .light.illumination import Illumination
 from .light.importance import Look
 from .light.visibility import Surfaces
 from .medium.mixture import MediaCount
 from .settings import PopSettings, uses_virtual_grids
 from .several_media import encode, introduce
-from .solver import Illumination, PopSolver
+from .solver import PopSolver
 from .virtual.maps import reflected_maps
 
 MediaOf = Callable[[Scene], list[Volume]]

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 from ..gpu.commands import Commands
 from ..scene.volume import Volume
-from .solver import Illumination, PopSolver
+from .light.illumination import Illumination
+from .solver import PopSolver
 
 ROUNDS = 1
 """How often each medium receives the light of the others; in turn, so later ones see more of it."""

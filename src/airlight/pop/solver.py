@@ -14,29 +14,27 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import SceneError
-from ..fields import ReflectedLight, Source
+from ..fields import Source
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..maths.ordinates import Ordinates
 from ..maths.transforms import F64
-from ..scene.environment import Environment
-from ..scene.lights import Light, PointLight
+from ..scene.lights import PointLight
 from ..scene.volume import Volume
 from .delta.beams import DeltaBeams
 from .delta.emission import Emission
 from .furnace import Furnace
 from .grids.scheme import OrdinateGrids
 from .indirect import IndirectLight
-from .light.importance import Look, ViewImportance
+from .light.illumination import Illumination
+from .light.importance import ViewImportance
 from .light.ordinates import SceneOrdinates, local_lights
-from .light.visibility import Surfaces
 from .medium.finer_medium import FinerMedium
 from .medium.grid_medium import NO_OTHERS, GridMedium
 from .medium.mixture import MediaCount
@@ -44,22 +42,6 @@ from .settings import PopSettings
 from .transport import Transport
 
 _VIRTUAL = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-
-
-@dataclass(frozen=True, eq=False)
-class Illumination:
-    """The light on media and the eye that sees them.
-
-    `eye` (3,), m in the world. `surfaces`: those that shade media. `reflected`: what they reflect
-    into them, from a lattice. `look`: the camera, for the importance of ordinates.
-    """
-
-    lights: tuple[Light, ...]
-    environment: Environment | None
-    eye: F64
-    surfaces: Surfaces | None = None
-    reflected: ReflectedLight | None = None
-    look: Look | None = None
 
 
 class PopSolver:
@@ -239,10 +221,8 @@ class PopSolver:
 
     def is_new_light(self, lit: Illumination) -> bool:
         """Whether the light is not that of the last frame."""
-        versions = () if lit.surfaces is None else lit.surfaces.version
-        versions += () if lit.reflected is None else lit.reflected.version
         directions, power = self._ordinates.direction, self._ordinates.irradiance
-        key = (directions.tobytes(), power.tobytes(), *self._local, *versions)
+        key = (directions.tobytes(), power.tobytes(), *self._local, *lit.versions)
         is_new, self._light_key = key != self._light_key, key
         return is_new
 

@@ -20,7 +20,8 @@ from ..scene import Scene
 from .files import in_utf8, read_bytes
 from .mtl import load_mtl
 from .normals import compact, creased_normals
-from .obj_parse import I64, Floats, ObjData, parse_obj
+from .number_blocks import I64, Floats
+from .obj_parse import ObjData, parse_obj
 from .polygons import triangulated
 from .texture_files import TextureFiles
 

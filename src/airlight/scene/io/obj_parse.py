@@ -9,21 +9,25 @@ numbers each line had is counted from the same bytes. Only the few other stateme
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
+from .number_blocks import (
+    I64,
+    NEWLINE,
+    SPACE,
+    Bytes,
+    Floats,
+    parsed,
+    rows_of,
+    slashes_per_token,
+    token_counts,
+)
 
-I64 = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
-
-_SPACE, _NEWLINE = 32, 10
 _V, _VT, _VN, _FACE, _OTHER = 1, 2, 3, 4, 0
 _LEFT_OUT = ("p", "l", "curv", "surf", "call", "maplib", "usemap", "bevel")
 _KIND_NAMES = {_V: "v", _VT: "vt", _VN: "vn", _FACE: "f"}
@@ -94,16 +98,16 @@ class _Lines:
         text = text.replace(b"\\\n", b"  ")
         text = re.sub(rb"(?m)^ +", b"", text) + b"\n\n"
         self.data: Bytes = np.frombuffer(text, dtype=np.uint8).copy()
-        ends = np.flatnonzero(self.data == _NEWLINE)[:-1]
+        ends = np.flatnonzero(self.data == NEWLINE)[:-1]
         self.starts: I64 = np.concatenate([[0], ends[:-1] + 1]).astype(np.int64)
         self.ends: I64 = ends.astype(np.int64)
         first, second = self.data[self.starts], self.data[self.starts + 1]
         third = self.data[np.minimum(self.starts + 2, len(self.data) - 1)]
-        vertex, spaced = first == ord("v"), second == _SPACE
+        vertex, spaced = first == ord("v"), second == SPACE
         self.kind = np.zeros(len(self.starts), dtype=np.uint8)
         self.kind[vertex & spaced] = _V
-        self.kind[vertex & (second == ord("t")) & (third == _SPACE)] = _VT
-        self.kind[vertex & (second == ord("n")) & (third == _SPACE)] = _VN
+        self.kind[vertex & (second == ord("t")) & (third == SPACE)] = _VT
+        self.kind[vertex & (second == ord("n")) & (third == SPACE)] = _VN
         self.kind[(first == ord("f")) & spaced] = _FACE
 
     def of(self, kind: int) -> I64:
@@ -114,9 +118,9 @@ class _Lines:
         """The lines of a kind, one after the other, without keyword and comments."""
         data = self.data.copy()
         starts = self.starts[self.kind == kind]
-        data[starts] = _SPACE
+        data[starts] = SPACE
         if kind in (_VT, _VN):
-            data[starts + 1] = _SPACE
+            data[starts + 1] = SPACE
         mask = np.repeat(self.kind == kind, self.ends - self.starts + 1)
         block = data[: len(mask)][mask].tobytes()
         return re.sub(rb"#[^\n]*", b"", block) if b"#" in block else block
@@ -124,8 +128,8 @@ class _Lines:
     def numbers(self, kind: int) -> tuple[Floats, I64]:
         """All numbers on the lines of a kind, and how many stand on each."""
         text = self.text(kind)
-        sizes = _token_counts(text)
-        values = _parsed(text, np.float64)
+        sizes = token_counts(text)
+        values = parsed(text, np.float64)
         if values is None or len(values) != sizes.sum():
             raise self._unreadable(kind, text)
         return values, sizes
@@ -141,7 +145,7 @@ class _Lines:
             second = np.where(sizes > 1, values[np.minimum(first + 1, len(values) - 1)], 0.0)
             rows = np.stack([values[first], second], axis=1)
         else:
-            rows = _rows(values, sizes, 0, width)
+            rows = rows_of(values, sizes, 0, width)
         with np.errstate(over="ignore"):
             bad = np.flatnonzero(~np.isfinite(rows.astype(np.float32)).all(axis=1))
         if len(bad):
@@ -152,7 +156,7 @@ class _Lines:
         """Vertex colours written after the position (`v x y z r g b`), (n, 3), or None."""
         if len(sizes) == 0 or sizes.min() < 6:
             return None
-        return np.nan_to_num(_rows(values, sizes, 3, 3))
+        return np.nan_to_num(rows_of(values, sizes, 3, 3))
 
     def corners(self) -> tuple[I64, I64]:
         """Corners of all polygons (C, 3) as written, 0 where absent; and corners per polygon."""
@@ -161,10 +165,10 @@ class _Lines:
         if b"/\n" in text or b"/ " in text:
             text = re.sub(rb"/+(?=[ \n])", b"", text)
         text = text.replace(b"//", b"/0/")
-        sizes = _token_counts(text)
-        values = _parsed(text.replace(b"/", b" "), np.int64)
+        sizes = token_counts(text)
+        values = parsed(text.replace(b"/", b" "), np.int64)
         # How many numbers each corner has says where the next one begins.
-        slashes = _slashes_per_token(text)
+        slashes = slashes_per_token(text)
         if values is None or len(values) != len(slashes) + slashes.sum() or (slashes > 2).any():
             raise self._unreadable(_FACE, text.replace(b"/", b" "))
         first = np.cumsum(slashes + 1) - (slashes + 1)
@@ -187,7 +191,7 @@ class _Lines:
         whole = np.int64 if kind == _FACE else np.float64
         for row, line in enumerate(text.split(b"\n")):
             count = len(line.split())
-            values = _parsed(line, whole)
+            values = parsed(line, whole)
             if values is None or len(values) != count:
                 return self._error(kind, row, "is not a list of numbers")
         return SceneError(f"its '{_KIND_NAMES[kind]}' lines cannot be read", where=self.path)
@@ -250,51 +254,6 @@ def _latest(changes: list[tuple[int, int]], at: I64) -> I64:
     numbers, values = np.array(changes, dtype=np.int64).T
     latest: I64 = values[np.searchsorted(numbers, at) - 1]
     return latest
-
-
-def _parsed(text: bytes, dtype: type[np.generic]) -> NDArray[Any] | None:
-    """Numbers separated by white space, or None where something else stands among them."""
-    if not text.strip():
-        return np.zeros(0, dtype=dtype)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # NumPy 1 warns where 2 raises
-        try:
-            return np.fromstring(text.decode("latin-1"), dtype=dtype, sep=" ")
-        except (ValueError, DeprecationWarning):
-            return None
-
-
-def _token_starts(data: Bytes) -> NDArray[np.bool_]:
-    blank = (data == _SPACE) | (data == _NEWLINE)
-    starts: NDArray[np.bool_] = ~blank & np.concatenate([[True], blank[:-1]])
-    return starts
-
-
-def _token_counts(text: bytes) -> I64:
-    """How many words stand on each line."""
-    data = np.frombuffer(text, dtype=np.uint8)
-    ends = np.flatnonzero(data == _NEWLINE)
-    total = np.cumsum(_token_starts(data))
-    return np.diff(total[ends], prepend=0).astype(np.int64)
-
-
-def _slashes_per_token(text: bytes) -> I64:
-    data = np.frombuffer(text, dtype=np.uint8)
-    starts = np.flatnonzero(_token_starts(data))
-    if len(starts) == 0:
-        return np.zeros(0, dtype=np.int64)
-    return np.add.reduceat((data == ord("/")).astype(np.int64), starts)
-
-
-def _rows(values: Floats, sizes: I64, start: int, width: int) -> Floats:
-    """Numbers start .. start + width of each line, (n, width)."""
-    rows: Floats
-    if len(sizes) and (sizes == sizes[0]).all():
-        rows = values.reshape(len(sizes), -1)[:, start : start + width].copy()
-    else:
-        first = np.cumsum(sizes) - sizes + start
-        rows = values[first[:, None] + np.arange(width)]
-    return rows
 
 
 def _resolve(

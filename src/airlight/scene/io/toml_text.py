@@ -6,10 +6,9 @@ changed are copied as they were. The twin of `toml`.
 
 from __future__ import annotations
 
-import json
 import os
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -31,6 +30,7 @@ from .files import read_text
 from .ground import ground_tables
 from .light_groups import is_group
 from .toml_sky import sky_table
+from .toml_syntax import toml_lines
 from .toml_text_moving import has_own_camera, moves_light, with_motion
 
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
@@ -88,7 +88,7 @@ def scene_text(
     raw["technique"] = {name: dict(values) for name, values in techniques.items() if values}
     order = ("camera", "mesh", "light", "environment", "sky", "medium", "volume")
     ordered = {name: raw[name] for name in (*order, *raw) if raw.get(name)}
-    return "".join(notes) + "\n".join(_lines(ordered, ())).strip() + "\n"
+    return "".join(notes) + "\n".join(toml_lines(ordered)).strip() + "\n"
 
 
 def _original(
@@ -271,41 +271,3 @@ def _factor(number: Any, factor: NDArray[np.float64]) -> Any:
 def _colour(rgb: Sequence[float]) -> Any:
     """One number for a grey."""
     return rgb[0] if len(set(rgb)) == 1 else rgb
-
-
-def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
-    """A table's own keys first, then the tables in it, each under its header."""
-    inner = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
-    for key, value in table.items():
-        if key not in inner and value is not None:
-            yield f"{_key(key)} = {_value(value)}"
-    for key, value in inner.items():
-        name = ".".join(_key(part) for part in (*path, key))
-        for one in [value] if isinstance(value, Mapping) else value:
-            has_own = any(not isinstance(v, Mapping) for v in one.values())
-            if has_own or not isinstance(value, Mapping):
-                yield f"\n[{name}]" if isinstance(value, Mapping) else f"\n[[{name}]]"
-            yield from _lines(one, (*path, key))
-
-
-def _is_tables(value: Any) -> bool:
-    return isinstance(value, list) and bool(value) and all(isinstance(v, Mapping) for v in value)
-
-
-def _key(key: str) -> str:
-    is_bare = key.isascii() and key.replace("-", "").replace("_", "").isalnum()
-    return key if is_bare else _value(key)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return "[" + ", ".join(_value(v) for v in value) + "]"
-    if isinstance(value, (float, np.floating)):
-        return repr(float(value))
-    return str(value)
