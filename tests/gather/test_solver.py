@@ -159,7 +159,7 @@ def test_many_rays_come_in_batches_and_views_change_their_size(cornell, monkeypa
     settings = {**LPV, "gather": "always", "gather_rays": 5}
     with Renderer(cornell, "lpv", SIZE, settings=settings) as renderer:
         whole = renderer.frame()
-    monkeypatch.setattr("airlight.gather.solver.MOST_HITS", 2 * SIZE[0] * SIZE[1])
+    monkeypatch.setattr("airlight.gather.batches.MOST_HITS", 2 * SIZE[0] * SIZE[1])
     with Renderer(cornell, "lpv", (30, 20), settings=settings) as renderer:
         renderer.frame()
         renderer.resize(SIZE)

@@ -13,7 +13,8 @@ from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.media.emission_grids import EmissionGrids
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.march import March, MarchedLight, MarchTargets
+from airlight.media.march.march import March, MarchTargets
+from airlight.media.march.marched_light import MarchedLight
 from airlight.media.rays import Rays
 from airlight.reference.quadrature import box_path, sphere_path
 from airlight.scene.camera import Camera

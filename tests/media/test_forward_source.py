@@ -8,7 +8,8 @@ from airlight.gpu.memory import Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.maths.forward_phase import fused_phase
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps
+from airlight.media.march.march import March, MarchTargets, Steps
+from airlight.media.march.marched_light import MarchedLight
 from airlight.media.rays import Rays
 from airlight.scene.camera import Camera
 from airlight.scene.lights import DirectionalLight, PointLight

@@ -13,7 +13,8 @@ from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
 from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
-from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps, placed
+from airlight.media.march.march import March, MarchTargets, Steps, placed
+from airlight.media.march.marched_light import MarchedLight
 from airlight.media.rays import Rays
 from airlight.reference.quadrature import box_path, sphere_path
 from airlight.scene.camera import Camera

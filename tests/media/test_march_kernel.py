@@ -10,7 +10,8 @@ from airlight.lattice.placement import Placement
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.march.kernel import Variant, slots, target_names
 from airlight.media.march.kernel_wgsl import generated
-from airlight.media.march.march import March, MarchedLight, MarchTargets, Steps
+from airlight.media.march.march import March, MarchTargets, Steps
+from airlight.media.march.marched_light import MarchedLight
 from airlight.media.rays import Rays
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Environment, Medium, Scene, Volume

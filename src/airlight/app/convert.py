@@ -10,13 +10,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import OutputError, SettingsError
-from .options import (
-    display_options,
-    displayed,
-    model_options,
-)
+from .options import display_options, displayed
 from .outputs import check_writable
 from .scene_argument import load_scene, reads, show_warnings
+from .scene_options import model_options
 
 if TYPE_CHECKING:
     from ..maths.lut import Lut

@@ -8,13 +8,10 @@ from typing import Any
 import click
 
 from ..errors import OutputError
-from .options import (
-    output_option,
-    scene_options,
-    solving_options,
-)
+from .options import output_option, solving_options
 from .outputs import check_folder, check_writable
 from .scene_argument import load_scene, reads, show_warnings
+from .scene_options import scene_options
 
 
 @click.command("export-lattice")

@@ -10,9 +10,9 @@ import click
 import numpy as np
 
 from ..errors import SettingsError, one_line
-from .options import model_options, sun_option
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
+from .scene_options import model_options, sun_option
 
 if TYPE_CHECKING:
     from ..scene import Light, Material, Scene, Texture, Volume

@@ -12,21 +12,19 @@ import click
 from ..errors import SettingsError
 from .options import (
     SECONDS,
-    camera_options,
     check_settings,
     display_options,
     displayed,
     output_option,
     quiet_option,
     samples_option,
-    scene_options,
     size_option,
     solving_options,
-    with_camera,
 )
 from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
 from .scene_argument import load_scene, reads, show_warnings
+from .scene_options import camera_options, scene_options, with_camera
 from .watching import watched
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import AirlightError, SettingsError
-from .options import model_options, sun_option
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
+from .scene_options import model_options, sun_option
 
 if TYPE_CHECKING:
     from ..scene import Scene

@@ -20,7 +20,8 @@ from ..gpu.slots import storage, texture, uniform
 from ..media.gpu_media import GpuMedia
 from ..media.march.kernel import MAX_LEVELS_AT_ONCE, Variant, field_slots
 from ..media.march.kernel_wgsl import emission_wgsl
-from ..media.march.march import March, MarchedLight, Steps, fading_of, march_params
+from ..media.march.march import March, Steps, march_params
+from ..media.march.marched_light import MarchedLight, fading_of
 from ..surface.hits import Hits
 from .trace import Segment
 

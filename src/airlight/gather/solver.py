@@ -9,36 +9,26 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..fields import AirLight, Fields, Frame, Solver
+from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
-from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..lighting.gathered import Gathered
 from ..lighting.glossy import is_any_glossy
 from ..lighting.hits import HitLighting
 from ..lighting.kit import Kit
-from ..lighting.lighting import RadianceLayers
 from ..lighting.occlusion import Occlusion, lattice_reach
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
 from ..surface.hits import Hits
 from .air import Air, light_in
 from .albedo import Albedos
+from .batches import CellBatches, ViewBatches
 from .beams import Beams
-from .cells import CellPoints, CellSums
-from .filtering import Filtering
 from .mirrors import Mirrors
-from .paths import Paths
-from .points import Points
 from .settings import GatherSettings
 from .sky import SkyRays
 from .sky_cells import SkyCells
-from .sums import Sums
 from .trace import Segment, Trace
-from .upsample import Upsampling
-
-MOST_HITS = 1 << 20
-"""Of a batch: 176 bytes for each."""
 
 
 class GatherSolver(Solver):
@@ -62,8 +52,8 @@ class GatherSolver(Solver):
         self._lighting = HitLighting(kit, media)
         self._air = Air(kit.gpu, media, sources=sources) if media else None
         self._beams = Beams(kit.gpu, kit) if media else None
-        self._sized: _Sized | None = None
-        self._in_air: _InAir | None = None
+        self._sized: ViewBatches | None = None
+        self._in_air: CellBatches | None = None
         self._scope, self._air_scope = kit.gpu.scope(), kit.gpu.scope()
         self._cells = SkyCells(kit.gpu)
         is_occluded = kit.settings.ambient_occlusion
@@ -146,7 +136,7 @@ class GatherSolver(Solver):
         cells = sum(placement.cells for placement in source.levels)
         if self._in_air is None or self._in_air.cells != cells:
             self._air_scope.release()
-            self._in_air = _InAir(self._air_scope, self.kit, cells, rays, self._cells)
+            self._in_air = CellBatches(self._air_scope, self.kit, cells, rays, self._cells)
         sized = self._in_air
         with commands.stage("gather points"):
             walls = self.kit.blockers.bound["lattice_walls"]
@@ -163,7 +153,7 @@ class GatherSolver(Solver):
         return replace(fields, scattered=scattered, air=sized.found)
 
     def _follow(
-        self, commands: Commands, sized: _Sized | _InAir, numbers: range, fields: Fields
+        self, commands: Commands, sized: ViewBatches | CellBatches, numbers: range, fields: Fields
     ) -> None:
         """Trace paths of several segments; lattices light what the last of them meets."""
         assert self._trace is not None
@@ -193,7 +183,7 @@ class GatherSolver(Solver):
     def _light(
         self,
         commands: Commands,
-        sized: _Sized | _InAir,
+        sized: ViewBatches | CellBatches,
         hits: Hits,
         fields: Fields,
         *,
@@ -237,12 +227,12 @@ class GatherSolver(Solver):
         if self._mirrors is not None:
             self._mirrors.lighting.shadows = self._lighting.shadows
 
-    def _fitted(self, size: tuple[int, int]) -> _Sized:
+    def _fitted(self, size: tuple[int, int]) -> ViewBatches:
         if self._sized is None or self._sized.points.size != size:
             self._scope.release()
             self._sized = None
             has_air = self._air is not None
-            self._sized = _Sized(
+            self._sized = ViewBatches(
                 self._scope, self.kit, size, self.settings, self._cells, has_air=has_air
             )
         return self._sized
@@ -251,53 +241,3 @@ class GatherSolver(Solver):
     def stats(self) -> dict[str, Any]:
         """The rays of a point, for --stats."""
         return {"gather_rays": self.settings.gather_rays}
-
-
-class _Sized:
-    """What depends on the image's size; `batch`: rays of each point that are traced at once."""
-
-    def __init__(
-        self,
-        gpu: Gpu,
-        kit: Kit,
-        size: tuple[int, int],
-        settings: GatherSettings,
-        cells: SkyCells,
-        *,
-        has_air: bool,
-    ) -> None:
-        rays, is_occluded = settings.gather_rays, kit.settings.ambient_occlusion
-        self.rays = rays
-        self.points = Points(gpu, size, is_occluded=is_occluded)
-        width, height = self.points.reduced
-        most = gpu.limits["max-texture-dimension-2d"] // height
-        self.batch = max(1, min(rays, most, MOST_HITS // self.points.count))
-        hits = (width, height * self.batch)
-        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
-        self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
-        self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
-        self.upsampling = Upsampling(gpu, kit, self.points, rays)
-
-
-class _InAir:
-    """What the gather of so many `cells` needs; their `rays` are traced at once."""
-
-    def __init__(self, gpu: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells) -> None:
-        self.cells, self.points = cells, CellPoints(gpu, cells)
-        width, height = self.points.reduced
-        most = gpu.limits["max-texture-dimension-2d"] // height
-        self.rays = max(1, min(rays, most, MOST_HITS // self.points.count))
-        hits = (width, height * self.rays)
-        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
-        self.paths = Paths(gpu, self.points, sky, self.rays, has_air=True)
-        self.sums = CellSums(gpu, self.points, kit.lattices.texture_size)
-        self.found: AirLight | None = None
-        self._given: AirLight | None = None
-        self._sample, self._number = -1, 0
-
-    def number_of(self, sample: int, given: AirLight) -> int:
-        """How many samples in a row there were of this light before this one."""
-        is_next = given is self._given and sample == self._sample + 1
-        self._number = self._number + 1 if is_next and sample else 0
-        self._given, self._sample = given, sample
-        return self._number

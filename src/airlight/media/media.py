@@ -20,7 +20,7 @@ from ..scene.medium import Medium, medium_box
 from ..scene.volume import Volume
 from .gpu_media import GpuMedia
 from .march.half_space import HalfSpace
-from .march.march import MarchedLight
+from .march.marched_light import MarchedLight
 from .media_image import Expected, MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia

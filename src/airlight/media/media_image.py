@@ -25,7 +25,8 @@ from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
 from .gpu_media import NO_SHAFTS, SHAFTS_OF_LOCAL, GpuMedia
 from .image_textures import Drawn, ImageTextures
-from .march.march import March, MarchedLight, MarchTargets, Steps
+from .march.march import March, MarchTargets, Steps
+from .march.marched_light import MarchedLight
 from .rays import RESOLUTIONS, Rays
 from .settings import MediaSettings
 from .shafts.image import ShaftImage

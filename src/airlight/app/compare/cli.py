@@ -15,7 +15,6 @@ from ..options import (
     output_option,
     quiet_option,
     samples_option,
-    scene_options,
     settings_option,
     size_option,
     together,
@@ -23,6 +22,7 @@ from ..options import (
 from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
 from ..scene_argument import load_scene, reads, show_warnings, warn
+from ..scene_options import scene_options
 from .judging import Plan, compare_scene
 
 if TYPE_CHECKING:

@@ -12,20 +12,18 @@ from ...errors import OutputError, SettingsError
 from ..options import (
     SECONDS,
     Number,
-    camera_options,
     check_settings,
     display_options,
     output_option,
     quiet_option,
     samples_option,
-    scene_options,
     size_option,
     solving_options,
     together,
-    with_camera,
 )
 from ..outputs import check_writable, is_folder
 from ..scene_argument import load_scene, reads, show_warnings, warn
+from ..scene_options import camera_options, scene_options, with_camera
 from .folder import FrameFolder, sweep_video
 from .plan import FORMATS, Plan, digest, frame_span
 from .progress import counted

@@ -6,13 +6,9 @@ from typing import Any
 
 import click
 
-from ..options import (
-    scene_options,
-    size_option,
-    solving_options,
-    together,
-)
+from ..options import size_option, solving_options, together
 from ..scene_argument import load_scene, show_warnings
+from ..scene_options import scene_options
 
 _WHERE = together(
     click.option(

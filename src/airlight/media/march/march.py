@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from ...fields import HalfSpaceLight, LatticeSource, Source
+from ...fields import Source
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
 from ...gpu.layout import pack_array
@@ -31,10 +31,7 @@ from ..gpu_media import GpuMedia
 from ..rays import Rays
 from .forward_source import fused_rows
 from .kernel import (
-    MAX_LEVELS_AT_ONCE,
-    LatticeForm,
     MarchParams,
-    SkyForm,
     SourceData,
     Variant,
     at_once,
@@ -43,11 +40,11 @@ from .kernel import (
     target_names,
 )
 from .kernel_wgsl import generated
+from .marched_light import MarchedLight, variant_of
 
 MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
 _LIMIT = "max-color-attachment-bytes-per-sample"
-_TWO_BANDS = 0.25  # the largest g that two bands are enough for
 
 
 def placed(placement: Placement) -> F64:
@@ -72,20 +69,6 @@ class _March(FullscreenPass):
         super().__init__(
             gpu, generated=media.medium_wgsl + generated(variant), firsts=firsts(variant)
         )
-
-
-@dataclass(frozen=True, eq=False)
-class MarchedLight:
-    """What rays gather: solved emission, and lattices of mean radiance, which media scatter.
-
-    `sky`: the environment's light scattered once. `half_space`: of an endless medium, beyond the
-    lattices.
-    """
-
-    sources: Sequence[Source] = ()
-    lattice: LatticeSource | None = None
-    sky: LatticeSource | None = None
-    half_space: HalfSpaceLight | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +126,8 @@ class March:
         """Fill the `targets` along `rays`."""
         # The kernel that reads what there is, and no more.
         lattice, sky, far = light.lattice, light.sky, light.half_space
-        variant = self.variant(light)
+        sharpest = max((abs(c) for row in self._media.rows for c in row["g"]), default=0.0)
+        variant = variant_of(light, sharpest)
         if targets.transmittance is None:
             variant = replace(variant, writes="light")
         # Steps are as long as the smallest cells of all that is marched.
@@ -172,23 +156,6 @@ class March:
         if variant not in self._passes:
             self._passes[variant] = _March(self.gpu, self._media, variant)
         return self._passes[variant]
-
-    def variant(self, light: MarchedLight) -> Variant:
-        """What marches `light`.
-
-        Loops and reads that lattices and media do not need are left out: they would cost.
-        """
-        sharpest = max((abs(c) for row in self._media.rows for c in row["g"]), default=0.0)
-        one = light.sky or light.lattice
-        return Variant(
-            len(light.sources),
-            fading_of(light.sources),
-            _lattice_form(light.lattice, sharpest),
-            _sky_form(light.sky, sharpest),
-            has_forward=light.lattice is not None and light.lattice.forward is not None,
-            levels=min(len(one.levels), MAX_LEVELS_AT_ONCE) if one else 1,
-            half_space_side=light.half_space.side if light.half_space else 0,
-        )
 
     def bound(self, variant: Variant, light: MarchedLight) -> dict[str, Any]:
         """The resources of the fields, by slot name."""
@@ -260,34 +227,11 @@ class March:
             self._table.write(packed)
 
 
-def fading_of(sources: Sequence[Source]) -> tuple[bool, ...]:
-    """Which sources are finer grids inside the next one; () if none is."""
-    fading = tuple(s.fade is not None for s in sources)
-    return fading if any(fading) else ()
-
-
 def _fade_fields(fade: Fade | None) -> dict[str, Any]:
     """The values of `SourceData` of a finer grid."""
     names = ("low", "low_width", "high", "high_width")
     none = (0.0, 0.0, 0.0)
     return {f"fade_{name}": getattr(fade, name) if fade else none for name in names}
-
-
-def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm:
-    """`sharpest`: the largest |g| of all media."""
-    if lattice is None:
-        return "none"
-    if lattice.is_reduced_medium:
-        return "reduced medium"
-    return "mean" if sharpest == 0.0 and lattice.mean is not None else "two bands"
-
-
-def _sky_form(sky: LatticeSource | None, sharpest: float) -> SkyForm:
-    if sky is None:
-        return "none"
-    if sharpest > _TWO_BANDS and sky.third is not None:
-        return "three bands"
-    return "mean" if sharpest == 0.0 and sky.mean is not None else "two bands"
 
 
 def march_params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:

@@ -1,0 +1,133 @@
+"""Options that say which scene a command takes, how it is read and lit, and by which camera."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .options import Decorator, Number, together
+
+if TYPE_CHECKING:
+    from ..scene.scene import Scene
+
+
+def scene_options() -> Decorator:
+    """SCENE, and how it is read and lit, given as `scene` and `model`; for commands that show it.
+
+    To `model_options` this adds --sun and --ground.
+    """
+    return together(click.argument("scene"), model_options(), sun_option(), _ground_option())
+
+
+def model_options() -> Decorator:
+    """--up, --scale and --variant of a mesh file; the command gets `model`, {name: value}, of what
+    was given."""
+    return together(
+        click.option(
+            "--up",
+            type=click.Choice(["y", "z"]),
+            callback=_model,
+            expose_value=False,
+            help="Of a mesh file: the axis that points upwards.  [default: y]",
+        ),
+        click.option(
+            "--scale",
+            type=Number(min=0.0, min_open=True, max=1e9),
+            metavar="METRES",
+            callback=_model,
+            expose_value=False,
+            help="Of a mesh file: how long its unit is, .001 for millimetres.  [default: 1]",
+        ),
+        click.option(
+            "--variant",
+            metavar="NAME",
+            callback=_model,
+            expose_value=False,
+            help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+        ),
+    )
+
+
+def sun_option() -> Decorator:
+    """--sun, among what `model` says."""
+    return click.option(
+        "--sun",
+        metavar="WHERE",
+        callback=_sun,
+        expose_value=False,
+        help="A clear sky with its sun instead of the scene's: ELEVATION,AZIMUTH in degrees, or "
+        "TIME@LATITUDE,LONGITUDE, such as 2026-06-21T17:30+02:00@48.1,11.6; a third number is the "
+        "turbidity.",
+    )
+
+
+def _ground_option() -> Decorator:
+    return click.option(
+        "--ground/--no-ground",
+        default=True,
+        callback=_model,
+        expose_value=False,
+        help="Whether a mesh file that airlight lights stands on a ground.  [default: ground]",
+    )
+
+
+def camera_options() -> Decorator:
+    """--aperture, --focus and --shutter; the command gets `camera`, {field: value}, what of them
+    was given."""
+    return together(
+        click.option(
+            "--aperture",
+            "aperture_m",
+            type=Number(min=0.0, max=1e6),
+            metavar="METRES",
+            callback=_camera,
+            expose_value=False,
+            help="Diameter of the camera's lens, .05 for a large one.  [default: the scene's]",
+        ),
+        click.option(
+            "--focus",
+            "focus_m",
+            type=Number(min=1e-6, max=1e9),
+            metavar="METRES",
+            callback=_camera,
+            expose_value=False,
+            help="How far ahead things are sharp.  [default: the scene's, or its target]",
+        ),
+        click.option(
+            "--shutter",
+            "shutter_s",
+            type=Number(min=0.0, max=1e6),
+            metavar="SECONDS",
+            callback=_camera,
+            expose_value=False,
+            help="How long a frame's shutter is open while things move.  [default: the scene's]",
+        ),
+    )
+
+
+def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """The scene with what `camera_options` gave its camera."""
+    return replace(scene, camera=replace(scene.camera, **changes)) if changes else scene
+
+
+def _camera(ctx: click.Context, param: click.Parameter, value: float | None) -> None:
+    camera: dict[str, Any] = ctx.params.setdefault("camera", {})
+    if value is not None:
+        camera[str(param.name)] = value
+
+
+def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+    model: dict[str, Any] = ctx.params.setdefault("model", {})
+    if value is not None:
+        model[str(param.name)] = value
+
+
+def _sun(ctx: click.Context, param: click.Parameter, value: str | None) -> None:
+    if value is not None:
+        from ..scene.sun_sky import sky_of_text
+
+        sky_of_text(value)  # refused before anything is loaded
+    _model(ctx, param, value)
