@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.area.emitters import BUDGET, Emitters
+from airlight.area.emitters import Emitters
+from airlight.area.grouping import BUDGET
 from airlight.area.pieces import smooth_parts
 from airlight.area.shapes import Kind
 from airlight.scene import AreaLight, Camera, Material, Mesh, PointLight, Scene, SpotLight, Texture

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.area.emitters import MOST_LAYERS, Emitters
+from airlight.area.emitters import Emitters
 from airlight.area.glowing import EACH, emissive_blocks
+from airlight.area.grouping import MOST_LAYERS
 from airlight.errors import SettingsError
 from airlight.scene import Camera, Emission, Material, Medium, Mesh, PointLight, Scene, Volume
 from airlight.scene.lights import LightSample

@@ -9,10 +9,9 @@ frame.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..maths.sampling import orthonormal_frame
 from ..scene.checks import F64
@@ -21,34 +20,12 @@ from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from .emitter import Emitter, Sample
 from .glowing import GlowingMedia
-from .pieces import layout, pieces
+from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
 from .shapes import fitted
-from .sources import has_extent, moved, sources
-from .strata import clusters, strata
+from .sources import has_extent
 
-I64 = NDArray[np.int64]
-SCATTERING_EACH, SCATTERING_MOST = 4, 12
-"""Samples that stand for one light, and for all, in lattices and media."""
-BUDGET = 2.5
-"""Times `samples`: how many all lights have together; each has one at least."""
-_TEXTURED_GROUPS = 8  # that a surface of uneven glow is cut into
-_UNEVEN = 0.3  # deviation of the glow, of its mean, from which on it is
-_ONE_SIDED = 0.6  # length of the mean normal from which on samples send by the cosine alone
 _OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
 _GOLDEN = 0.6180339887498949
-MOST_LAYERS = 240
-"""Shadow maps; devices have arrays of 256 layers at least."""
-_DIM = 1e-4  # of the brightest: lights that are dark for now count as much
-
-
-@dataclass(frozen=True, eq=False)
-class _Group:
-    """Rows of pieces, cut into strata, of which some send to all sides; `spot`: its source."""
-
-    rows: I64
-    strata: list[I64]
-    has_cube: tuple[bool, ...]
-    spot: int
 
 
 class Emitters:
@@ -60,23 +37,19 @@ class Emitters:
         `cell`, metres: of the lattice, which does not know what is closer to a light.
         """
         self._cell = cell
-        self._sources = sources(scene)
-        self._cut = layout(self._sources)
-        self._found = pieces(self._sources, self._cut)
-        self._weights = self._grouping_weights()
-        self._groups = self._grouped(samples, most) if self._sources else []
-        self._scattering = self._scattering_groups()
-        self._first = self._groups, self._scattering, _edges(self._found.corners)
+        own = self._grouping = grouping(scene)
+        self._groups = own.groups(samples, most) if own.sources else []
+        self._scattering = own.scattering(self._groups)
+        self._first = self._groups, self._scattering, own.edges
         self._glowing = GlowingMedia(scene)
         if self._glowing.is_any:
-            taken = sum(6 if cube else 3 for group in self._groups for cube in group.has_cube)
+            taken = sum(group.layers for group in self._groups)
             self._glowing.group(samples, int(BUDGET * samples), (MOST_LAYERS - taken) // 6)
         self.version = 0
         """Raised whenever anything of them changed."""
         self.plain = len([light for light in scene.lights if not has_extent(light)])
         """How many lights without extent there are: the first rows of the scene's lights."""
         self.list: tuple[Emitter, ...] = ()
-        self._seen: Scene | None = None
         self._last: tuple[tuple[Mesh, ...], tuple[Light, ...]] | None = None
 
     @property
@@ -87,7 +60,7 @@ class Emitters:
     @property
     def layers(self) -> int:
         """Views of all samples, in every frame."""
-        surfaces = sum(6 if cube else 3 for group in self._groups for cube in group.has_cube)
+        surfaces = sum(group.layers for group in self._groups)
         return surfaces + 6 * self._glowing.sample_count
 
     @property
@@ -106,9 +79,8 @@ class Emitters:
         if last is None or glow_changed or last[0] is not scene.meshes or last[1] != scene.lights:
             self._last = (scene.meshes, scene.lights)
             self.version += 1
-            self._sources = [moved(source, scene) for source in self._sources]
-            self._found = pieces(self._sources, self._cut)
-            self._groups, self._scattering = self._cut_again()
+            self._grouping = self._grouping.moved(scene)
+            self._groups, self._scattering = self._grouping.again(self._first)
             self._bodies = self._radii()
             self._lights = self._as_points(scene)
             first = len(self._lights) - len(self._glowing.groups)
@@ -134,143 +106,12 @@ class Emitters:
         first = len(self._lights) - len(self._glowing.groups)
         return surfaces + self._glowing.emitters(first, index)
 
-    def _grouping_weights(self) -> F64:
-        """Power (n,), W; lights that are dark for now have a little, meshes' dark parts none."""
-        power = self._found.power
-        is_light = np.array([s.light >= 0 for s in self._sources], bool)[self._cut.source]
-        brightest = float((power / np.maximum(self._found.areas, 1e-30)).max(initial=0.0))
-        least = _DIM * max(brightest, 1e-12) * self._found.areas
-        return np.asarray(np.where(is_light, np.maximum(power, least), power))
-
-    def _features(self) -> F64:
-        """(n, 6): position and normal; opposite normals are four times as far apart as sources are
-        large: what faces two ways is one only where sources are many.
-        """
-        count = len(self._sources)
-        low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-        np.minimum.at(low, self._cut.source, self._found.positions)
-        np.maximum.at(high, self._cut.source, self._found.positions)
-        size = (high - low).max(axis=1)[self._cut.source]
-        scale = 2.0 * float(np.average(size, weights=self._weights + 1e-30))
-        return np.concatenate([self._found.positions, scale * self._found.normals], axis=1)
-
-    def _grouped(self, samples: int, most: int) -> list[_Group]:
-        """All pieces in groups; a spot light's ball alone, no other light fades as it does."""
-        cut, weights = self._cut, self._weights
-        spots = [row for row, source in enumerate(self._sources) if source.spot]
-        is_spot = np.isin(cut.source, spots)
-        room = max(1, min(most, int(BUDGET * samples)) - len(spots))
-        own = np.where(is_spot, 0.0, weights)
-        groups = [(rows, -1) for rows in clusters(self._features(), own, self._atoms(), room)]
-        groups += [(np.flatnonzero(cut.source == row), row) for row in spots]
-        budget = int(BUDGET * samples)
-        while True:
-            made = self._sampled(groups, samples, budget)
-            layers = sum(6 if cube else 3 for group in made for cube in group.has_cube)
-            if layers <= MOST_LAYERS or budget == 0:
-                return made
-            budget = budget * 3 // 4
-
-    def _sampled(self, groups: list[tuple[I64, int]], each: int, budget: int) -> list[_Group]:
-        """Strata of the groups: `each` of few, else a share of the `budget` by their power."""
-        total = max(sum(float(self._weights[rows].sum()) for rows, _ in groups), 1e-300)
-        made = []
-        for rows, spot in groups:
-            share = float(self._weights[rows].sum()) / total
-            count = min(1 + int(share * max(budget - len(groups), 0)), each)
-            if len(groups) <= BUDGET and budget >= int(BUDGET * each):
-                count = each
-            parts = strata(self._own_features(rows), self._weights[rows], count)
-            own = [rows[part] for part in parts]
-            cubes = tuple(spot < 0 and self._is_round(part) for part in own)
-            made.append(_Group(rows, own, cubes, spot))
-        return made
-
-    def _is_round(self, rows: I64) -> bool:
-        """Whether pieces face all sides, and send to all."""
-        weight = self._weights[rows]
-        mean = weight @ self._found.normals[rows] / max(float(weight.sum()), 1e-300)
-        return float(np.linalg.norm(mean)) < _ONE_SIDED
-
-    def _atoms(self) -> I64:
-        """Pieces of one number stay together: smooth parts; what glows unevenly in patches."""
-        atoms = self._cut.part.copy()
-        first = int(atoms.max(initial=0)) + 1
-        for row in range(len(self._sources)):
-            own = np.flatnonzero(self._cut.source == row)
-            # Both sides of a sheet have parts of their own.
-            atoms[own] = atoms[own] + first
-            first = int(atoms[own].max(initial=first)) + 1
-            glow = self._found.radiance[own].mean(axis=1)
-            if glow.std() > _UNEVEN * max(glow.mean(), 1e-30):
-                kept = own[self._weights[own] > 0.0]
-                patches = strata(self._found.positions[kept], self._weights[kept], _TEXTURED_GROUPS)
-                for patch in patches:
-                    atoms[kept[patch]] = first
-                    first += 1
-        return atoms
-
-    def _own_features(self, rows: I64) -> F64:
-        """Coordinates by which a group is cut into strata: along its plane, where it is flat."""
-        points, normals = self._found.positions[rows], self._found.normals[rows]
-        mean = normals.mean(axis=0)
-        if np.linalg.norm(mean) > 0.999:
-            # Axes along the first piece's edges: strata of a rectangle are rectangles.
-            a, b, c = self._found.corners[rows[0]]
-            edges = [b - a, c - b, a - c]
-            along = sorted(edges, key=lambda edge: float(np.linalg.norm(edge)))[0]
-            side = along / max(float(np.linalg.norm(along)), 1e-30)
-            up = np.cross(mean / np.linalg.norm(mean), side)
-            return np.stack([points @ side, points @ up], axis=1)
-        size = float(np.ptp(points, axis=0).max(initial=0.0))
-        return np.concatenate([points, 0.25 * size * normals], axis=1)
-
-    def _scattering_groups(self) -> list[I64]:
-        """Rows of pieces that one point each stands for in lattices and media: parts of groups.
-
-        What faces out of a room does not mix with what lights it.
-        """
-        own = [group.rows for group in self._groups if group.spot < 0]
-        if not own:
-            return []
-        if len(own) > SCATTERING_MOST:
-            number = np.zeros(len(self._weights), np.int64)
-            is_own = np.zeros(len(self._weights), bool)
-            for k, rows in enumerate(own):
-                number[rows], is_own[rows] = k, True
-            weights = np.where(is_own, self._weights, 0.0)
-            return clusters(self._features(), weights, number, SCATTERING_MOST)
-        total = max(sum(float(self._weights[rows].sum()) for rows in own), 1e-300)
-        found = []
-        for rows in own:
-            share = float(self._weights[rows].sum()) / total
-            count = min(1 + int(share * (SCATTERING_MOST - len(own))), SCATTERING_EACH)
-            parts = strata(self._own_features(rows), self._weights[rows], count)
-            found += [rows[part] for part in parts]
-        return found
-
-    def _cut_again(self) -> tuple[list[_Group], list[I64]]:
-        """Groups and what stands for them in lattices, with strata for lights as large as now.
-
-        What keeps its form keeps its first strata, so that samples turn with it.
-        """
-        groups, scattering, edges = self._first
-        if np.allclose(edges, _edges(self._found.corners), rtol=1e-4, atol=0.0):
-            return groups, scattering
-        again = []
-        for group in groups:
-            parts = strata(
-                self._own_features(group.rows), self._weights[group.rows], len(group.strata)
-            )
-            again.append(replace(group, strata=[group.rows[part] for part in parts]))
-        return again, self._scattering_groups()
-
     def _as_points(self, scene: Scene) -> tuple[Light, ...]:
         """Lights without extent, spots on the balls of spot lights, samples, glowing media."""
         plain = [light for light in scene.lights if not has_extent(light)]
-        spots = [x for s in self._sources if s.spot for x in _spots(s.spot)]
+        spots = [x for s in self._grouping.sources if s.spot for x in _spots(s.spot)]
         samples = [
-            self._sample(rows, 0, 0, has_cube=self._is_round(rows)).light
+            self._sample(rows, 0, 0, has_cube=self._grouping.is_round(rows)).light
             for rows in self._scattering
         ]
         places = [light.position for light in spots] + [light.position for light in samples]
@@ -280,7 +121,7 @@ class Emitters:
 
     def _stand_ins(self) -> list[slice]:
         """Of each group, which of those points stand for it alone; else the one nearest to it."""
-        owner = np.full(len(self._weights), -1, np.int64)
+        owner = np.full(len(self._grouping.weights), -1, np.int64)
         for number, group in enumerate(self._groups):
             owner[group.rows] = number
         of_points = [owner[rows] for rows in self._scattering]
@@ -294,7 +135,7 @@ class Emitters:
             if own and own[-1] - own[0] + 1 == len(own):
                 found.append(slice(self._first_sample + own[0], self._first_sample + own[-1] + 1))
                 continue
-            centre = self._found.positions[group.rows].mean(axis=0)
+            centre = self._grouping.found.positions[group.rows].mean(axis=0)
             far = np.linalg.norm(self._places - centre, axis=1)
             # What is as near but for rounding is the same point wherever the scene stands.
             nearest = int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
@@ -303,14 +144,14 @@ class Emitters:
 
     def _radii(self) -> F64:
         """(n,) metres: of disks as large as the solid surfaces that pieces are parts of."""
-        areas = np.bincount(self._cut.part, self._found.areas)
-        is_solid = np.array([source.is_solid for source in self._sources], bool)
-        radii = np.sqrt(areas / np.pi)[self._cut.part]
-        return np.asarray(np.where(is_solid[self._cut.source], radii, 0.0))
+        areas = np.bincount(self._grouping.cut.part, self._grouping.found.areas)
+        is_solid = np.array([source.is_solid for source in self._grouping.sources], bool)
+        radii = np.sqrt(areas / np.pi)[self._grouping.cut.part]
+        return np.asarray(np.where(is_solid[self._grouping.cut.source], radii, 0.0))
 
-    def _emitter(self, group: _Group, stand_ins: slice) -> Emitter:
-        shape = fitted(self._found.taken(group.rows))
-        spot = self._sources[group.spot].spot if group.spot >= 0 else None
+    def _emitter(self, group: Group, stand_ins: slice) -> Emitter:
+        shape = fitted(self._grouping.found.taken(group.rows))
+        spot = self._grouping.sources[group.spot].spot if group.spot >= 0 else None
         parts = zip(group.strata, group.has_cube, strict=True)
         samples = tuple(
             self._sample(rows, k, 0, has_cube=cube) for k, (rows, cube) in enumerate(parts)
@@ -320,7 +161,7 @@ class Emitters:
 
     def _sample(self, rows: I64, number: int, index: int, *, has_cube: bool) -> Sample:
         """What a stratum sends, from its middle; for later samples of a still, from a piece."""
-        found = self._found
+        found = self._grouping.found
         light = found.areas[rows, None] * found.radiance[rows]
         weight = light.sum(axis=1) + 1e-30 * found.areas[rows]
         weight = weight / max(float(weight.sum()), 1e-300)
@@ -353,11 +194,6 @@ class Emitters:
             self._cell,
         )
         return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube)
-
-
-def _edges(corners: F64) -> F64:
-    """(n, 3) metres: lengths of the edges of pieces (n, 3, 3)."""
-    return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
 
 
 def _spots(spot: SpotLight) -> list[SpotLight]:

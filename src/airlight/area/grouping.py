@@ -1,0 +1,209 @@
+"""Which pieces of sources are one light, and which of its pieces one sample stands for.
+
+pieces -> groups of equal power -> strata, a sample each; parts of groups for lattices and media
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.checks import F64
+from ..scene.scene import Scene
+from .pieces import Layout, Pieces, layout, pieces
+from .sources import Source, moved, sources
+from .strata import clusters, strata
+
+I64 = NDArray[np.int64]
+SCATTERING_EACH, SCATTERING_MOST = 4, 12
+"""Samples that stand for one light, and for all, in lattices and media."""
+BUDGET = 2.5
+"""Times `samples`: how many all lights have together; each has one at least."""
+_TEXTURED_GROUPS = 8  # that a surface of uneven glow is cut into
+_UNEVEN = 0.3  # deviation of the glow, of its mean, from which on it is
+_ONE_SIDED = 0.6  # length of the mean normal from which on samples send by the cosine alone
+MOST_LAYERS = 240
+"""Shadow maps; devices have arrays of 256 layers at least."""
+_DIM = 1e-4  # of the brightest: lights that are dark for now count as much
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Rows of pieces, cut into strata, of which some send to all sides; `spot`: its source."""
+
+    rows: I64
+    strata: list[I64]
+    has_cube: tuple[bool, ...]
+    spot: int
+
+    @property
+    def layers(self) -> int:
+        """Views of its samples: six of a cube, three of one side."""
+        return sum(6 if cube else 3 for cube in self.has_cube)
+
+
+@dataclass(frozen=True, eq=False)
+class Grouping:
+    """A scene's sources in pieces as they are `found` in a frame.
+
+    `weights` (n,): what the pieces are grouped by, their power (W) in the first frame.
+    """
+
+    sources: list[Source]
+    cut: Layout
+    found: Pieces
+    weights: F64
+
+    def moved(self, scene: Scene) -> Grouping:
+        """The same pieces where they are in `scene`."""
+        own = [moved(source, scene) for source in self.sources]
+        return replace(self, sources=own, found=pieces(own, self.cut))
+
+    @property
+    def edges(self) -> F64:
+        """(n, 3) metres: lengths of the pieces' edges, which tell whether a light kept its form."""
+        corners = self.found.corners
+        return np.asarray(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))
+
+    def _features(self) -> F64:
+        """(n, 6): position and normal; opposite normals are four times as far apart as sources are
+        large: what faces two ways is one only where sources are many.
+        """
+        count = len(self.sources)
+        low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+        np.minimum.at(low, self.cut.source, self.found.positions)
+        np.maximum.at(high, self.cut.source, self.found.positions)
+        size = (high - low).max(axis=1)[self.cut.source]
+        scale = 2.0 * float(np.average(size, weights=self.weights + 1e-30))
+        return np.concatenate([self.found.positions, scale * self.found.normals], axis=1)
+
+    def groups(self, samples: int, most: int) -> list[Group]:
+        """All pieces in groups; a spot light's ball alone, no other light fades as it does."""
+        cut, weights = self.cut, self.weights
+        spots = [row for row, source in enumerate(self.sources) if source.spot]
+        is_spot = np.isin(cut.source, spots)
+        room = max(1, min(most, int(BUDGET * samples)) - len(spots))
+        own = np.where(is_spot, 0.0, weights)
+        groups = [(rows, -1) for rows in clusters(self._features(), own, self._atoms(), room)]
+        groups += [(np.flatnonzero(cut.source == row), row) for row in spots]
+        budget = int(BUDGET * samples)
+        while True:
+            made = self._sampled(groups, samples, budget)
+            layers = sum(group.layers for group in made)
+            if layers <= MOST_LAYERS or budget == 0:
+                return made
+            budget = budget * 3 // 4
+
+    def _sampled(self, groups: list[tuple[I64, int]], each: int, budget: int) -> list[Group]:
+        """Strata of the groups: `each` of few, else a share of the `budget` by their power."""
+        total = max(sum(float(self.weights[rows].sum()) for rows, _ in groups), 1e-300)
+        made = []
+        for rows, spot in groups:
+            share = float(self.weights[rows].sum()) / total
+            count = min(1 + int(share * max(budget - len(groups), 0)), each)
+            if len(groups) <= BUDGET and budget >= int(BUDGET * each):
+                count = each
+            parts = strata(self._own_features(rows), self.weights[rows], count)
+            own = [rows[part] for part in parts]
+            cubes = tuple(spot < 0 and self.is_round(part) for part in own)
+            made.append(Group(rows, own, cubes, spot))
+        return made
+
+    def is_round(self, rows: I64) -> bool:
+        """Whether pieces face all sides, and send to all."""
+        weight = self.weights[rows]
+        mean = weight @ self.found.normals[rows] / max(float(weight.sum()), 1e-300)
+        return float(np.linalg.norm(mean)) < _ONE_SIDED
+
+    def _atoms(self) -> I64:
+        """Pieces of one number stay together: smooth parts; what glows unevenly in patches."""
+        atoms = self.cut.part.copy()
+        first = int(atoms.max(initial=0)) + 1
+        for row in range(len(self.sources)):
+            own = np.flatnonzero(self.cut.source == row)
+            # Both sides of a sheet have parts of their own.
+            atoms[own] = atoms[own] + first
+            first = int(atoms[own].max(initial=first)) + 1
+            glow = self.found.radiance[own].mean(axis=1)
+            if glow.std() > _UNEVEN * max(glow.mean(), 1e-30):
+                kept = own[self.weights[own] > 0.0]
+                patches = strata(self.found.positions[kept], self.weights[kept], _TEXTURED_GROUPS)
+                for patch in patches:
+                    atoms[kept[patch]] = first
+                    first += 1
+        return atoms
+
+    def _own_features(self, rows: I64) -> F64:
+        """Coordinates by which a group is cut into strata: along its plane, where it is flat."""
+        points, normals = self.found.positions[rows], self.found.normals[rows]
+        mean = normals.mean(axis=0)
+        if np.linalg.norm(mean) > 0.999:
+            # Axes along the first piece's edges: strata of a rectangle are rectangles.
+            a, b, c = self.found.corners[rows[0]]
+            edges = [b - a, c - b, a - c]
+            along = sorted(edges, key=lambda edge: float(np.linalg.norm(edge)))[0]
+            side = along / max(float(np.linalg.norm(along)), 1e-30)
+            up = np.cross(mean / np.linalg.norm(mean), side)
+            return np.stack([points @ side, points @ up], axis=1)
+        size = float(np.ptp(points, axis=0).max(initial=0.0))
+        return np.concatenate([points, 0.25 * size * normals], axis=1)
+
+    def scattering(self, groups: Sequence[Group]) -> list[I64]:
+        """Rows of pieces that one point each stands for in lattices and media: parts of groups.
+
+        What faces out of a room does not mix with what lights it.
+        """
+        own = [group.rows for group in groups if group.spot < 0]
+        if not own:
+            return []
+        if len(own) > SCATTERING_MOST:
+            number = np.zeros(len(self.weights), np.int64)
+            is_own = np.zeros(len(self.weights), bool)
+            for k, rows in enumerate(own):
+                number[rows], is_own[rows] = k, True
+            weights = np.where(is_own, self.weights, 0.0)
+            return clusters(self._features(), weights, number, SCATTERING_MOST)
+        total = max(sum(float(self.weights[rows].sum()) for rows in own), 1e-300)
+        found = []
+        for rows in own:
+            share = float(self.weights[rows].sum()) / total
+            count = min(1 + int(share * (SCATTERING_MOST - len(own))), SCATTERING_EACH)
+            parts = strata(self._own_features(rows), self.weights[rows], count)
+            found += [rows[part] for part in parts]
+        return found
+
+    def again(self, first: tuple[list[Group], list[I64], F64]) -> tuple[list[Group], list[I64]]:
+        """Groups and what stands for them in lattices, with strata for lights as large as now.
+
+        What keeps its form keeps its `first` strata, so that samples turn with it: groups, what
+        stood for them in lattices, and the `edges` of then.
+        """
+        groups, scattering, edges = first
+        if np.allclose(edges, self.edges, rtol=1e-4, atol=0.0):
+            return groups, scattering
+        again = []
+        for group in groups:
+            parts = strata(
+                self._own_features(group.rows), self.weights[group.rows], len(group.strata)
+            )
+            again.append(replace(group, strata=[group.rows[part] for part in parts]))
+        return again, self.scattering(groups)
+
+
+def grouping(scene: Scene) -> Grouping:
+    """The pieces of a scene's sources, weighted as they shine in it."""
+    own = sources(scene)
+    cut = layout(own)
+    found = pieces(own, cut)
+    return Grouping(own, cut, found, _weights(own, cut, found))
+
+
+def _weights(own: list[Source], cut: Layout, found: Pieces) -> F64:
+    """Power (n,), W; lights that are dark for now have a little, meshes' dark parts none."""
+    is_light = np.array([s.light >= 0 for s in own], bool)[cut.source]
+    brightest = float((found.power / np.maximum(found.areas, 1e-30)).max(initial=0.0))
+    least = _DIM * max(brightest, 1e-12) * found.areas
+    return np.asarray(np.where(is_light, np.maximum(found.power, least), found.power))
