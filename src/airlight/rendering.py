@@ -3,33 +3,27 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 import statistics
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import repeat
 from pathlib import Path
 from time import perf_counter
-from types import TracebackType
 from typing import Any
 
-import numpy as np
-
-from .errors import DeviceError, SettingsError
+from .errors import SettingsError
 from .gpu.commands import Commands
-from .gpu.device import open_gpu
-from .gpu.one_thread import OneThread
-from .gpu.process import enter_driver, is_forked
-from .lighting.accumulate import Accumulator
+from .gpu.device import Gpu, open_gpu
+from .gpu.lifetime import DeviceLifetime
 from .lighting.kit import Context
-from .lighting.read_layers import read_layers
 from .lighting.view import View
-from .maths.sampling import pixel_jitter, shutter_shares
-from .maths.tone import auto_exposure
+from .maths.sampling import shutter_shares
+from .sampled_view import Progress, SampledView
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image, checked_size
 from .scene.io import load
-from .scene.lens import has_moments, shutter_time, still_samples, through_lens
+from .scene.lens import has_moments, shutter_time, still_samples
 from .scene.lights import Light
 from .scene.limits import check_extent
 from .scene.mesh import Mesh
@@ -41,11 +35,10 @@ from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
 
-Progress = Callable[[str, float], None]
 _MOST_TIMES = 256
 
 
-class Renderer:
+class Renderer(DeviceLifetime):
     """Keeps a scene on the device, for animation and for viewers.
 
     with Renderer(scene, technique="lpv", size=(640, 360)) as r:
@@ -70,13 +63,13 @@ class Renderer:
         settings: Mapping[str, Any] | None = None,
         adapter: str = "auto",
     ) -> None:
+        super().__init__("Renderer")
         self._began_s = perf_counter()
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
         check_extent(self.scene)
         self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
         self._wanted = (technique, dict(settings or {}), adapter)
-        self._one_thread, self._is_closed = OneThread("this Renderer"), False
         self.frame_ms: list[float] = []
         self.python_ms: list[float] = []
         self._first_image_s: float | None = None
@@ -84,27 +77,23 @@ class Renderer:
         """Instead of the camera's, where it is a number."""
         self._make()
 
-    def _make(self) -> None:
-        """Create all that is on the device, for the scene that is shown."""
-        technique, settings, adapter = self._wanted
-        self._is_torn = True
-        self._accumulator: Accumulator | None = None
-        self.gpu = gpu = open_gpu(adapter).scope()
-        self._means = gpu.scope()
+    def _open(self) -> Gpu:
+        gpu = open_gpu(self._wanted[2]).scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the image")
         gpu.memory.forget_peak()
-        # What is made half when an error comes is given back with the stack.
-        with gpu.guarded(), ExitStack() as made:
-            made.callback(gpu.release)
-            self.commands = Commands(gpu)
-            first = self._nearby.of(self._shown.of(self._first))
-            self.meshes = GpuScene(gpu, first)
-            context = Context(gpu, first, self.meshes, self.size, self.commands)
-            self.technique = make_technique(context, technique, settings, nearby=self._nearby)
-            made.callback(self.technique.release)
-            self.view = View(gpu, self.size)
-            self._made = made.pop_all()
-        self._is_torn = False
+        return gpu
+
+    def _create(self, made: ExitStack) -> None:
+        """Create all that is on the device, for the scene that is shown."""
+        gpu, (technique, settings, _) = self.gpu, self._wanted
+        self.commands = Commands(gpu)
+        first = self._nearby.of(self._shown.of(self._first))
+        self.meshes = GpuScene(gpu, first)
+        context = Context(gpu, first, self.meshes, self.size, self.commands)
+        self.technique = make_technique(context, technique, settings, nearby=self._nearby)
+        made.callback(self.technique.release)
+        self.view = View(gpu, self.size)
+        self._sampled = SampledView(self.view, self.technique, self.commands, self._nearby)
 
     def frame(
         self,
@@ -142,20 +131,30 @@ class Renderer:
                 moments = (changed(before.at(t), **changes) for t in times_s.tolist())
             if not drawn_alike(scene, self._first):
                 self._first = scene
-                self._release()
-                self._make()
+                self._remake()
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
                 if moments is None or has_unlit(scene):
                     self.technique.solve(self.commands, self.show(scene), is_still=samples > 1)
-                self.view.metered_stops = self._meter() if read and has_unlit(scene) else 0.0
-                self._draw(samples, progress, moments)
+                is_metered = read and has_unlit(scene)
+                self.view.metered_stops = self._sampled.metered(scene) if is_metered else 0.0
+                scenes = repeat(scene) if moments is None else self._solved(moments)
+                self._sampled.draw(scenes, samples, progress)
                 if moments is not None:
                     self.show(scene)
                 encoded = perf_counter()
                 self.gpu.wait()
                 self._count(begin, encoded, perf_counter())
-                return self._image(samples) if read else None
+                if not read:
+                    return None
+                image = self._sampled.image(scene, samples)
+                return dataclasses.replace(image, stats=self.stats())
+
+    def _solved(self, moments: Iterator[Scene]) -> Iterator[Scene]:
+        """Each of the `moments`, shown and solved."""
+        for scene in moments:
+            self.technique.solve(self.commands, self.show(scene), is_still=True)
+            yield scene
 
     @property
     def origin(self) -> tuple[float, float, float]:
@@ -177,41 +176,6 @@ class Renderer:
         """Look through `camera`, (x, y) `jitter_px` beside pixels' middles, for image `sample`."""
         self.view.aim(self._nearby.camera(camera), jitter_px, sample)
 
-    def _meter(self) -> float:
-        """The exposure of an image without its unlit surfaces, which then follow it."""
-        self.view.metered_stops = math.inf  # they are black, which is not metered
-        self._draw(1, None)
-        self.gpu.wait()
-        return auto_exposure(read_layers(self.view, self.technique.layers(self.view), None)[1])
-
-    def _draw(
-        self, samples: int, progress: Progress | None, moments: Iterator[Scene] | None = None
-    ) -> None:
-        """Draw the solved scene once per sample, and submit all work.
-
-        `moments`: what each sample sees instead, made and solved as it comes.
-        """
-        self.view.is_still = samples > 1
-        # Without anti-aliasing the one sample lies in the middle of its pixel.
-        jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
-        for index, jitter in enumerate(jitters):
-            if moments is not None:
-                self.technique.solve(self.commands, self.show(next(moments)), is_still=True)
-            place = (float(jitter[0]), float(jitter[1]))
-            camera = self.scene.camera
-            if samples > 1:
-                camera, place = through_lens(camera, place, index, self.size[1])
-            self.aim(camera, place, index)
-            self.technique.draw(self.commands, self.view)
-            # Several samples are averaged on the device, and submitted one by one.
-            if samples > 1:
-                self._accumulate(index)
-                self.commands.submit()
-                if progress:
-                    self.gpu.wait()
-                    progress("render", (index + 1) / samples)
-        self.commands.submit()
-
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on; the solved fields stay.
 
@@ -223,10 +187,8 @@ class Renderer:
                 return
             self.gpu.require("max-texture-dimension-2d", max(size), "the image")
             with self.whole():
-                self._means.release()
-                self.size, self._accumulator = size, None
-                self.technique.resize(size)
-                self.view.resize(size)
+                self.size = size
+                self._sampled.resize(size)
 
     def timed_passes(self) -> dict[str, float]:
         """Milliseconds per stage of one more frame, each stage waited for. Raises DeviceError."""
@@ -264,49 +226,6 @@ class Renderer:
             **self.technique.stats,
         }
 
-    def close(self) -> None:
-        """Give the device's memory back; a second call does nothing.
-
-        Raises DeviceError while another thread uses it.
-        """
-        if is_forked():  # the memory is the parent's
-            self._is_closed = True
-        if self._is_closed:
-            return
-        with self._one_thread:
-            self._is_closed = True
-            self._release()
-
-    def __enter__(self) -> Renderer:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    @contextmanager
-    def used(self) -> Iterator[None]:
-        """A context in which this thread alone uses the device.
-
-        It recreates the resources that an interrupted frame left undefined. `frame` enters it
-        itself.
-
-        Raises DeviceError: another thread is in it, this process was forked, the renderer is
-        closed, the device was lost or has no memory left.
-        """
-        enter_driver()
-        with self._one_thread:
-            self._check_open()
-            if self._is_torn:
-                self._release()
-                self._make()
-            with self.gpu.guarded():
-                yield
-
     @contextmanager
     def whole(self) -> Iterator[None]:
         """A context whose work, if interrupted, leaves no trace: `used` recreates all next time."""
@@ -317,15 +236,6 @@ class Renderer:
             self.scene, self.size, self._is_torn = scene, size, True
             raise
 
-    def _check_open(self) -> None:
-        if self._is_closed:
-            raise DeviceError("this Renderer is closed", remedy="Make a new one")
-
-    def _release(self) -> None:
-        """Release all that is on the device."""
-        self._made.close()
-        self._accumulator = None
-
     def _count(self, begin: float, encoded: float, done: float) -> None:
         """Store a frame's times, seconds; of a long animation the first and the latest."""
         if self._first_image_s is None:
@@ -333,23 +243,6 @@ class Renderer:
         for stored, spent_s in ((self.frame_ms, done - begin), (self.python_ms, encoded - begin)):
             del stored[1:-_MOST_TIMES]
             stored.append(spent_s * 1e3)
-
-    def _accumulate(self, index: int) -> None:
-        layers = self.technique.layers(self.view)
-        if self._accumulator is None:
-            self._accumulator = Accumulator(self._means, self.size, tuple(layers))
-        with self.commands.stage("accumulate"):
-            self._accumulator.encode(self.commands, layers, index)
-
-    def _image(self, samples: int) -> Image:
-        textures = self.technique.layers(self.view)
-        means = self._accumulator if samples > 1 else None
-        layers, radiance = read_layers(self.view, textures, means)
-        stops = self.scene.camera.exposure_stops
-        if stops is None:
-            is_known = has_unlit(self.scene)
-            stops = self.view.metered_stops if is_known else float(auto_exposure(radiance))
-        return Image(radiance, layers, exposure_stops=stops, stats=self.stats())
 
 
 def render(
