@@ -25,6 +25,7 @@ from airlight.app.scenes import descriptions
 from airlight.exports.light_field import LatticeLight, VolumeLight
 from airlight.figures.registry import FIGURES
 from airlight.gather.settings import GatherSettings
+from airlight.gpu.lifetime import DeviceLifetime
 from airlight.lighting.kit import SurfaceSettings
 from airlight.media.settings import MediaSettings
 from airlight.scene.io.toml_page import schema_markdown
@@ -344,14 +345,20 @@ def _entry(name: str, value: Any) -> str:
 _MODULE = re.compile(r"airlight\.([a-z_]+\.)+")
 
 
+FOR_USERS = (DeviceLifetime,)
+"""Bases whose methods users call: they stand among those of the classes derived from them."""
+
+
 def _class(name: str, cls: type) -> str:
     if issubclass(cls, Exception):
         return f"### {name}\n\n{_prose(cls)}\n"
     # What a base class asks for is between it and the package.
-    asked_for = {key for base in cls.__mro__[1:-1] for key in vars(base)}
+    asked_for = {key for base in cls.__mro__[1:-1] if base not in FOR_USERS for key in vars(base)}
+    given = [base for base in cls.__mro__[1:] if base in FOR_USERS]
     methods = [
         _method(key, member)
-        for key, member in vars(cls).items()
+        for part in (cls, *given)
+        for key, member in vars(part).items()
         if not key.startswith("_")
         and key not in asked_for
         and isinstance(member, (types.FunctionType, property, staticmethod, classmethod))
