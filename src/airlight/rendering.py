@@ -63,7 +63,7 @@ class Renderer(DeviceLifetime):
         settings: Mapping[str, Any] | None = None,
         adapter: str = "auto",
     ) -> None:
-        super().__init__("Renderer")
+        super().__init__("this Renderer")
         self._began_s = perf_counter()
         self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)

@@ -159,7 +159,8 @@ def test_the_site_is_built_without_a_warning(tmp_path):
         "this process was forked from one that had used the graphics driver, ",
         "and a fork has none of its threads",
         "is used by two threads at once",
-        "this Renderer is closed",
+        "this Renderer",
+        "is closed",
         "Make a new one",
     ],
 )

@@ -16,7 +16,7 @@ class Held(DeviceLifetime):
     """A buffer on a device; `told` is what became of it, in order."""
 
     def __init__(self) -> None:
-        super().__init__("holder")
+        super().__init__("this holder")
         self.told: list[str] = []
         self.fails = False
         self._make()

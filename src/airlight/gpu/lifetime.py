@@ -24,8 +24,8 @@ class DeviceLifetime(ABC):
     gpu: Gpu
 
     def __init__(self, what: str) -> None:
-        """`what` it is, for messages."""
-        self._what, self._one_thread = what, OneThread(f"this {what}")
+        """`what` it is, for messages: "this Renderer"."""
+        self._what, self._one_thread = what, OneThread(what)
         self._is_closed, self._is_torn = False, True
         self._made = ExitStack()
 
@@ -95,4 +95,4 @@ class DeviceLifetime(ABC):
 
     def _check_open(self) -> None:
         if self._is_closed:
-            raise DeviceError(f"this {self._what} is closed", remedy="Make a new one")
+            raise DeviceError(f"{self._what} is closed", remedy="Make a new one")

@@ -3,49 +3,29 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from ...display.presenter import layer_names
 from ...display.show import Place
 from ...errors import AirlightError
-from ...gpu.device import open_gpu
 from ...maths.sampling import pixel_jitter
-from ...rendering import Renderer
 from ...scene.image import Image
 from ...scene.lens import through_lens
 from ...scene.scene import Scene
-from ...techniques import checked_settings
-from .build import Turns, said
-from .document import Document
+from .build import said
 from .drawn import Drawn, is_same
-from .fine import SAMPLES, Fine, Shot, finer_settings
-from .making import Making
-from .quality import STILL_SAMPLES, Plan, Quality
-from .shown import Shown
-from .source import Source
-from .state import ViewState, structure
+from .fine import SAMPLES
+from .quality import STILL_SAMPLES, Plan
+from .renderers import COARSER_SAMPLES, PREPARING, REBUILDING, Renderers
+from .state import structure
 
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
-COARSER_SAMPLES = 16
-"""Of a still view, before a finer image is begun."""
-PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
-PREVIEW = ("preview",)
-"""The structure of what is seen until the technique's first image is there."""
-PREVIEW_TECHNIQUE = "direct"
-PREVIEW_SETTINGS = {
-    "ambient_occlusion": False,
-    "shadow_resolution": 256,
-    "sky_lights": 6,
-    "resolution": 8,
-    "area_samples": 4,
-}
-"""Living room, CPU adapter: 4.9 s of processor time from scene to image; 9 with `lpv`."""
 
 
-class Session(Document):
+class Session(Renderers):
     """`attach` it to a surface's format, then `frame` again and again.
 
     Raises SettingsError for an unknown technique or setting, DeviceError without a device; later
@@ -62,32 +42,14 @@ class Session(Document):
         adapter: str = "auto",
         model: Mapping[str, Any] | None = None,
     ) -> None:
-        checked_settings(technique, scene, settings or {})
-        self.gpu, self._adapter = open_gpu(adapter), adapter
-        own = {technique: dict(settings)} if settings else {}
-        super().__init__(Source(source, scene, model), ViewState(scene, technique, own))
-        self.quality = Quality(is_cpu=self.gpu.is_cpu)
+        super().__init__(scene, source, technique, settings, adapter, model)
         self.frame_ms, self.times_ms = 0.0, dict[str, float]()
-        self._turns = Turns()
-        self._making, self.fine = Making(self.gpu, self._turns), Fine(self.gpu, self._turns)
-        self.compared, self._compared_is = Fine(self.gpu, self._turns), ""
-        self._shown = Shown(self.gpu)
-        self._drawn: Drawn | None = None
-        self._shot: Shot | None = None
-        self._size = (1, 1)
         self._camera, self._time_s = scene.camera, 0.0
         self._jitters = pixel_jitter(STILL_SAMPLES)
-        self._made: tuple[Any, ...] | None = None
-        self._refused: tuple[Any, ...] | None = None
         self._seen: tuple[Any, ...] = ()
         self._before_s: float | None = None
         self._progress = ""
         self._touched_s = float("-inf")
-
-    @property
-    def renderer(self) -> Renderer | None:
-        """What draws while the view moves; None until the first was made."""
-        return self._drawn.renderer if self._drawn else None
 
     def attach(self, format: str) -> None:
         """The surface's textures have this format."""
@@ -177,11 +139,6 @@ class Session(Document):
         has_ended = fine.has_ended or self.compared.has_ended
         return self._making.has_ended or has_ended or is_finer or is_further
 
-    def wait(self) -> None:
-        """Return once the renderer that is being made is there, or has been refused."""
-        if self._making.is_under_way:
-            self._take_made()
-
     def _go_on(self, now_s: float) -> None:
         """What moves by itself: the camera by held keys, the scene by its time."""
         spent_s = 0.0 if self._before_s is None else now_s - self._before_s
@@ -237,96 +194,6 @@ class Session(Document):
             return False
         self._seen = now
         return True
-
-    def _make(self) -> None:
-        """See that there is, or will be, a renderer for the state's structure."""
-        if self._making.has_ended:
-            self._take_made()
-        state, wanted = self.state, structure(self.state)
-        if wanted in (self._made, self._refused):
-            if self._making.is_under_way:  # of a wish that was taken back
-                self._making.give_up()
-                self._say_made()
-            return
-        state.notice = REBUILDING if self._made not in (None, PREVIEW) else PREPARING
-        self.fine, self.compared = self._emptied(self.fine), self._emptied(self.compared)
-        # The first image is a coarse one: there is something to see as soon as may be.
-        size = self.quality.coarse(self._size)
-        if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
-            self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
-        else:
-            make, free = self._maker(size, state.technique), self.controls.free
-
-            def made() -> Renderer:
-                if free is not None:  # the first drag asks for it
-                    free.warm()
-                return make()
-
-            self._making.begin(wanted, made)
-
-    def _emptied(self, fine: Fine) -> Fine:
-        """One of which nothing was made; what `fine` holds is given back in the background."""
-        if fine.is_empty:
-            return fine
-        fine.retire()
-        return Fine(self.gpu, self._turns)
-
-    def _maker(
-        self, size: tuple[int, int], technique: str, more: Mapping[str, Any] | None = None
-    ) -> Callable[[], Renderer]:
-        """Makes a renderer of the state as it is now, with `more` settings."""
-        scene, adapter = self.scene_now(), self._adapter
-        settings = {**self.state.settings.get(technique, {}), **(more or {})}
-        return lambda: Renderer(scene, technique, size, settings=settings, adapter=adapter)
-
-    def _take_made(self) -> None:
-        """The renderer that was being made; where it was refused, the one before stays."""
-        self._refused, state = self._making.wanted, self.state
-        try:
-            self._made, drawn = self._making.take()
-        except Exception as error:  # a driver's refusal must not take the window down
-            state.message, state.notice = said(error), ""
-            return
-        if self._drawn:
-            self._drawn.close()
-        self._drawn, self._refused, state.message = drawn, None, ""
-        if self._made == PREVIEW:
-            return
-        self.quality.samples = COARSER_SAMPLES if self._finer() else STILL_SAMPLES
-        self._say_made()
-
-    def _say_made(self) -> None:
-        if self.state.notice in (PREPARING, REBUILDING):
-            self.state.notice = ""
-
-    def _finer(self) -> dict[str, Any]:
-        """What would make the image of a still view finer."""
-        state = self.state
-        now = checked_settings(state.technique, state.scene, state.chosen_settings)
-        return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
-
-    def _refine(self) -> None:
-        """Begin the finer image: the view is static, and its coarser image is done."""
-        if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
-            return
-        self.fine.begin(
-            self._maker(self._size, self.state.technique, self._finer()), self._shot_now()
-        )
-
-    def _compare(self) -> None:
-        """Go on with the other technique's image of the static view."""
-        state = self.state
-        if state.compared != self._compared_is:
-            self.compared, self._compared_is = self._emptied(self.compared), state.compared
-        if state.compared:
-            self.compared.begin(self._maker(self._size, state.compared), self._shot_now())
-
-    def _shot_now(self) -> Shot:
-        """The static view that other renderers draw: the same until something moves."""
-        if self._shot is None:
-            look, format = self.state.look, self._shown.format
-            self._shot = Shot(self.scene_now(), self._size, look, format)
-        return self._shot
 
     def _draw_or_say(self, plan: Plan) -> None:
         begin = time.perf_counter()

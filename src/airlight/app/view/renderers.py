@@ -1,0 +1,165 @@
+"""The renderers of a viewer's session: made in the background, finer ones, others compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ...gpu.device import open_gpu
+from ...rendering import Renderer
+from ...scene.scene import Scene
+from ...techniques import checked_settings
+from .build import Turns, said
+from .document import Document
+from .drawn import Drawn
+from .fine import Fine, Shot, finer_settings
+from .making import Making
+from .quality import STILL_SAMPLES, Quality
+from .shown import Shown
+from .source import Source
+from .state import ViewState, structure
+
+COARSER_SAMPLES = 16
+"""Of a still view, before a finer image is begun."""
+PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
+PREVIEW = ("preview",)
+"""The structure of what is seen until the technique's first image is there."""
+PREVIEW_TECHNIQUE = "direct"
+PREVIEW_SETTINGS = {
+    "ambient_occlusion": False,
+    "shadow_resolution": 256,
+    "sky_lights": 6,
+    "resolution": 8,
+    "area_samples": 4,
+}
+"""Living room, CPU adapter: 4.9 s of processor time from scene to image; 9 with `lpv`."""
+
+
+class Renderers(Document):
+    """A document with what draws it: the renderer that is seen (`renderer`), the next one while it
+    is made, a finer one (`fine`) and one of another technique (`compared`) for static views.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        source: str,
+        technique: str,
+        settings: Mapping[str, Any] | None,
+        adapter: str,
+        model: Mapping[str, Any] | None,
+    ) -> None:
+        checked_settings(technique, scene, settings or {})
+        self.gpu, self._adapter = open_gpu(adapter), adapter
+        own = {technique: dict(settings)} if settings else {}
+        super().__init__(Source(source, scene, model), ViewState(scene, technique, own))
+        self.quality = Quality(is_cpu=self.gpu.is_cpu)
+        self._turns = Turns()
+        self._making, self.fine = Making(self.gpu, self._turns), Fine(self.gpu, self._turns)
+        self.compared, self._compared_is = Fine(self.gpu, self._turns), ""
+        self._shown = Shown(self.gpu)
+        self._drawn: Drawn | None = None
+        self._shot: Shot | None = None
+        self._size = (1, 1)
+        self._made: tuple[Any, ...] | None = None
+        self._refused: tuple[Any, ...] | None = None
+
+    @property
+    def renderer(self) -> Renderer | None:
+        """What draws while the view moves; None until the first was made."""
+        return self._drawn.renderer if self._drawn else None
+
+    def wait(self) -> None:
+        """Return once the renderer that is being made is there, or has been refused."""
+        if self._making.is_under_way:
+            self._take_made()
+
+    def _make(self) -> None:
+        """See that there is, or will be, a renderer for the state's structure."""
+        if self._making.has_ended:
+            self._take_made()
+        state, wanted = self.state, structure(self.state)
+        if wanted in (self._made, self._refused):
+            if self._making.is_under_way:  # of a wish that was taken back
+                self._making.give_up()
+                self._say_made()
+            return
+        state.notice = REBUILDING if self._made not in (None, PREVIEW) else PREPARING
+        self.fine, self.compared = self._emptied(self.fine), self._emptied(self.compared)
+        # The first image is a coarse one: there is something to see as soon as may be.
+        size = self.quality.coarse(self._size)
+        if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
+            self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
+        else:
+            make, free = self._maker(size, state.technique), self.controls.free
+
+            def made() -> Renderer:
+                if free is not None:  # the first drag asks for it
+                    free.warm()
+                return make()
+
+            self._making.begin(wanted, made)
+
+    def _emptied(self, fine: Fine) -> Fine:
+        """One of which nothing was made; what `fine` holds is given back in the background."""
+        if fine.is_empty:
+            return fine
+        fine.retire()
+        return Fine(self.gpu, self._turns)
+
+    def _maker(
+        self, size: tuple[int, int], technique: str, more: Mapping[str, Any] | None = None
+    ) -> Callable[[], Renderer]:
+        """Makes a renderer of the state as it is now, with `more` settings."""
+        scene, adapter = self.scene_now(), self._adapter
+        settings = {**self.state.settings.get(technique, {}), **(more or {})}
+        return lambda: Renderer(scene, technique, size, settings=settings, adapter=adapter)
+
+    def _take_made(self) -> None:
+        """The renderer that was being made; where it was refused, the one before stays."""
+        self._refused, state = self._making.wanted, self.state
+        try:
+            self._made, drawn = self._making.take()
+        except Exception as error:  # a driver's refusal must not take the window down
+            state.message, state.notice = said(error), ""
+            return
+        if self._drawn:
+            self._drawn.close()
+        self._drawn, self._refused, state.message = drawn, None, ""
+        if self._made == PREVIEW:
+            return
+        self.quality.samples = COARSER_SAMPLES if self._finer() else STILL_SAMPLES
+        self._say_made()
+
+    def _say_made(self) -> None:
+        if self.state.notice in (PREPARING, REBUILDING):
+            self.state.notice = ""
+
+    def _finer(self) -> dict[str, Any]:
+        """What would make the image of a still view finer."""
+        state = self.state
+        now = checked_settings(state.technique, state.scene, state.chosen_settings)
+        return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
+
+    def _refine(self) -> None:
+        """Begin the finer image: the view is static, and its coarser image is done."""
+        if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
+            return
+        self.fine.begin(
+            self._maker(self._size, self.state.technique, self._finer()), self._shot_now()
+        )
+
+    def _compare(self) -> None:
+        """Go on with the other technique's image of the static view."""
+        state = self.state
+        if state.compared != self._compared_is:
+            self.compared, self._compared_is = self._emptied(self.compared), state.compared
+        if state.compared:
+            self.compared.begin(self._maker(self._size, state.compared), self._shot_now())
+
+    def _shot_now(self) -> Shot:
+        """The static view that other renderers draw: the same until something moves."""
+        if self._shot is None:
+            look, format = self.state.look, self._shown.format
+            self._shot = Shot(self.scene_now(), self._size, look, format)
+        return self._shot
