@@ -17,8 +17,13 @@ REPOSITORY = Path(__file__).parents[1]
 SOURCE = REPOSITORY / "src" / "airlight"
 TESTS = REPOSITORY / "tests"
 
-LONGEST_MODULE, LONGEST_FUNCTION, LONGEST_SHADER, MOST_PARAMETERS = 400, 55, 250, 7
+LONGEST_MODULE, LONGEST_FUNCTION, LONGEST_SHADER, MOST_PARAMETERS = 300, 55, 250, 7
 """Lines, and parameters beside self. The aim is 300, 40, 200 and 6; here the build fails."""
+LONG_FOR_A_REASON = {"reference/tracer_kernel.py": 342}
+"""Lines of modules that stay whole. Numba's cache on disk holds the compiled entry point with all
+that it calls, and sees changes of the entry point's own file only (its documentation, "Notes on
+Caching"): a kernel in two files would run old code after a change of the second.
+"""
 
 LAYERS = (
     "maths",
@@ -182,7 +187,7 @@ def test_nothing_is_too_long():
         f"{relative(path)}: {line_count(path)} lines"
         for paths, longest in ((modules(), LONGEST_MODULE), (shaders(), LONGEST_SHADER))
         for path in paths
-        if line_count(path) > longest
+        if line_count(path) > LONG_FOR_A_REASON.get(path.relative_to(SOURCE).as_posix(), longest)
     ]
     long += [
         f"{relative(path)}: {name}() {lines} lines"
@@ -287,6 +292,38 @@ def _is_only_a_docstring(path: Path) -> bool:
     """A package's __init__ that names its rooms, and perhaps re-exports, does nothing to test."""
     harmless = (ast.Expr, ast.Import, ast.ImportFrom, ast.Assign, ast.AnnAssign)
     return path.name == "__init__.py" and all(isinstance(n, harmless) for n in tree(path).body)
+
+
+def parts_of(package: Path) -> list[str]:
+    """Names of the modules and packages directly in a package."""
+    folder = package.parent
+    inner = [path.parent.name for path in folder.glob("*/__init__.py")]
+    return sorted([path.stem for path in folder.glob("*.py") if path != package] + inner)
+
+
+def unnamed(parts: list[str], text: str) -> list[str]:
+    """Those that a text names neither as a word nor by a wildcard such as `gltf_*`."""
+    words = set(re.findall(r"\w+\*?", text))
+    prefixes = tuple(word[:-1] for word in words if word.endswith("*"))
+    return [part for part in parts if part not in words and not part.startswith(prefixes)]
+
+
+def test_a_package_says_what_each_of_its_modules_holds():
+    """In its docstring; the package's own is for its users, so the map names its rooms."""
+    missing = []
+    for package in (path for path in modules() if path.name == "__init__.py"):
+        text = ast.get_docstring(tree(package)) or ""
+        if package.parent == SOURCE:
+            text = (REPOSITORY / "docs" / "architecture.md").read_text(encoding="utf-8")
+        missing += [f"{relative(package)}: {name}" for name in unnamed(parts_of(package), text)]
+    assert not missing, "say what they hold:\n" + "\n".join(missing)
+
+
+def test_a_module_is_named_as_a_word_or_by_its_beginning():
+    text = "toml, obj_parse -> scene; gltf_* (buffers) and mitsuba*"
+    assert unnamed(["toml", "scene", "gltf_mesh", "mitsuba", "mitsuba_xml"], text) == []
+    assert unnamed(["obj", "gltf", "parse", "tom"], text) == ["obj", "gltf", "parse", "tom"]
+    assert unnamed(["any"], "") == ["any"]
 
 
 OPENS = "scene/io/files.py"

@@ -5,5 +5,5 @@ sources   a scene's area lights and emissive meshes, one side each
 -> pieces -> grouping, strata   small triangles; groups of equal power, a sample for each stratum
 -> shapes, emitters   a polygon or sphere for each group; samples with shadow maps (emitter)
 -> table  emitters and samples on the device
--> lighting  analytic irradiance and GGX times the visibility of samples
+-> lighting  analytic irradiance and GGX times the visibility of samples; attenuation: by media
 """

@@ -1,11 +1,14 @@
 """Final gather: a view's irradiance along rays, the lattices their cache of later bounces.
 
+settings   what can be told of it
 points     G-buffer -> places and normals at reduced resolution
 trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
 cells      the same from the cells of media, for what they scatter
+batches    as many rays as the device holds, and what they need
+paths      what their segments found; air: media along them; beams: light that goes forwards alone
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
 sky        more rays towards what is bright outside
-mirrors    rays of smooth surfaces' pixels, and what they mirror
+mirrors    rays of smooth surfaces' pixels, and what they mirror: mirror_passes; glosses: of metal
 solver     all of it in its order, batch by batch
 filtering  the points' light shared between neighbours
 upsample   and brought to pixels, turned to their own normals and near occluders

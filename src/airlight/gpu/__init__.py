@@ -7,5 +7,9 @@ layout, slots, source        structs declared once, bindings, WGSL files and `//
    -> commands, recorded     what a frame encodes; what stays the same is replayed
 failures, demands            what the device refuses, with pass, limit and remedy
 process, one_thread          which process and which thread may use it
+lifetime                     from opening to closing, whole again after an error
+canvas                       a window, or a browser's image, to draw into
+sliced, tally                commands pass by pass in the background; counted as they are encoded
+quick_types                  C types of wgpu-py, declared sooner
 interpolants, lanes          flat interpolants and lanes of vectors, on CPU adapters
 """

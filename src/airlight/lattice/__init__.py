@@ -8,7 +8,9 @@
    inject, emission, point_lights   virtual point lights (lobes) -> fixed-point sums -> cells
    skylight             the sky's direct light: an ambient cube per cell
    lookup -> irradiance cells -> filtered textures -> what surfaces read
+   view_surfels         surfels from the views of camera and lights instead
    lattices             all of this for one scene; the solvers (lpv, scatter) propagate
+   table                the lattices as shaders loop over them
 
 A lattice is a storage buffer of vec4f (a, bx, by, bz) laid out [channel][z][y][x]: intensity
 I(w) = a + b.w in W sr^-1 as a function of travel direction w. A cell's power is 4 pi a.

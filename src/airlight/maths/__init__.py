@@ -1,11 +1,16 @@
 """The formulas of the package as NumPy float64 truths; no GPU, nothing else of the package.
 
-   light       sh, phase, reflection, solid_angle, area_light, occlusion, sampling
+   light       sh, phase, reflection, solid_angle, area_light, occlusion, sampling, gather;
+               ggx_sampling, cosines_fit (of area_light's table), translucency
+   sky         sun_position, sunlight, atmosphere; blackbody, observer: spectra as colours
    lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels (Billeter2012)
    ordinates   ordinates, view_ordinates, view_importance: which; ordinate_grid, ordinate_hops,
-               radial_grid: propagation; delta_beam, point_light_beam, diffusion: beams (Elek2014)
-   media       medium, voxels, solid_voxels, half_space, forward_phase, sky_phase, beam_phase
-   space       transforms, octahedron, latlong, weld, keyframes; colour, tone, half, chunks
+               radial_grid: propagation; delta_beam, point_light_beam, diffusion: beams (Elek2014);
+               nested_diffusion: on finer grids
+   media       medium, mixtures, voxels, solid_voxels, half_space, forward_phase, sky_phase,
+               beam_phase
+   space       transforms, octahedron, latlong, weld, keyframes; rays, box_tree
+   numbers     colour, tone, lut, half, chunks
 
 Where a shader needs the same formula, a WGSL function of the same name, its twin, stands in
 `wgsl/`, and a test holds the two together.

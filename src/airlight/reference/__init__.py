@@ -1,8 +1,18 @@
 """References that share no code with the techniques that they judge.
 
-   mitsuba      any scene, path traced          tracer    fluence, exits, directions in a box
-   quadrature   closed forms and integrals      shdom, flatland, harmonics   other solvers
-   metrics      errors of an image              stored    references stored with the tests
+    scene -> mitsuba -> mitsuba_scene: XML that mitsuba_process renders -> Image -> metrics
+
+mitsuba_scene     of a scene the XML (mitsuba_xml) and files (mitsuba_files): mitsuba_shapes,
+                  mitsuba_material, mitsuba_textures, mitsuba_lights; mitsuba_media, each with its
+                  mitsuba_boundary and mitsuba_emission
+mitsuba_process   the child that renders, asked by mitsuba_child; mitsuba_llvm finds its compiler
+mitsuba_paths     our integrator, by mitsuba_steps; mitsuba_brdf, mitsuba_glass: of surfaces
+tracer            fluence, exits and directions in a box of scattering medium, by our own photons:
+                  tracer_setup (what is asked) -> tracer_kernel (photons, compiled)
+quadrature        closed forms and integrals: the first truth for every technique
+shdom, flatland   discrete ordinates in a medium; propagation in the plane; harmonics: their bands
+metrics           errors of an image and of its layers; metrics_display: as a display shows them
+stored            references stored with the tests
 
 Imports scene and maths only. Mitsuba, Numba and FLIP come with the `reference` extra and are
 imported when they are used; without them a ReferenceFailure says what to install.

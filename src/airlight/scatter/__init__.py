@@ -19,9 +19,11 @@
                          |                        |   and beside it forward's light, light by light
                 fields.irradiance       fields.scattered, fields.reflected
 
-`solver` runs all of it for each of `cascades`; `entering_light` is what these share of lights,
-`settings` says what can be told, `map_blockers` takes walls from six shadow maps. `propagate` has
-the stencil.
+`solver` runs all of it for each of `cascades`. `entering_light` is what these share of lights, and
+`cell_lights` what their cells gather; `settings` says what can be told, `map_blockers` takes walls
+from six shadow maps, `reduced` finds the isotropic media that stand for others. `propagate` has the
+stencil, `level` a lattice of the stack. `forward_textures` and `light_in_air` are what marching and
+the final gather read.
 
 A lattice is a storage buffer of vec4f (A, Bx, By, Bz) laid out [channel][z][y][x], in power units:
 (A, B) = 4pi (a, b) of the intensity a + b.w, so A is the cell's power, W.

@@ -7,6 +7,10 @@ lights       point, spot, directional, area   point_lights   thousands of them i
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
 emission     light that volumes give off themselves
 image        a rendered image                 settings   the settings of techniques
+keys, checks, limits   how values are described, checked and bounded; fingerprint tells scenes apart
+shapes, light_shapes   meshes by name; of area lights         coefficients   by voxel
+placing, nearby, along moved by a matrix; to an origin near the camera; boxes along other axes
+lens, map_suns, shown  samples of lens and shutter; suns in maps; scenes as techniques take them
 io/          files <-> these    builtin/   scenes that ship    animation/   scenes in time
 """
 

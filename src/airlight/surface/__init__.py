@@ -9,7 +9,12 @@
                +-> surfel_views peeled layers, for blockers from views
    environment -> sky           directional lights that stand for it
    lights -> light_table        all lights in one buffer
+   lights -> light_maps         reflective shadow maps of all; coarse: of simplified scenes
+   translucent -> panes         transmittance towards a light
+
+materials: as shaders see them; draw_parts: what passes derive from a list of draws; hits: surfaces
+that rays found, as a G-buffer has them.
 
 On CPU adapters `visibility_buffer` draws triangle ids, which `triangle_table` and `packed_maps`
-turn into surfaces, one pixel at a time.
+turn into surfaces, one pixel at a time; provoking: ids by the provoking vertex.
 """

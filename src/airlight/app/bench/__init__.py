@@ -2,6 +2,7 @@
 
 frames  scenes in steady state, per stage      child   the first image, in a process of its own
 growth  cells, lights, triangles, ...          pop     the stages of Elek2014
+kernel  propagation beside hand-written C      rays    what a ray costs
 tables  all of it for a terminal or a page     cli     which of it is measured
 """
 

@@ -3,6 +3,7 @@
 plan -> frames  which frames, and when; one of them as an image
 -> folder, video  stored whole or not at all; whole: which are there already
 farm, scheduler  frames on a dask cluster       progress  how long it will take
+cli  the command and its options
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Marching of solved fields along eye rays: multiple scattering, and single scattering of the sky.
 
-fields of solvers -> march; kernel: its variants by what fields there are; kernel_wgsl: their WGSL
+fields of solvers -> marched_light -> march; kernel: its variants by what fields there are;
+                     kernel_wgsl: their WGSL
 cells           face visibility and walls of the lattice, packed
 forward_source  light near its beam, light by light
 half_space      light of an endless medium beyond the lattices

@@ -13,8 +13,10 @@
     cloud        a cumulus cloud
     milk         a knot of milk: a mesh voxelised into a dense medium
 
-Scenes stand on parts of three kinds: textures (stone, wood, fabric, foliage, sky), shapes
-(patch, solids, profile and what is made of them) and noise.
+A module for each: atrium (arcade, atrium_shell, columns, relief, rod), room (room_shell,
+furniture), wall_floor, failures (the three that are bad), smoke and fire (eddies), and those of
+their own name. They stand on parts of three kinds: textures (stone, wood, fabric, foliage, sky;
+images: as 8 bits), shapes (patch, solids, profile and what is made of them) and noise.
 """
 
 from __future__ import annotations

@@ -1,12 +1,29 @@
 """Scene files, and everything they name, to scenes and back.
 
-toml          the scene format of airlight      mitsuba      a subset of Mitsuba's XML
-obj, mtl      Wavefront                         gltf         glTF 2.0 and GLB
-meshfile      PLY and STL                       usd          OpenUSD, by an extra
-polygons      faces of many corners             images       textures, radiance maps, images
-volumes       density grids                     volume_scene one of them on its own
-defaults      the camera and the daylight of a file that has none
-files, ledger what may be read, and what was    doubts       warnings of unlikely values
+    a user's file -> files, ledger -> the reader of its suffix -> arrays, checked
+      -> meshes, materials, lights, volumes -> defaults -> a Scene, with doubts
+    a Scene, changed -> toml_text*, gltf_write* or images, exr -> writing -> a file
+
+toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml_*_keys list keys,
+                 toml_schema checks, toml_meshes, _volumes, _sky and _animation read what they name;
+                 toml_text* write, as toml_syntax spells; toml_page prints the reference
+light_groups     thousands of point lights in an .npz file
+gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give
+                 values; _nodes, _mesh, _material, _uv, _variants, _deform and _animation the scene;
+                 _extensions and _losses say what is not read; gltf_write, _write_material write
+obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
+meshfile         PLY and STL; mesh_headers: whether they can be true
+usd, usd_*       OpenUSD, by an extra: its stage -> meshes, materials, lights
+mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
+                 _serialized), _materials, _textures, _emitters, _lights, _media, _camera
+polygons, normals   faces of many corners cut into triangles; normals of what has none
+images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
+                 reads tables of colours, texture_files finds them, texture_mix packs two into one
+volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
+                 netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
+                 grids beside a density; volume_scene: one grid as a scene of its own
+defaults         framing: a camera where there is none, daylight where there is no light, ground
+                 under a bare model; probe: the rays by which they find walls and windows
 """
 
 from __future__ import annotations
