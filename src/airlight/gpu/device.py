@@ -148,6 +148,7 @@ class Gpu(Scope):
             ) from None
         self.queue: Any = self.device.queue
         self.limits: dict[str, int] = dict(self.device.limits)
+        # What the device has, and which path reads parameters.
         can_store = has_uniforms_in_storage(self.limits)
         self.has_uniforms_in_storage = paths.stored_uniforms and can_store
         """Whether shaders read parameters from storage buffers, see `slots.on_cpu_adapter`."""
@@ -155,6 +156,7 @@ class Gpu(Scope):
         self.memory = Memory()
         self.facts: dict[str, bool] = {}
         """What was tried out on the device, once for all its scopes."""
+        # For `wait`: a copy of a few bytes that ends after all work before it.
         self._fences: list[Any] = []  # that nobody waits for
         self._fence_source = self.device.create_buffer(
             label="fence source", size=4, usage=wgpu.BufferUsage.COPY_SRC

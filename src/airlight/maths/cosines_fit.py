@@ -96,6 +96,7 @@ def _simplex(error: Callable[[F64], float], start: F64, step: float) -> F64:
         points, values = [points[i] for i in order], [values[i] for i in order]
         if abs(values[-1] - values[0]) <= 1e-6 * abs(values[0]) + 1e-14:
             break
+        # The worst point, reflected at the middle of the others; farther still where that is best.
         centre = np.mean(points[:-1], axis=0)
         tried = centre + (centre - points[-1])
         value = error(tried)
@@ -105,6 +106,7 @@ def _simplex(error: Callable[[F64], float], start: F64, step: float) -> F64:
             if far_value < value:
                 tried, value = far, far_value
         elif value >= values[-2]:
+            # Where it is no better: half way, and all towards the best one where that fails.
             side = tried if value < values[-1] else points[-1]
             tried = centre + 0.5 * (side - centre)
             value = error(tried)

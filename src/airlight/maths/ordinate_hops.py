@@ -137,21 +137,25 @@ def propagate(
     exits = np.zeros((3, power.shape[-1]))
     sharpest = _LARGEST_A if is_paper else min(_LARGEST_A, float(resolved_by(mean_cosine)))
     for m in range(iterations + 1):
+        # Fluence of the light that is under way: the mean over the attenuated path in its cell.
         weight = (1.0 if m else 0.0) if is_paper else (1.0 if m else 0.5)
         way = _way(hops, a, is_paper=is_paper) if m else 1.0
         light = weight * _mean_on_the_way(passed**way) * power * way * hops.path / hops.volume
         out["fluence"] += light
         if watch is not None:
             watch(light, a)
+        # What is scattered towards each view, by the lobe as wide as it is by now.
         for v, mu in enumerate(towards):
             lobe = a if is_paper else a * g
             seen[v] += light * henyey_greenstein(mu[..., None], np.minimum(lobe, sharpest))
         if m == iterations:
             break
+        # On into the neighbours; what crosses the border has left.
         power, a, left = _hop(hops, power, a)
         exits += left
         if hops.inside is not None and not is_paper:
             power = power * hops.inside
+        # Absorbed on the way; what was scattered widely enough by then joins the residuum.
         power = power * passed ** _way(hops, a, is_paper=is_paper)
         leaving, a = _scattered(hops, sigma_s, g, a, is_paper=is_paper)
         out["residual"] += leaving * power

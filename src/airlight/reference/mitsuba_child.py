@@ -52,6 +52,7 @@ def run_job(
     LlvmFailure where the compiled variant dies at its start.
     """
     deadline = time.monotonic() + timeout_s
+    # The child reads the job from a file and tells its progress over a pipe.
     job_file = folder / "job.json"
     job.write(job_file)
     error_file = folder / "stderr.txt"
@@ -72,6 +73,7 @@ def run_job(
     if code == 0 and Path(job.result).exists():
         with np.load(job.result) as arrays:
             return dict(arrays)
+    # Only a compiled variant dies before it is ready: another variant can be tried.
     if not is_ready and code < 0 and job.variant == LLVM_VARIANT:
         raise LlvmFailure(
             "Mitsuba's compiled variant does not start: its LLVM does not work",

@@ -99,12 +99,14 @@ def _voxels(volume: Volume) -> _Lights:
     else:
         values = volume.density[..., None] if emission.values is None else emission.values
         shape = values.shape[:3]
+    # The middles of voxels in the unit box, and their colours; a ball's corners are dark.
     axes = [(np.arange(n) + 0.5) / n for n in shape]
     z, y, x = np.meshgrid(*axes, indexing="ij")
     unit = np.stack([x, y, z], axis=-1).reshape(-1, 3)
     colours = values.reshape(-1, values.shape[3]).astype(np.float64)
     if volume.shape == "sphere":
         colours = np.where(((unit - 0.5) ** 2).sum(axis=1, keepdims=True) <= 0.25, colours, 0.0)
+    # Each voxel's intensity by its size in the world, and where it stands there.
     low, high = np.array(volume.bounds)
     matrix = volume.world_from_volume
     size = float(np.prod(high - low)) * abs(float(np.linalg.det(matrix[:3, :3])))

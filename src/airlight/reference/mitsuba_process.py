@@ -69,6 +69,7 @@ def main(job_file: str) -> None:
     mi.set_variant(job.variant)
     mi.set_log_level(mi.LogLevel.Error)
     _check_compiler(job.variant)
+    # Our own reflection models are Python, which would take forever where it is interpreted.
     if job.variant != SCALAR_VARIANT:
         from . import mitsuba_glass
         from .mitsuba_brdf import register
@@ -79,6 +80,7 @@ def main(job_file: str) -> None:
     start = time.perf_counter()
     sums = _Batches(job)
     sums.run()
+    # The result appears whole: a parent that looks sees all of it or none.
     result = Path(job.result)
     partial = result.with_suffix(".part.npz")
     arrays: dict[str, Any] = {"spp": sums.spp, "seconds": time.perf_counter() - start}

@@ -71,18 +71,21 @@ def solve(
     directions, weights = quadrature_directions(bands)
     basis = harmonics(directions, bands)
     incident = np.maximum(basis @ outside, 0.0)
+    # Directions that cross layers of one axis to the same sides are swept together.
     groups = [_Group(medium, directions, member) for member in _grouped(medium, directions)]
     scattering = medium.albedo * medium.g ** band_of(bands)[:, None]
     scattering = scattering[:, None, None, None, :]
     shape = (bands * bands, *medium.density.shape, len(medium.g))
     radiance, change = np.zeros(shape), 1.0
     for _ in range(iterations):
+        # One order of scattering: the source of the light so far, carried along all directions.
         source = np.tensordot(basis, radiance * scattering, axes=1)
         after = np.zeros(shape)
         for group in groups:
             m = group.member
             carried = group.sweep(source[m], incident[m])
             after += np.tensordot((weights[m, None] * basis[m]).T, carried, axes=1)
+        # Converged once the mean radiance no longer changes.
         size = float(np.abs(after[0]).max())
         change = float(np.abs(after[0] - radiance[0]).max()) / max(size, 1e-30)
         radiance = after

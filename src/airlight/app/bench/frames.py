@@ -100,6 +100,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
     with Renderer(
         scene, case.technique, case.size, settings=case.settings, adapter=adapter
     ) as renderer:
+        # Shaders are compiled and caches filled before anything counts.
         for step in range(WARM_UP_FRAMES):
             renderer.frame(lights=moved(scene.lights, step), read=False)
         renderer.frame_ms.clear()
@@ -108,9 +109,11 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
         for step in range(WARM_UP_FRAMES, last):
             renderer.frame(lights=moved(scene.lights, step), read=False)
         still_ms, python_ms = list(renderer.frame_ms), list(renderer.python_ms)
+        # The same with a camera that flies.
         for step in range(last, last + frames):
             lights, camera = moved(scene.lights, step), flown(scene.camera, step - last + 1)
             renderer.frame(lights=lights, camera=camera, read=False)
+        # Each stage waited for, in frames of their own: waiting costs time.
         timed = []
         for step in range(min(frames, TIMED_FRAMES)):
             lights, camera = moved(scene.lights, -step), flown(scene.camera, -step)

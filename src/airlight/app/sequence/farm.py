@@ -116,6 +116,7 @@ def _finished(client: Any, pending: set[Any], address: str, patience_s: float) -
             yield future
         if client.status not in ("running", "connecting"):
             raise _gone(address)
+        # A cluster without workers finishes nothing: it has some time to get one.
         workers = client.scheduler_info(n_workers=-1).get("workers", {})
         if workers or done:
             alone_since = None

@@ -29,6 +29,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
         from rendercanvas.utils.asyncs import sleep
     except ImportError as error:
         raise missing(error.name or "glfw") from None
+    # The first renderer is made while the window opens.
     session.prepare(size)
     title = f"{session.state.scene.name} - airlight"
     try:
