@@ -5,7 +5,7 @@ All share the media, the lights with their maps, and the textures that surfaces 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ..gpu.commands import Commands
 from ..lattice.lattices import Level
@@ -80,13 +80,9 @@ def _schedule(
     faster = "none" if s.scheme.startswith("paper") else s.acceleration
     # As many iterations as were asked for, or as leave the residual that was.
     sigma_s, sigma_t = densest_medium(reduced)
-    steps = iterations_of(s, is_still=is_still and any(sigma_t))
+    steps = iterations_of(s, is_still=is_still)
     if s.residual > 0.0 and faster == "cycle":
         steps = cycles_to(s.residual)
     elif s.residual > 0.0:
         steps = iterations_to(s.residual, sigma_s, sigma_t, placement.cell, count)
-    plan = schedule(faster, steps, count)
-    if any(sigma_t):
-        return plan
-    # Without a medium the light of area lights is too bright; converged, it would be more so.
-    return replace(plan, cycles=max(1, 2 * plan.cycles // 3), is_rescaled=False)
+    return schedule(faster, steps, count)

@@ -39,7 +39,7 @@ class ScatterSettings:
     )
     still_iterations: int = setting(
         48,
-        "those of images of several samples in media, unless iterations or residual are set",
+        "those of images of several samples, unless iterations or residual are set",
         low=1,
         high=512,
     )
