@@ -21,6 +21,7 @@ from ..animation.rig import Part, Rig
 from ..camera import Camera
 from ..checks import F64
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
+from ..material import Material
 from ..mesh import Mesh
 from ..scene import Scene
 from .gltf_animation import read_clips
@@ -30,10 +31,10 @@ from .gltf_deform import Deforms
 from .gltf_extensions import check_extensions, instances
 from .gltf_json import Item
 from .gltf_losses import losses
-from .gltf_material import Materials
-from .gltf_mesh import Primitive, read_primitive
+from .gltf_frames import brought_together
+from .gltf_material import Materials, PlacedMaterial
+from .gltf_mesh import Primitive, read_primitive, read_surface
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
-from .gltf_uv import UvFrame
 from .gltf_variants import listed_variants
 
 WATTS_PER_LUMEN = 1.0
@@ -73,7 +74,7 @@ class GltfFile:
         self.materials = Materials(document, buffers)
         self.warnings: list[str] = list(warnings)
         self._meshes = document.items("meshes")
-        self._geometries: dict[tuple[Any, ...], Primitive | None] = {}
+        self._geometries: dict[tuple[Any, ...], tuple[Primitive, Material | None] | None] = {}
         self._deforms = Deforms(document, buffers)
 
     def world(self) -> dict[int, F64]:
@@ -117,10 +118,10 @@ class GltfFile:
         name = node.text("name") or mesh.text("name") or mesh.place
         placed = []
         for primitive in mesh.items("primitives"):
-            material = self.materials.of(primitive)
-            read = self._geometry(primitive, material.frame)
-            if read is None:
+            made = self._geometry(primitive, self.materials.of(primitive))
+            if made is None:
                 continue
+            read, material = made
             shape = self._deforms.shape(node, primitive, read)
             weights = None
             if shape is not None and shape.morph is not None:
@@ -130,11 +131,14 @@ class GltfFile:
                 geometry = read.geometry if shape is None else replace(read.geometry)
                 place = matrix if local is None else matrix @ local
                 part = Part(k, shape, weights, local)
-                placed.append((Mesh(geometry, material.material, place, name), part))
+                placed.append((Mesh(geometry, material, place, name), part))
         return placed
 
-    def _geometry(self, primitive: Item, frame: UvFrame) -> Primitive | None:
-        key = (primitive.place, frame.key)
+    def _geometry(
+        self, primitive: Item, placed: PlacedMaterial
+    ) -> tuple[Primitive, Material] | None:
+        """A primitive's triangles and what they wear; None for points and lines."""
+        key = (primitive.place, placed.frame.key, id(placed) if placed.apart else 0)
         if key not in self._geometries:
             if primitive.child("extensions").has(DRACO) and not self.buffers.decompress(primitive):
                 self._warn(
@@ -142,11 +146,28 @@ class GltfFile:
                     f"{DRACO} needs the package DracoPy (pip install 'airlight[gltf]'): what the "
                     "file holds uncompressed is shown",
                 )
-            read = read_primitive(primitive, self.buffers, frame)
-            if read is None:
+            self._geometries[key] = self._read(primitive, placed)
+            if self._geometries[key] is None:
                 self._warn(primitive, "points and lines are left out")
-            self._geometries[key] = read
-        return self._geometries[key]
+        read = self._geometries[key]
+        if read is None:
+            return None
+        return read[0], read[1] or placed.material
+
+    def _read(
+        self, primitive: Item, placed: PlacedMaterial
+    ) -> tuple[Primitive, Material | None] | None:
+        """A primitive, and a material made for it where its images lie by several coordinates."""
+        read = read_primitive(primitive, self.buffers, placed.frame)
+        if read is None or not placed.apart:
+            return read and (read, None)
+        sets = {use.uv_set for use in placed.apart.values()}
+        surface = read_surface(primitive, self.buffers, sets)
+        brought = brought_together(placed.material, placed.apart, surface)
+        for problem in brought.problems:
+            self._warn(primitive, f"of material '{placed.material.name}': {problem}")
+        again = read_primitive(primitive, self.buffers, brought.uvs)
+        return again and (again, brought.material)
 
     def _rig(
         self, world: dict[int, F64], placed: list[tuple[Mesh, Part]], *, has_camera: bool

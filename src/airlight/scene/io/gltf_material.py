@@ -6,6 +6,7 @@ alphaMode BLEND is coverage, transmission thin glass: light passes both unbent.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -41,10 +42,12 @@ _UNDERSTOOD = {
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class PlacedMaterial:
-    """A material, and the texture coordinates that its images read."""
+    """A material, and the texture coordinates that its images read; where no frame serves all,
+    `apart` has each image's own by the material's field."""
 
     material: Material
     frame: UvFrame
+    apart: Mapping[str, ImageUse] = dataclasses.field(default_factory=dict)
 
 
 class Materials:
@@ -88,26 +91,14 @@ class Materials:
         values["normal_scale"] = normal.number("scale", 1.0)
         self._emission(item, values, uses)
         self._coverage(item, values)
-        frame = self._frame(item, values, uses)
-        return PlacedMaterial(Material(**values), frame)
-
-    def _frame(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> UvFrame:
-        """The coordinates that the images share; their textures in `values` are placed by them."""
-        frame, textures, lost = shared_frame(uses)
-        placed = {id(use.texture): made for use, made in zip(uses, textures, strict=True)}
-        for name, value in values.items():
-            values[name] = placed.get(id(value), value)
-        sets = sorted({use.uv_set for use in uses})
-        if len(sets) > 1:
-            self._warn(item, f"its images use texture coordinates {sets}; one is used")
-        for use in lost:
-            if use.uv_set == frame.uv_set:
-                self._warn(
-                    use.item,
-                    "its image is turned by another angle than others of the material, "
-                    "it lies as they do",
-                )
-        return frame
+        # The images in one frame, or as they are, each with its own.
+        slots = {id(value): name for name, value in values.items()}
+        named = {slots[id(use.texture)]: use for use in uses}
+        shared = shared_frame(uses)
+        if shared is None:
+            return PlacedMaterial(Material(**values), UvFrame(), named)
+        frame, textures = shared
+        return PlacedMaterial(Material(**values | dict(zip(named, textures, strict=True))), frame)
 
     def _reflection(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> None:
         """Base colour, alpha, roughness, metallic and specular."""

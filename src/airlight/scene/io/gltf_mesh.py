@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +13,13 @@ from ...errors import SceneError
 from ..checks import F32
 from ..mesh import Geometry
 from .gltf_buffers import Buffers
+from .gltf_frames import Surface
 from .gltf_json import Item
 from .gltf_uv import UvFrame
 from .normals import compact, creased_normals
 
 TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = 4, 5, 6
+FILE_FRAME = UvFrame()
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +34,10 @@ class Primitive:
     is_flat: bool
 
 
-def read_primitive(primitive: Item, buffers: Buffers, frame: UvFrame) -> Primitive | None:
-    """The triangles of a primitive, its texture coordinates those of `frame`.
+def read_primitive(
+    primitive: Item, buffers: Buffers, frame: UvFrame | F32 = FILE_FRAME
+) -> Primitive | None:
+    """The triangles of a primitive, its texture coordinates those of `frame`, or its rows (V, 2).
 
     Without normals it is shaded flat, as the specification (3.7.2.1) demands.
     Raises SceneError.
@@ -125,7 +130,26 @@ def _normals(attributes: Item, buffers: Buffers) -> F32 | None:
     return unit
 
 
-def _uvs(attributes: Item, buffers: Buffers, frame: UvFrame) -> F32 | None:
+def read_surface(primitive: Item, buffers: Buffers, uv_sets: Iterable[int]) -> Surface:
+    """These sets of texture coordinates of a primitive, 0 where it lacks one, and its triangles.
+
+    Raises SceneError.
+    """
+    attributes = primitive.child("attributes")
+    count = len(buffers.array(attributes, "POSITION", width=3))
+    sets = {}
+    for k in uv_sets:
+        uvs = _optional(attributes, buffers, f"TEXCOORD_{k}", 2)
+        sets[k] = np.zeros((count, 2)) if uvs is None else uvs.astype(np.float64)
+        if sets[k].shape != (count, 2) or not np.isfinite(sets[k]).all():
+            raise attributes.error(f"TEXCOORD_{k} must be {count} pairs of finite numbers")
+    mode = primitive.integer("mode", TRIANGLES)
+    return Surface(sets, _triangles(primitive, buffers, count, mode))
+
+
+def _uvs(attributes: Item, buffers: Buffers, frame: UvFrame | F32) -> F32 | None:
+    if not isinstance(frame, UvFrame):
+        return frame
     uvs = _optional(attributes, buffers, f"TEXCOORD_{frame.uv_set}", 2)
     if uvs is None or frame.matrix is None:
         return uvs

@@ -72,32 +72,31 @@ def _turned(angle: float) -> F64:
     return np.array([[c, s], [-s, c]])
 
 
-def shared_frame(uses: Sequence[ImageUse]) -> tuple[UvFrame, list[Texture], list[ImageUse]]:
-    """The frame of most images; every texture, scaled for that; and what is placed wrongly."""
-    if not uses:
-        return UvFrame(), [], []
-    uv_set = uses[0].uv_set
-    matrix = max(_candidates(uses), key=lambda m: sum(_is_scale(use.matrix, m) for use in uses))
-    textures, lost = [], []
-    for use in uses:
-        # The diagonal is all that an image keeps; where there is more, it is placed wrongly.
-        scale = np.diag(use.matrix @ np.linalg.inv(matrix))
-        textures.append(replace(use.texture, scale=(float(scale[0]), float(scale[1]))))
-        if use.uv_set != uv_set or not _is_scale(use.matrix, matrix):
-            lost.append(use)
-    plain = np.array_equal(matrix, np.eye(2))
-    return UvFrame(uv_set, None if plain else matrix), textures, lost
+def shared_frame(uses: Sequence[ImageUse]) -> tuple[UvFrame, list[Texture]] | None:
+    """A frame that all images lie in, each scaled and moved, and their textures there; None where
+    there is none."""
+    for matrix in _candidates(uses):
+        frame = UvFrame(uses[0].uv_set if uses else 0, matrix)
+        scales = [scale_in(use, frame) for use in uses]
+        if all(scale is not None for scale in scales):
+            placed = zip(uses, scales, strict=True)
+            return frame, [replace(use.texture, scale=s) for use, s in placed if s is not None]
+    return None
 
 
-def _candidates(uses: Sequence[ImageUse]) -> Iterator[F64]:
-    """Matrices by which a mesh's coordinates may be turned; of equally good ones the first."""
-    yield np.eye(2)
+def scale_in(use: ImageUse, frame: UvFrame) -> tuple[float, float] | None:
+    """The scale by which an image lies in a frame; None where that is not enough."""
+    if use.uv_set != frame.uv_set:
+        return None
+    rest = use.matrix if frame.matrix is None else use.matrix @ np.linalg.pinv(frame.matrix)
+    if max(abs(rest[0, 1]), abs(rest[1, 0])) > _SAME * np.abs(rest).max():
+        return None
+    return float(rest[0, 0]), float(rest[1, 1])
+
+
+def _candidates(uses: Sequence[ImageUse]) -> Iterator[F64 | None]:
+    """Matrices by which a mesh's coordinates may be turned, the plain one first."""
+    yield None
     for use in uses:
         if abs(np.linalg.det(use.matrix)) > _SAME:
             yield use.matrix
-
-
-def _is_scale(matrix: F64, frame: F64) -> bool:
-    """Whether `matrix` is a scaling of what `frame` gives."""
-    rest = matrix @ np.linalg.inv(frame)
-    return bool(max(abs(rest[0, 1]), abs(rest[1, 0])) <= _SAME * np.abs(rest).max())
