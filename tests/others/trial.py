@@ -14,7 +14,11 @@ from pathlib import Path
 from typing import Any
 
 LIST = Path(__file__).with_name("list.tsv")
-MODELS = (".glb", ".gltf", ".obj", ".ply", ".stl", ".xml")
+MODELS = (
+    *(".glb", ".gltf", ".obj", ".ply", ".stl", ".xml"),
+    *(".usd", ".usda", ".usdc", ".usdz"),
+    *(".vti", ".nc", ".vdb", ".nvdb"),
+)
 LIMIT_S = 90.0
 WORDS = 100
 """Letters of a refusal that the list keeps."""

@@ -229,14 +229,3 @@ def test_images_turned_alike_keep_their_own_size_and_place(placed):
         image_of(bumps, mesh), 4.0 * image_of(base, mesh) + (0.125, 0), atol=1e-6
     )
     assert warnings == ()
-
-
-def test_an_image_turned_by_another_angle_is_warned_of(placed):
-    pbr = {"baseColorTexture": at(rotation=0.5)}
-    mesh, warnings = placed({"pbrMetallicRoughness": pbr, "normalTexture": at(rotation=0.2)})
-    c, s = np.cos(0.5), np.sin(0.5)
-    np.testing.assert_allclose(
-        image_of(mesh.material.base_color_texture, mesh), [(0, 0), (c, -s), (s, c)], atol=1e-6
-    )
-    assert len(warnings) == 1
-    assert "materials[0].normalTexture: its image is turned by another angle" in warnings[0]

@@ -29,9 +29,9 @@ from .gltf_buffers import Buffers, read_container
 from .gltf_compressed import DRACO
 from .gltf_deform import Deforms
 from .gltf_extensions import check_extensions, instances
+from .gltf_frames import brought_together
 from .gltf_json import Item
 from .gltf_losses import losses
-from .gltf_frames import brought_together
 from .gltf_material import Materials, PlacedMaterial
 from .gltf_mesh import Primitive, read_primitive, read_surface
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
@@ -159,15 +159,17 @@ class GltfFile:
     ) -> tuple[Primitive, Material | None] | None:
         """A primitive, and a material made for it where its images lie by several coordinates."""
         read = read_primitive(primitive, self.buffers, placed.frame)
-        if read is None or not placed.apart:
-            return read and (read, None)
+        if read is None:
+            return None
+        if not placed.apart:
+            return read, None
         sets = {use.uv_set for use in placed.apart.values()}
         surface = read_surface(primitive, self.buffers, sets)
         brought = brought_together(placed.material, placed.apart, surface)
         for problem in brought.problems:
             self._warn(primitive, f"of material '{placed.material.name}': {problem}")
-        again = read_primitive(primitive, self.buffers, brought.uvs)
-        return again and (again, brought.material)
+        again = read_primitive(primitive, self.buffers, brought.uvs) or read
+        return again, brought.material
 
     def _rig(
         self, world: dict[int, F64], placed: list[tuple[Mesh, Part]], *, has_camera: bool

@@ -24,7 +24,7 @@ from .texture_bake import MOST_SIDE, Baked, Charts, baked
 Ints = NDArray[np.int64]
 SMALL_CONFLICT = 0.002
 """The share of an image that may be claimed twice: edges that cross by a texel."""
-_GAP = 1.0 / 128.0  # between charts, of the side of all
+_GAP = 1.0 / 64.0  # between charts, of the side of all: over two texels of the smallest image
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class _Layout:
 
 
 def brought_together(material: Material, uses: Mapping[str, ImageUse], surface: Surface) -> Brought:
-    """`material` on `surface` with the images of `uses` (by its field) in one set of coordinates."""
+    """`material` on `surface`, the images of `uses` (by its field) in one set of coordinates."""
     best: _Layout | None = None
     for frame, uvs in _candidates(uses, surface):
         found = _layout(uses, surface, frame, uvs)

@@ -2,7 +2,8 @@
 
 An image of airlight's is scaled and shifted, never turned. So what turns is turned once, in the
 mesh's own coordinates, and each image keeps a scale and an offset of those. That holds for all
-images of a material that are turned alike, which is how exporters write them.
+images of a material that are turned alike, which is how exporters write them; those of others are
+drawn again (gltf_frames).
 """
 
 from __future__ import annotations

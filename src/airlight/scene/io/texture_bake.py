@@ -122,10 +122,11 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
     lows = np.full((height * width, 4), 255, np.uint8)
     highs = np.zeros_like(lows)
     for which, texel in _covered(placed.to, width, height):
-        centre = np.stack([texel % width, texel // width], axis=1) + 0.5
+        centre: F64 = np.stack([texel % width, texel // width], axis=1).astype(np.float64) + 0.5
         away = centre - placed.to[which, 0]
-        inside = _depth(placed.to[which], centre)
-        which, texel, away, inside = (x[inside >= -MARGIN] for x in (which, texel, away, inside))
+        inside: F64 = _depth(placed.to[which], centre)
+        near = inside >= -MARGIN
+        which, texel, away, inside = which[near], texel[near], away[near], inside[near]
         at = placed.source[which, 0] + np.einsum("nij,nj->ni", jacobians[which], away)
         values = _interpolated(old, at, texture.wrap)
         if is_normal:
@@ -191,8 +192,8 @@ def _old_image(texture: Texture, placed: Charts) -> F64:
     per_texel = np.median(np.linalg.norm(placed.jacobians, axis=2), axis=0)
     for axis, row in ((0, 1), (1, 0)):
         while per_texel[row] * values.shape[axis] >= 2.0 and values.shape[axis] % 2 == 0:
-            pair = (np.take(values, range(k, values.shape[axis], 2), axis) for k in (0, 1))
-            values = sum(pair) / 2.0
+            even, odd = (np.take(values, range(k, values.shape[axis], 2), axis) for k in (0, 1))
+            values = (even + odd) / 2.0
     return np.asarray(values)
 
 
