@@ -18,7 +18,8 @@ mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values ->
                  _serialized), _materials, _textures, _emitters, _lights, _media, _camera
 polygons, normals   faces of many corners cut into triangles; normals of what has none
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
-                 reads tables of colours, texture_files finds them, texture_mix packs two into one
+                 reads tables of colours, texture_files finds them, texture_mix packs two into one,
+                 texture_bake draws one again where gltf_frames brings coordinates together
 volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
                  netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
                  grids beside a density; volume_scene: one grid as a scene of its own
