@@ -2,7 +2,7 @@
 
 Several TEXCOORD sets, or one that KHR_texture_transform turns by several angles. Of the
 coordinates that the material has, those are kept in which no two places of the surface meet for
-an image that is drawn again; where all have such places, its charts are laid out anew, side by
+an image that is drawn again; where all have such places, its charts are laid out again, side by
 side.
 """
 
