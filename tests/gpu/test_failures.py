@@ -169,14 +169,14 @@ def test_the_command_line_says_it_in_one_line_and_exits_with_2(child, cpu_adapte
     code = cli.run([*asked, "--size", "4000x4000"])
     print(code)
     resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-    from airlight.rendering import Renderer
-    draw = Renderer._draw
+    from airlight.sampled_view import SampledView
+    draw = SampledView.draw
     def lost(self, *args):
         gpu.device.destroy()
         return draw(self, *args)
-    Renderer._draw = lost
+    SampledView.draw = lost
     print(cli.run([*asked, "--size", "8x8"]))
-    Renderer._draw = draw
+    SampledView.draw = draw
     print(cli.run([*asked, "--size", "8x8"]))
     """)
     assert [line for line in said if line.isdigit()] == ["2", "2", "0"]
