@@ -73,7 +73,7 @@ class Recorded:
         commands.recording = []
         try:
             found = encode()
-            return Recording(self._gpu, self.label, commands, commands.recording, found)
+            return Recording(self._gpu, self.label, commands.recording, found)
         finally:
             commands.recording = None
 
@@ -91,9 +91,7 @@ class Recording:
 
     nbytes = 0
 
-    def __init__(
-        self, gpu: Gpu, label: str, commands: Commands, dispatches: list[Dispatch], found: object
-    ) -> None:
+    def __init__(self, gpu: Gpu, label: str, dispatches: list[Dispatch], found: object) -> None:
         self._gpu = gpu
         self.found: Any = found
         # Parameters go into a buffer of their own, so that their offsets stay.

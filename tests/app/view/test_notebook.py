@@ -15,15 +15,9 @@ import pytest
 import airlight as al
 from airlight.errors import DeviceError, SceneError
 from airlight.gpu.device import open_gpu
+from small_viewer import SETTINGS as SMALL
 
 SIZE = (64, 36)
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
 
 
 @pytest.fixture(autouse=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -134,7 +135,7 @@ def make_frames(
         plan = replace(plan, exposure_stops=folder.metered_stops)
     with counted("frames", len(plan.frames), len(plan.frames) - len(missing), quiet=quiet) as count:
         if farm is None:
-            with FrameMaker(plan, scene) as maker:
+            with closing(FrameMaker(plan, scene)) as maker:
                 _note_device(folder, maker.renderer.gpu.info.name)
                 for frame in missing:
                     maker.save(frame, folder.file(plan, frame))

@@ -43,7 +43,7 @@ def load_volume_scene(file: Path) -> Scene:
 def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
     """A grid as a medium of what its units say, or else as smoke, and what was chosen for it."""
     colours, said = _colours(grid, file)
-    optics = grid.optics or _chosen_optics(grid, file)
+    optics = grid.optics or _chosen_optics(grid)
     volume = Volume(
         sigma_t=(optics.sigma_t,) * 3,
         density=grid.density,
@@ -61,7 +61,7 @@ def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
     return volume, (*grid.warnings, *said, chosen)
 
 
-def _chosen_optics(grid: VolumeGrid, file: Path) -> Optics:
+def _chosen_optics(grid: VolumeGrid) -> Optics:
     """Whitish smoke as deep as smoke is, for a grid that says nothing about light."""
     sigma_t = fitting_sigma_t(grid.density, grid.bounds)
     text = (
