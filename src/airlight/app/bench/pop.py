@@ -60,12 +60,14 @@ def measure(adapter: str, report: Report, *, quick: bool = False) -> dict[str, A
     scene, size = plume(), QUICK_SIZE if quick else SIZE
     frames = 1 if quick else 5
     small = {"ordinates": 4, "grid": 6} if quick else {}
+    # Frames whose parts change: what moves decides which stages run again.
     cases = []
     for index, (name, settings) in enumerate(list(CASES.items())[: 1 if quick else None]):
         report(f"pop: {name}", index / len(CASES))
         moves = name.endswith("moving")
         made = {**SETTING, **settings, **small}
         cases.append({"name": name, **_frames(scene, size, made, frames, adapter, moves=moves)})
+    # Frames along one axis at a time, all else as in the paper's setting.
     growth = []
     for index, (axis, values, vary) in enumerate(_axes()[: 1 if quick else None]):
         report(f"pop: growth with {axis}", index / 3.0)

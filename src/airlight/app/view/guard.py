@@ -93,6 +93,7 @@ def _is_from_own_page(scope: Message, listen: str) -> bool:
     origins = [value for name, value in headers if name == b"origin"]
     if len(hosts) != 1 or len(origins) > 1:
         return False
+    # A name that was rebound to this machine, and a page of another site, are both refused.
     host = hosts[0].decode("latin-1").lower()
     if not is_own(_without_port(host), listen):
         return False
