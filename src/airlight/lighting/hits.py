@@ -134,6 +134,7 @@ class HitLighting:
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         # What another part has lit has its shadows.
         shadows = None if part == "rest" else self.shadows
+        # A pass for each combination that a frame asks for, made when it first does.
         key = (part, shadow_key(shadows))
         if key not in self._passes:
             count, directional = self.kit.emitters.plain, self.kit.lights.parallel.layers

@@ -139,6 +139,7 @@ class Kit:
             mapped=len(scene.lights) if has_media else self.emitters.plain,
             has_panes=self.meshes.has_translucent,
         )
+        # The device draws the sky's maps while the host samples surfels and makes solvers.
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
         if context.commands:
             self._begin(context.commands, scene, nest.levels[-1])
@@ -151,6 +152,7 @@ class Kit:
             sky_lights=settings.sky_lights,
             make_blockers=make_blockers,
         )
+        # What some techniques ask for: rays, and shadows of lights with extent.
         self.rays = SceneRays(gpu, self.meshes)
         self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None

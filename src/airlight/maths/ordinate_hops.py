@@ -65,6 +65,7 @@ class Hops:
 def parallel_hops(count: tuple[int, int, int], cell_m: float) -> Hops:
     """Of a grid of cubes, `count` = (x, y, z)."""
     nx, ny, nz = count
+    # Columns side by side, -1 where there is none.
     index = np.pad(np.arange(nx * ny).reshape(ny, nx), 1, constant_values=-1)
     beside = np.stack([index[1:-1, :-2], index[1:-1, 2:], index[:-2, 1:-1], index[2:, 1:-1]])
     shape = (nz, ny, nx, 1)
@@ -190,15 +191,19 @@ def _mean_on_the_way(passed: F64) -> F64:
 
 def _scattered(hops: Hops, sigma_s: F64, g: F64, a: F64, *, is_paper: bool) -> tuple[F64, F64]:
     """(share that joins the residuum, the rest's a) after the way through a cell."""
+    # As printed (Elek2014 section 4.2): all light stays, and a falls by g^(sigma_s l).
     if is_paper:
         depth = sigma_s * hops.path
         return np.zeros(a.shape), a * np.where(depth > 0.0, g**depth, 1.0)
+    # As corrected: of what scattering turns away a share joins the residuum, the rest widens the
+    # lobe.
     lost = sigma_s * (1.0 - g) * hops.path
     if hops.is_radial:
         share = np.where(g >= _PEAKED, SHARE_RADIAL_PEAKED, SHARE_RADIAL)
         turned = 2.0 / 3.0 * (1.0 - a * a) * hops.curvature
         after = np.clip(a * np.exp(-(1.0 - share) * lost) + turned, 0.0, _LARGEST_A)
         return -np.expm1(-share * lost), after
+    # Lobes wide enough are handed over to it whole.
     after = a * np.exp(-(1.0 - SHARE) * lost)
     high, low = HAND_OVER
     handed = np.clip((high - after) / (high - low), 0.0, 1.0)
@@ -208,6 +213,7 @@ def _scattered(hops: Hops, sigma_s: F64, g: F64, a: F64, *, is_paper: bool) -> t
 def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
     """(power, a, exits (3, channel)) after one hop."""
     ahead, side, behind = (fraction * power for fraction in cap_fractions(a))
+    # Ahead and behind along the ordinate.
     light, along = np.zeros_like(power), np.zeros_like(power)
     for target, source, moved in (
         (slice(1, None), slice(None, -1), ahead),
@@ -220,6 +226,7 @@ def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
         light[0] += behind[0]
         along[0] += behind[0] * a[0]
         entry = 0.0 * entry
+    # To the four cells beside; what leaves a border cell is lost.
     nz, ny, nx, channels = power.shape
     flat_light, flat_along = (v.reshape(nz, ny * nx, channels) for v in (light, along))
     flat_side, flat_a = (v.reshape(nz, ny * nx, channels) for v in (side, a))
@@ -235,6 +242,7 @@ def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
         flat_light += stays
         flat_along += stays * flat_a
         sides = sides + flat_side[:, ~inside].sum(axis=(0, 1))
+    # What has arrived has the mean sharpness of its parts, weighted by power.
     arrived = np.where(light > 1e-30, along / np.maximum(light, 1e-30), 0.0)
     return light, arrived, np.stack([entry, ahead[-1].sum(axis=(0, 1)), sides])
 
@@ -269,6 +277,7 @@ def isotropic_hops(light: F64, passed: F64, iterations: int) -> F64:
     `passed` (z, y, x, channel): transmittance of absorption over a cell.
     """
     total = np.zeros_like(light)
+    # A sixth from each neighbour, less what is absorbed on the way.
     for _ in range(iterations):
         wide = np.pad(light, [(1, 1)] * 3 + [(0, 0)])
         gathered = np.zeros_like(light)

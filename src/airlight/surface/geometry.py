@@ -127,6 +127,7 @@ class GpuScene:
                     f"mesh '{mesh.name}' has another material than before",
                     remedy="Make a new Renderer",
                 )
+            # One row of the materials, and of the table that the visibility buffer reads.
             self._shown[row] = mesh.material
             record = pack_array(MaterialData, [material_fields(mesh.material)])
             self.materials.write(record, row * MaterialData.dtype.itemsize)

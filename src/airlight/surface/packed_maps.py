@@ -46,6 +46,7 @@ def is_packable(m: Material) -> bool:
     Translucent materials are not, either: their triangles are drawn one behind the other; nor
     unlit ones, which follow the exposure.
     """
+    # One lookup serves all maps only where they are laid out alike.
     maps = _maps(m)
     alike = {(t.pixels.shape, t.wrap, t.scale, t.offset) for t in maps}
     linear = not any(t.is_srgb for t in (m.metallic_roughness_texture, m.normal_texture) if t)
