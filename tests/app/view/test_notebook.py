@@ -13,19 +13,11 @@ import numpy as np
 import pytest
 
 import airlight as al
-from airlight.errors import DeviceError, SceneError
-from airlight.gpu.device import open_gpu
+from airlight.errors import SceneError
 from small_viewer import SETTINGS as SMALL
 
 SIZE = (64, 36)
-
-
-@pytest.fixture(autouse=True)
-def _device():
-    try:
-        open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
+pytestmark = pytest.mark.usefixtures("gpu")
 
 
 def pixels(png: bytes) -> np.ndarray:
