@@ -66,6 +66,7 @@ fn ray_cone_interval(
     axis: vec3f,
     cos_half_angle: f32,
 ) -> vec2f {
+    // The cone's equation (x.axis)^2 = cos^2 |x|^2 along the ray: qa t^2 + 2 qb t + qc = 0.
     let o = origin - apex;
     let c2 = cos_half_angle * cos_half_angle;
     let da = dot(direction, axis);
@@ -75,11 +76,13 @@ fn ray_cone_interval(
     let qb = oa * da - c2 * dot(o, direction);
     let qc = oa * oa - c2 * dot(o, o);
     let discriminant = qb * qb - qa * qc;
+    // Its roots without cancellation.
     let q = -(qb + select(1.0, -1.0, qb < 0.0) * sqrt(max(discriminant, 0.0)));
     let r0 = q / qa;
     let r1 = qc / select(q, 1e-30, q == 0.0);
     let low = min(r0, r1);
     let high = max(r0, r1);
+    // Steeper than the cone, the ray stays inside beyond a root; flatter, it is inside between both, if in this nappe.
     if (qa > 0.0) {
         return select(vec2f(-MEDIUM_FAR, low), vec2f(high, MEDIUM_FAR), da > 0.0);
     }
