@@ -152,7 +152,6 @@ class Kit:
             sky_lights=settings.sky_lights,
             make_blockers=make_blockers,
         )
-        # What some techniques ask for: rays, and shadows of lights with extent.
         self.rays = SceneRays(gpu, self.meshes)
         self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None

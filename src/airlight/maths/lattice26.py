@@ -210,7 +210,7 @@ def half_linear_step(
         power = leaving_power(before, j)
         if blocked is not None:
             power = power * (1.0 - np.asarray(blocked)[j])
-        # The share that each half of the way scatters, keeps as track and lets through.
+        # Of each half of the hop: the shares scattered, kept as track, and transmitted.
         destination = [_from_destination(v, offset) for v in (scatter, total)]
         length_m = cell_size_m * float(table.lengths[j])
         kept, given, passed = _half_linear_shares((scatter, total), destination, length_m)

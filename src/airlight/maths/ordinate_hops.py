@@ -65,7 +65,6 @@ class Hops:
 def parallel_hops(count: tuple[int, int, int], cell_m: float) -> Hops:
     """Of a grid of cubes, `count` = (x, y, z)."""
     nx, ny, nz = count
-    # Columns side by side, -1 where there is none.
     index = np.pad(np.arange(nx * ny).reshape(ny, nx), 1, constant_values=-1)
     beside = np.stack([index[1:-1, :-2], index[1:-1, 2:], index[:-2, 1:-1], index[2:, 1:-1]])
     shape = (nz, ny, nx, 1)
@@ -213,7 +212,6 @@ def _scattered(hops: Hops, sigma_s: F64, g: F64, a: F64, *, is_paper: bool) -> t
 def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
     """(power, a, exits (3, channel)) after one hop."""
     ahead, side, behind = (fraction * power for fraction in cap_fractions(a))
-    # Ahead and behind along the ordinate.
     light, along = np.zeros_like(power), np.zeros_like(power)
     for target, source, moved in (
         (slice(1, None), slice(None, -1), ahead),
@@ -277,7 +275,6 @@ def isotropic_hops(light: F64, passed: F64, iterations: int) -> F64:
     `passed` (z, y, x, channel): transmittance of absorption over a cell.
     """
     total = np.zeros_like(light)
-    # A sixth from each neighbour, less what is absorbed on the way.
     for _ in range(iterations):
         wide = np.pad(light, [(1, 1)] * 3 + [(0, 0)])
         gathered = np.zeros_like(light)

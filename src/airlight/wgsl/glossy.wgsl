@@ -90,7 +90,7 @@ fn glossy_walk(
     // Ends where every ray is sure to come: its number of crossings jumps from pixel to pixel.
     let widest = GLOSSY_REACH / ray.alpha;
     let reach = min(widest, before.end + f32(GLOSSY_CELLS - 3u) / dot(abs(r), vec3f(1.0)));
-    // Light that closed faces stop is that of the cells before them; what is left goes on.
+    // Where closed faces stop a share of the ray, it sees the cells before them; the rest goes on.
     var left = before.left;
     var transmittance = mix(GLOSSY_LEAST_LEFT, 1.0, left);
     var irradiance = before.irradiance;
@@ -131,7 +131,7 @@ fn glossy_walk(
             break;
         }
     }
-    // What is left at the end sees that cell; beyond the border of the outermost lattice there is none.
+    // The rest sees the cell at its end; beyond the border of the outermost lattice there is none.
     t = min(t, reach);
     let border = select(-start, count - start, r > vec3f(0.0)) * towards * per_cell;
     let inside = saturate((min(border.x, min(border.y, border.z)) - t) / GLOSSY_BORDER);

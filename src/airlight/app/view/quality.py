@@ -88,7 +88,7 @@ class Quality:
         # A hand at work keeps what is shown until it lets go.
         if is_busy and (self._was_moving or self._still_size == full):
             return Plan(full, None, is_moving=self._was_moving)
-        # Samples begin anew where the size does, and end after `samples`.
+        # Another size starts its samples from the first; they end after `samples`.
         if self._was_moving or self._still_size != full:
             self._was_moving, self._still_size, self._done = False, full, 0
         if self._done >= self.samples:

@@ -83,6 +83,7 @@ def load(
         scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
         return with_sky(scene, sky) if sky else scene
     file = Path(path)
+    # Errors from here on name the file.
     with naming(file):
         scene = _loaded(file, model, sky)
         check_extent(scene)

@@ -49,6 +49,7 @@ def _material(block: Block, textures: TextureFiles) -> Material:
     values.update(_coverage(block, textures, _base_texture(block, textures)))
     values.update(_emission(block, textures))
     values.update(_normal_map(block, textures))
+    # What was not read is said once for the material.
     unread = [key for key, (text, _) in block.statements.items() if _is_lost(key, text)]
     if unread:
         listed = ", ".join(f"'{key}'" for key in unread)

@@ -95,6 +95,7 @@ def _original(
     source: str, folder: Path, model: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
     path = Path(source)
+    # A scene file as it was written, its paths from the new file's folder.
     if path.suffix.lower() == ".toml":
         raw = tomllib.loads(read_text(path))
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
@@ -103,6 +104,7 @@ def _original(
                 if key in table:
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
+    # Of another file, a table that names it.
     if path.suffix.lower() in MESH_SUFFIXES:
         placed = {name: model[name] for name in model if name not in ("sun", "ground")}
         return {"mesh": [{"file": _relative(path, folder), **placed}]}, []
@@ -185,6 +187,7 @@ def _environment(
 ) -> dict[str, Any]:
     if environment is None:
         return {}
+    # A map that no file holds is written as its mean.
     table = {key: raw[key] for key in ("file",) if key in raw}
     if not table and environment.map is not None:
         notes.append(_NO_MAP)
