@@ -125,12 +125,14 @@ def _frames(
     from ...rendering import Renderer
 
     with Renderer(scene, "pop", size, settings=settings, adapter=adapter) as made:
+        # Frames as they come, after those that compile and fill caches.
         for step in range(WARM_UP_FRAMES + frames):
             if step == WARM_UP_FRAMES:
                 made.frame_ms.clear()
                 made.python_ms.clear()
             made.scene = moved(scene, step, moves=moves)
             made.frame(read=False)
+        # Stages in frames of their own: to wait for each costs time.
         timed = [_timed(made, scene, -1 - k, moves=moves) for k in range(min(frames, 3))]
         names = dict.fromkeys(name for passes in timed for name in passes)
         passes = {n: float(statistics.median(p.get(n, 0.0) for p in timed)) for n in names}

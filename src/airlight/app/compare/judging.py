@@ -65,6 +65,7 @@ def compare_scene(
     reference = reference_for(
         scene, plan.size, plan.spp, noise=plan.noise, timeout_s=plan.timeout_s, report=report
     )
+    # Each technique by itself: one that fails does not cost the others their page.
     outcomes = []
     for index, name in enumerate(techniques):
         report(f"rendering {name}", index / len(techniques))

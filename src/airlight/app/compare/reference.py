@@ -231,6 +231,7 @@ def _content(value: Any, known: dict[int, bytes]) -> bytes:
             digest.update(_content(value[key], known))
     else:
         digest.update(repr(value).encode())
+    # Arrays and dataclasses may be met again by many meshes.
     result = digest.digest()
     if isinstance(value, np.ndarray) or dataclasses.is_dataclass(value):
         known[id(value)] = result

@@ -63,6 +63,7 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
+        # The path begins with the token, compared in constant time; the rest goes on to the page.
         _, given, rest = (*str(scope["path"]).split("/", 2), "", "")[:3]
         if not hmac.compare_digest(given.encode(), self.token.encode()):
             await _refuse(scope, send, REFUSAL)

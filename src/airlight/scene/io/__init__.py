@@ -120,6 +120,7 @@ def model_keys(
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     suffix = file.suffix.lower()
+    # Scene files say everything themselves; a sky that was asked for replaces theirs.
     if suffix == ".toml":
         from .doubts import doubts
         from .toml import load_toml
@@ -132,6 +133,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
 
         scene = load_mitsuba(file)
         return with_sky(scene, sky) if sky else scene
+    # Bare grids and meshes get what they lack.
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 

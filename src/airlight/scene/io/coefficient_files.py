@@ -82,6 +82,7 @@ def read_coefficients(
             full[name] = density.density[..., None] * np.array(number, np.float32)
         elif number is not None and name == "albedo":
             full[name] = number
+    # As arguments of a Volume, whose density times tint is the extinction.
     if "g" not in placed:
         full["g"] = mean_cosine(full["g"])
     made = as_grids(full)

@@ -191,6 +191,8 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
     counts = np.frombuffer(buffer, "<u4", 3, _TREE_OFFSET + 32)
     world_from_index = np.eye(4)
     world_from_index[:3, :3], world_from_index[:3, 3] = matrix.reshape(3, 3), shift
+    # Blocks of 8^3 voxels over the active box: coarse values, then those of the leaves, then cut
+    # to it.
     leaf, lower, upper = (
         np.frombuffer(buffer, kind, int(n), int(at))
         for kind, n, at in zip((_LEAF, _LOWER, _UPPER), counts, offsets, strict=False)

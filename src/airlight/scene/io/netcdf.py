@@ -164,6 +164,7 @@ def _check_hdf5(path: Path) -> None:
         raise _missing("h5netcdf") from None
     outside = SceneError("has data in other files, which are not followed", remedy="Repack it.")
 
+    # External links and virtual datasets would read files that nobody named.
     def look(group: Any, depth: int) -> None:
         for name in group:
             link = group.get(name, getlink=True)

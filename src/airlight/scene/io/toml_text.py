@@ -64,9 +64,11 @@ def scene_text(
         had_sky = original.environment is not None and original.environment.sky is not None
         lights = original.lights[:-1] if had_sky else original.lights
         original = replace(original, lights=lights, environment=None)
+    # The camera, unless it is the one that framing chooses again.
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
     if has_own_camera(scene):
         raw["camera"] = {}
+    # Lights and environment, unless they are the defaults of a scene without any.
     is_default = _is_default_light(raw, scene, original)
     notes_before = len(notes)
     own_lights = scene.lights[: len(scene.lights) - _brought(raw, original)]
@@ -79,9 +81,11 @@ def scene_text(
         del notes[notes_before:]
     if (model or {}).get("ground"):
         raw["mesh"] = [*raw.get("mesh", ()), *ground_tables(scene)]
+    # Media, and what moves.
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
     raw["volume"] = _volumes(scene.volumes, raw.get("volume", []), notes)
     with_motion(raw, scene, original, notes)
+    # Settings by technique; then all tables in the order of the reference page.
     techniques = dict(scene.settings)
     for name, values in (settings or {}).items():
         techniques[name] = {**techniques.get(name, {}), **values}
@@ -231,6 +235,7 @@ def _volumes(
     for volume, table in zip(volumes, raw, strict=False):
         kept = {key: value for key, value in table.items() if key not in _SCATTERING}
         tables.append({**kept, **_by_voxel(_scattering(volume), table, notes)})
+    # Volumes that were added have no file; a shape needs none.
     for volume in volumes[len(raw) :]:
         if volume.density is None:
             matrix = volume.world_from_volume

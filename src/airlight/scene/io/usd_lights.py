@@ -60,6 +60,7 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
         return AreaLight(position, _rgb(radiance), "disk", ahead, up, radius=max(radius, _SMALL_M))
     if not prim.IsA(UsdLux.SphereLight):
         return None
+    # A sphere too small to see is a point of the same intensity, pi r^2 times its radiance.
     sphere = UsdLux.SphereLight(prim)
     radius = sphere.GetRadiusAttr().Get(time) * (wide * high * deep) ** (1.0 / 3.0)
     if is_whole:

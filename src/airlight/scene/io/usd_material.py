@@ -84,6 +84,7 @@ class UsdMaterials:
         if opacity is not None:
             base = with_alpha(base, opacity)
             threshold = threshold or (0.0 if is_blended else 0.5)
+        # One image holds roughness and metal; a number beside an image is 1.
         numbers = {
             n: 1.0 if images[n] else float(np.clip(self._number(shader, n, usual_value), 0, 1))
             for n, usual_value in (("roughness", 0.5), ("metallic", 0.0))

@@ -85,6 +85,7 @@ def _with_emission(
     grown, values = on_one_grid(grid, read_values(file, name))
     if values.ndim != 3 or not float(values.max()) > 0.0:
         return grid, None, (f"{file.name}: its grid '{name}' is no fire that is seen",)
+    # Temperatures in kelvin are taken as they are, others end at HOTTEST_K.
     scale = 1.0
     if name == "temperature":
         hottest = float(values.max())
@@ -94,6 +95,7 @@ def _with_emission(
         found = Emission(ORANGE, np.maximum(values, 0.0))
     assert found.values is not None
     longest_m = float(np.subtract(grown.bounds[1], grown.bounds[0]).max())
+    # So bright that a tenth of the box's longest side, at its peak, sends FLAME.
     strength = FLAME / max(found.peak * max(found.radiance) * 0.1 * longest_m, 1e-30)
     r, g, b = (float(f"{c * strength:.3g}") for c in found.radiance)
     keys = f'{"temperature" if name == "temperature" else "emission"}_grid = "{name}"'
