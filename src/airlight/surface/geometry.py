@@ -108,6 +108,7 @@ class GpuScene:
         placed, first = ([of[i] for i in self.order] for of in (meshes, self._first))
         packed = packed_instances(placed, first, self.material_rows)
         self.current = meshes
+        # Whoever caches by the version recomputes nothing where nothing has changed.
         if packed.tobytes() == self._packed_instances and not deformed:
             return
         self._packed_instances = packed.tobytes()

@@ -160,6 +160,7 @@ def _packed(
     """One mip level (texels, 2): square roots of linear light, 10 bits each; normal, roughness."""
     some = next(level for level in (base, rough, normal) if level is not None)
     texels = np.full((some.shape[0] * some.shape[1], 2), 0xFFFFFFFF, np.uint32)
+    # The root of light spends its 10 bits where the eye tells colours apart.
     if base is not None:
         codes = _roots(is_srgb)[base.reshape(-1, 4)[:, :3]]
         texels[:, 0] = codes[:, 0] | codes[:, 1] << 10 | codes[:, 2] << 20
