@@ -18,16 +18,6 @@ fn mean_transmittance_rgb(x: vec3f) -> vec3f {
     return vec3f(mean_transmittance(x.r), mean_transmittance(x.g), mean_transmittance(x.b));
 }
 
-// m(x) = 1/x - exp(-x)/(1 - exp(-x)), x >= 0.
-fn mean_absorption_depth(x: f32) -> f32 {
-    let x2 = x * x;
-    let series = 0.5 - x / 12.0 * (1.0 - x2 / 60.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 40.0)));
-    let small = x < 1.0;
-    let safe = select(x, 1.0, small);
-    let left = exp(-safe);
-    return select(1.0 / safe - left / (1.0 - left), series, small);
-}
-
 fn ray_box_interval(origin: vec3f, direction: vec3f, low: vec3f, high: vec3f) -> vec2f {
     let is_parallel = direction == vec3f(0.0);
     let inside = (low <= origin) & (origin <= high);
