@@ -228,8 +228,7 @@ class _Reader:
             self.warnings.append(f"'{prim.GetPath()}': its file is missing")
             return
         volume, told = grid_volume(read_volume(resolved, str(grid or name)), Path(resolved))
-        # Extinction is per metre of the file's own space: the world's metres are longer by the
-        # scale.
+        # Extinction is per unit of the file, which is `scale` metres in the world.
         scale = float(np.cbrt(abs(np.linalg.det(world[:3, :3])))) or 1.0
         r, g, b = (c / scale for c in volume.sigma_t)
         matrix = world @ volume.world_from_volume
