@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from pathlib import Path
 
 import pytest
+
+from scripts import script
 
 ROOT = Path(__file__).parents[1]
 URL = "https://example.org/owner/airlight"
@@ -17,10 +18,7 @@ pytestmark = pytest.mark.needs("hatchling")
 @pytest.fixture
 def made(monkeypatch):
     """The table [project] as it is built, with the repository's address and without."""
-    spec = importlib.util.spec_from_file_location("hatch_build", ROOT / "hatch_build.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = script(ROOT / "hatch_build.py")
 
     def make(url: str) -> dict:
         monkeypatch.setenv("AIRLIGHT_URL", url)

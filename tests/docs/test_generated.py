@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-import importlib.util
 import inspect
 import re
-import sys
 from pathlib import Path
 
 import pytest
@@ -16,6 +14,7 @@ import airlight
 from airlight.app import cli
 from airlight.maths import lattice6, lattice26
 from airlight.techniques import TECHNIQUES, technique_settings
+from scripts import script
 
 DOCS = Path(__file__).parents[2] / "docs"
 SECTIONS = ("## Idea", "## Settings", "## How far off", "## Limits", "## When to use it")
@@ -23,12 +22,7 @@ SECTIONS = ("## Idea", "## Settings", "## How far off", "## Limits", "## When to
 
 @pytest.fixture(scope="module")
 def generate():
-    spec = importlib.util.spec_from_file_location("generate_docs", DOCS / "generate.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return script(DOCS / "generate.py")
 
 
 def test_generated_parts_are_up_to_date(generate):

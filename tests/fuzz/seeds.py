@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import struct
-import sys
 import tempfile
 import zlib
 from functools import cache
@@ -13,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from scripts import script
 
 TESTS = Path(__file__).parents[1]
 GOOD = Path(__file__).parent / "good"
@@ -22,13 +22,7 @@ Files = dict[str, bytes]
 @cache
 def of_tests(name: str) -> Any:
     """A module of the tests that writes a format by hand, such as scene/io/test_nanovdb.py."""
-    key = "seeds_" + name.replace("/", "_").removesuffix(".py")
-    spec = importlib.util.spec_from_file_location(key, TESTS / name)
-    assert spec and spec.loader
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[key] = module
-    spec.loader.exec_module(module)
-    return module
+    return script(TESTS / name)
 
 
 def _saved(name: str, save: Any) -> bytes:

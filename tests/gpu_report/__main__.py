@@ -9,7 +9,6 @@ test fails or images differ more than tests/kept/paths.toml allows; the report i
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -22,6 +21,7 @@ from airlight.app.outputs import check_writable
 from airlight.errors import AirlightError
 from airlight.gpu.device import open_gpu
 from airlight.scene.builtin import builtin_scene
+from scripts import script
 
 from . import pages, tests_on_device
 
@@ -92,11 +92,7 @@ def both_paths(
     chosen: Sequence[str] | None,
 ) -> tuple[dict[str, dict[str, float]], dict[str, dict[str, Any]]]:
     """How far the images of both paths are apart, and the most that is allowed, by case."""
-    script = Path(__file__).parents[1] / "kept" / "measure_paths.py"
-    spec = importlib.util.spec_from_file_location("measure_paths", script)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = script(Path(__file__).parents[1] / "kept" / "measure_paths.py")
     ceilings = module.read_cases()
     before = os.environ.get(module.SWITCH)
     try:

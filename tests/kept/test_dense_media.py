@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from scripts import script
 
-def _script():
-    """The module dense_media.py, which is a script too."""
-    path = Path(__file__).with_name("dense_media.py")
-    spec = importlib.util.spec_from_file_location("dense_media", path)
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-dense_media = _script()
+dense_media = script(Path(__file__).with_name("dense_media.py"))
 WIDE = {
     "box g .8, 16 per m, away from it": 0.18,
     "beside each other over a floor, g .7, 5 per m": 0.19,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,20 +12,12 @@ from airlight.reference.metrics import compare
 from airlight.reference.stored import SIZE_PX, STORED, load_stored, save_stored
 from airlight.scene.image import Image
 from airlight.techniques import TECHNIQUES
+from scripts import script
 
 FOLDER = Path(__file__).parent
 
 
-def _script():
-    """The module measure.py, which is a script too."""
-    spec = importlib.util.spec_from_file_location("measure_kept", FOLDER / "measure.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["measure_kept"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-measure = _script()
+measure = script(FOLDER / "measure.py")
 CEILINGS = measure.read_ceilings()
 SLOW = ("room", "atrium")
 

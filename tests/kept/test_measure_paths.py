@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from airlight.scene.image import Image
+from scripts import script
 
-
-def _script():
-    """The module measure_paths.py, which is a script too."""
-    path = Path(__file__).with_name("measure_paths.py")
-    spec = importlib.util.spec_from_file_location("measure_paths", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-measure = _script()
+measure = script(Path(__file__).with_name("measure_paths.py"))
 CASES = measure.read_cases()
 
 

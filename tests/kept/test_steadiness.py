@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,18 +9,9 @@ import numpy as np
 import pytest
 
 from airlight import scenes
+from scripts import script
 
-
-def _script():
-    """The module steadiness.py, which is a script too."""
-    path = Path(__file__).with_name("steadiness.py")
-    spec = importlib.util.spec_from_file_location("steadiness", path)
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-steadiness = _script()
+steadiness = script(Path(__file__).with_name("steadiness.py"))
 
 
 @pytest.mark.slow

@@ -11,20 +11,16 @@ from airlight.maths.transforms import clip_from_view_infinite, view_from_world
 from airlight.scene import Material, Texture
 from airlight.surface.gbuffer import GBuffer
 from airlight.surface.mesh_pass import MeshPass
-from airlight.surface.packed_maps import uses_visibility_buffer
 
 WIDTH, HEIGHT = 32, 24
 NEAR_M = 0.01
 UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 
 
-@pytest.fixture(autouse=True, params=["triangles that pixels see", "surfaces as they come"])
-def way(request, monkeypatch, gpu):
-    """CPU adapters draw the one way, GPUs the other; CPU adapters are asked for both."""
-    if request.param == "surfaces as they come":
-        monkeypatch.setattr("airlight.surface.gbuffer.uses_visibility_buffer", lambda gpu: False)
-    elif not uses_visibility_buffer(gpu):
-        pytest.skip("on this device triangles are drawn as they come")
+@pytest.fixture(autouse=True)
+def ways(both_ways):
+    """By the visibility buffer and as surfaces come."""
+    both_ways("gbuffer")
 
 
 def looked_at(gpu, commands, owned, scene, eye=(0, 0, 2.0), forward=(0, 0, -1)):

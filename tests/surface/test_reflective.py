@@ -9,7 +9,6 @@ from airlight.maths.reflection import bihemispherical_albedo
 from airlight.maths.solid_angle import polygon_solid_angle
 from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
 from airlight.surface.light_views import light_views
-from airlight.surface.packed_maps import uses_visibility_buffer
 from airlight.surface.reflective import ReflectiveShadowMaps
 
 SIDE = 128
@@ -17,13 +16,10 @@ ALBEDO = np.array([0.7, 0.4, 0.1])
 RED = Material(base_color=tuple(ALBEDO), specular=0.0)
 
 
-@pytest.fixture(autouse=True, params=["triangles that texels see", "surfaces as they come"])
-def way(request, monkeypatch, gpu):
-    """CPU adapters draw the one way, GPUs the other; CPU adapters are asked for both."""
-    if request.param == "surfaces as they come":
-        monkeypatch.setattr("airlight.surface.reflective.uses_visibility_buffer", lambda gpu: False)
-    elif not uses_visibility_buffer(gpu):
-        pytest.skip("on this device triangles are drawn as they come")
+@pytest.fixture(autouse=True)
+def ways(both_ways):
+    """By the visibility buffer and as surfaces come."""
+    both_ways("reflective")
 
 
 def reflected_flux(gpu, commands, owned, scene, light):

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.errors import DeviceError
-from airlight.gpu.device import open_gpu
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -29,12 +27,9 @@ SMALL = {
 }
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _device():
-    try:
-        open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
+@pytest.fixture(autouse=True)
+def _device(gpu):
+    """Every technique needs one."""
 
 
 def _scaled(side: float) -> np.ndarray:

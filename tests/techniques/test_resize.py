@@ -5,22 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.errors import DeviceError, SettingsError
-from airlight.gpu.device import open_gpu
+from airlight.errors import SettingsError
 from airlight.rendering import Renderer
 from airlight.scene import Camera, DirectionalLight, Medium, Mesh, Scene, Volume
 from airlight.scene.shapes import box
 
 SIZE, OTHER = (24, 14), (36, 20)
 SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000}
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _device():
-    try:
-        open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
 
 
 def hazy(with_volume: bool = False) -> Scene:

@@ -85,6 +85,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         with interrupts.taken_up(), guarded(), recorded():
             code = airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
         return code if isinstance(code, int) else 0
+    # What a person can mend is one line and exit code 2.
     except AirlightError as error:
         if error.__cause__ is not None and env.is_on("AIRLIGHT_DEBUG"):
             traceback.print_exception(error)
@@ -94,6 +95,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         with contextlib.suppress(OSError):
             error.show()
         return error.exit_code
+    # What came from outside is no error of ours.
     except (KeyboardInterrupt, click.Abort):
         say("interrupted")
         return interrupts.INTERRUPTED

@@ -96,9 +96,11 @@ def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = N
             where=target,
             remedy="End its name in .xml, for Mitsuba 3, in .glb or in .toml.",
         )
+    # What is read may be what is written: a target is checked before and after.
     check_writable(target)
     scene = load_scene(source, model)
     check_writable(target)
+    # A scene file names files; what was only in memory would be lost.
     if target.suffix.lower() == ".toml":
         _refuse_loss(scene, source, target)
     if target.suffix.lower() == ".toml":
@@ -107,6 +109,7 @@ def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = N
         notes = _write_glb(scene, target)
     else:
         notes = _write_xml(scene, target)
+    # What the format cannot hold is said, not left out in silence.
     show_warnings(scene)
     for note in notes:
         click.echo(f"note: {note}", err=True)

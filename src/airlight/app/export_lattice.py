@@ -31,6 +31,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     what they scatter towards the scene's camera. A .vdb holds grids of colours: the mean radiance
     in each lattice, what air scatters, and what volumes scatter.
     """
+    # Refuse before solving what could not be written after it.
     reads(scene)
     _check_output(output)
     from ..exports.solved import export_lattice

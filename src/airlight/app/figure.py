@@ -64,6 +64,7 @@ def command(
     if is_list:
         _list()
         return
+    # Unknown names are refused before the first figure is drawn.
     chosen = tuple(FIGURES) if is_all else tuple(dict.fromkeys(names))
     if not chosen and not is_gallery:
         raise SettingsError("no figure is named", remedy=f"Name some of {', '.join(FIGURES)}")
@@ -71,6 +72,7 @@ def command(
         figure(name)
     folder = _folder(output)
     size = QUICK_SIZE if options["quick"] else options["size"]
+    # Each figure with its numbers, then the page of all that lie in the folder.
     with progress(quiet=options["quiet"]) as report:
         failed = _draw_all(chosen, folder, size, options, report)
     if is_all or is_gallery:
@@ -96,6 +98,7 @@ def _draw_all(
         def told(stage: str, fraction: float, name: str = name) -> None:
             report(f"{name}: {stage}", fraction)
 
+        # What a panel lacks (Mitsuba, a file) is noted by it and said once for the figure.
         lacks: dict[str, None] = {}  # several panels may lack the same
         request = Request(size, options["quick"], options["adapter"], told, lacks.setdefault)
         try:
@@ -105,6 +108,7 @@ def _draw_all(
             if env.is_on("AIRLIGHT_DEBUG") and not isinstance(error, AirlightError):
                 traceback.print_exception(error)
             continue
+        # With the image goes what is needed to draw it again.
         about = {
             "command": _command(name, folder, options["size"], options["quick"]),
             "airlight": __version__,

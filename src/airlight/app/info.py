@@ -31,6 +31,7 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     from ..scene.io import VOLUME_SUFFIXES, model_keys
     from ..scene.io.images import IMAGE_SUFFIXES
 
+    # Refuse options that make no sense for the kind of file.
     model_keys(file, **{name: value for name, value in model.items() if name != "sun"})
     ending = Path(file).suffix.lower()
     if "sun" in model and ending in (*VOLUME_SUFFIXES, *IMAGE_SUFFIXES):
@@ -54,6 +55,7 @@ _MOST_EMITTERS = 20
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
     """Counts, bounds in metres, and every light, as plain values."""
+    # Meshes share materials and materials share textures; each is counted once.
     materials = {id(mesh.material): mesh.material for mesh in scene.meshes}.values()
     textures = {id(t): t for material in materials for t in _textures(material)}.values()
     low, high = scene.bounds

@@ -184,6 +184,7 @@ def shared_settings(
 
     own: dict[str, dict[str, str]] = {}
     known: set[str] = set()
+    # A setting goes to the techniques that have it, checked by each.
     for name in techniques:
         try:
             made = settings_class(name, scene)
@@ -193,6 +194,7 @@ def shared_settings(
         known |= made.__dataclass_fields__.keys()
         own[name] = {k: v for k, v in settings.items() if k in made.__dataclass_fields__}
         make_settings(made, own[name], where=f"technique {name}")
+    # A setting that no technique has is a slip, and the nearest name is offered.
     unknown = [key for key in settings if known and key not in known]
     if unknown:
         raise SettingsError(

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 @sun_option()
 def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
+    # As rendering would read it, and files that it would read later.
     try:
         scene = load_scene(file, model)
         check_techniques(scene, file)

@@ -79,6 +79,7 @@ class Combine:
             raise SettingsError(f"{len(layers)} layers cannot be shown at once")
         # Slots without a layer get one of weight 0.
         filled = [*layers, *[self._means[0]] * (MOST_LAYERS - len(layers))]
+        # The running mean m += (x - m) / (k + 1), from one texture into the other.
         params = CombineParams(
             weights=[float(i < len(layers)) for i in range(MOST_LAYERS)],
             weight=1.0 / (index + 1),

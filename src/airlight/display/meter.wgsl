@@ -14,6 +14,7 @@ fn main(@builtin(local_invocation_index) self_index: u32) {
         atomicStore(&counts[bin], 0u);
     }
     workgroupBarrier();
+    // A histogram of log2 luminance, of pixels on a grid over the image; black ones say nothing.
     let grid = min(params.size, vec2u(LOOKED_AT));
     for (var i = self_index; i < grid.x * grid.y; i += WX) {
         let place = vec2u(i % grid.x, i / grid.x);
@@ -25,6 +26,7 @@ fn main(@builtin(local_invocation_index) self_index: u32) {
         }
     }
     workgroupBarrier();
+    // The exposure goes towards it by a share, so that it follows an image that moves without flicker.
     if (self_index == 0u) {
         metered[0] = mix(metered[0], exposure(), params.speed);
     }
@@ -39,6 +41,7 @@ fn exposure() -> f32 {
     if (total == 0.0) {
         return 0.0;
     }
+    // The mean of log2 luminance between both percentiles.
     let low = 0.05 * total;
     let high = 0.98 * total;
     var below = 0.0;
@@ -53,5 +56,6 @@ fn exposure() -> f32 {
         sum += inner * stops;
         below += count;
     }
+    // In stops: that mean becomes the middle grey of a reflectance of 18 %.
     return log2(0.18) - sum / total;
 }

@@ -83,6 +83,7 @@ class Presenter:
 
         `exposed_as`: what was metered of another presenter's image, to be compared with.
         """
+        # Exposure follows the image, over some frames while it changes; raw layers have none.
         meter = exposed_as._meter if exposed_as else self._meter
         is_raw, is_metered = look.layer in _RAW_LAYERS, look.exposure_stops is None
         with commands.stage("tone"):

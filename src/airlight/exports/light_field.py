@@ -150,6 +150,7 @@ class LatticeLight:
         beyond[:, axis] = 0.0
         cell, at = self._cells(coordinates + beyond)
         low, high = self.walls[at][:, axis].astype(np.float64), self._wall_above(cell, axis)
+        # Linear between both walls, and beyond each of them, so that walls lie on faces.
         t = coordinates[:, axis] - cell[:, axis]
         between = (t - low) / np.maximum(1.0 + high - low, 0.25)
         below, above = (t - low) / (1.0 + low), 1.0 + (t - 1.0 - high) / (1.0 - high)

@@ -70,11 +70,13 @@ def save_light_field(field: LightField, path: str | Path) -> None:
     target = Path(path)
     arrays = _arrays(field)
     header = json.dumps(_header(field, arrays), indent=2)
+    # One file with the header as text inside.
     if target.suffix == ".npz":
         with whole_file(target) as part:
             held: dict[str, Any] = {"header": np.array(header), **arrays}
             np.savez(part, **held)
         return
+    # Or a file for each array; the header comes last, so that a folder that has one is whole.
     _make_folder(target)
     for name, array in arrays.items():
         with whole_file(target / f"{name}.npy") as part:
@@ -86,6 +88,7 @@ def save_light_field(field: LightField, path: str | Path) -> None:
 def load_light_field(path: str | Path) -> LightField:
     """Read what `save_light_field` wrote. Raises SceneError."""
     source = Path(path)
+    # Parsers raise errors of their own kinds; all of them are told as the file's.
     try:
         header, arrays = _read_folder(source) if source.is_dir() else _read_npz(source)
         if header["format"] != FORMAT or header["version"] != VERSION:

@@ -105,6 +105,7 @@ def _lattice_light(record: Any, held: Mapping[str, Any], origin: F64) -> Lattice
         weights = scale * 4.0 / np.pi * np.array([1.0, 1.5, 1.5, 1.5])
     else:
         weights = scale * float(record["lookup_scale"]) * np.ones(4)
+    # From the scene near its camera to the world: both are lengths along the lattice's axes.
     names = ("fade_low", "fade_low_width", "fade_high", "fade_high_width")
     fade = np.array([record[k] for k in names], np.float64)
     axes = np.array([record[f"axis_{k}"] for k in "xyz"], np.float64)

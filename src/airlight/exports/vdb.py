@@ -122,6 +122,7 @@ def _tree(values: F32) -> tuple[bytes, bytes]:
     is_lit: NDArray[np.bool_] = np.asarray(blocks.any(axis=(3, 4, 5, 6)))
     if not is_lit.any():
         is_lit[0, 0, 0] = True
+    # Root, upper and lower nodes by number, leaves by mask; values follow in the same order.
     topology, stored = bytearray(), bytearray()
     topology += struct.pack("<I", 1) + bytes(4 * channels)  # one buffer; the background, 0
     roots = _children(np.argwhere(is_lit), _UPPER_SIDE // _LEAF)

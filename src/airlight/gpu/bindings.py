@@ -30,6 +30,8 @@ class Bindings:
             raise TypeError(f"{self.label}: missing {sorted(missing)}, unknown {sorted(unknown)}")
         if commands.tally is not None:
             commands.tally.bound(commands.stage_name, (values[name] for name in self.fixed))
+        # Parameters move in the arena, so they come as offsets; all else is named by the group,
+        # which is made once for each set of resources.
         offsets = [commands.put(values[name]) for name in self.dynamic]
         resources = [values[name] for name in self.fixed]
         key = (id(commands), *map(id, resources))

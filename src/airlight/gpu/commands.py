@@ -97,6 +97,7 @@ class Commands:
         if not isinstance(params, Struct):
             kind = type(params).__name__
             raise TypeError(f"uniform parameters must be a Struct, not {kind}")
+        # Offsets are aligned as WebGPU asks of dynamic ones.
         data = params.data
         size = len(data)
         if self._used + size > _ARENA_BYTES:
@@ -116,6 +117,7 @@ class Commands:
             return
         if self._clock and self._clock.count:
             self._clock.resolve(self._encoder)
+        # All parameters of the frame go over in one write, before what reads them.
         with self.gpu.guarded():
             if self._used:
                 self.gpu.queue.write_buffer(self.arena, 0, self._staging, 0, self._used)
@@ -132,6 +134,7 @@ class Commands:
         """
         outer, self._stage = self._stage, name
         on_wall = self.is_timed and (self.gpu.is_cpu or self._clock is None)
+        # What came before must not be counted: passes end, and on a wall clock the device is idle.
         if self.is_timed:
             self._close_compute()
         if on_wall and not outer:
@@ -187,6 +190,7 @@ class _Timestamps:
     def next(self, name: str) -> dict[str, Any] | None:
         if self.count + 2 > _MAX_TIMESTAMPS:
             return None
+        # Made when they are first asked for: most runs time nothing.
         if self._queries is None:
             self._queries = self.gpu.device.create_query_set(
                 label="stages", type="timestamp", count=_MAX_TIMESTAMPS

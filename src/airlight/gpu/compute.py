@@ -42,9 +42,12 @@ class ComputePass:
         self._source, self._constants = Source(), constants or {}
         source = self._source
         wx, wy, wz = self.workgroup
+        # What the device cannot bind or run is refused before anything is made of it.
         slots = on_device(self.slots, gpu)
         check_slots(gpu, self.label, slots)
         check_workgroup(gpu, self.label, self.workgroup)
+        # The whole source: bindings and workgroup from the class, what is generated, then the
+        # file.
         source.add(declarations(slots), f"{self.label} slots")
         source.add(f"const WX = {wx}u;\nconst WY = {wy}u;\nconst WZ = {wz}u;", "workgroup")
         if generated:

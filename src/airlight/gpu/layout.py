@@ -91,12 +91,15 @@ class Struct:
     def __init_subclass__(cls) -> None:
         cls.fields = {k: v for k, v in vars(cls).items() if isinstance(v, Field)}
         cls._kept = {}
+        # Each field at the next multiple of its alignment, the size one of the largest: WGSL's
+        # rules for structs.
         offsets, end = [], 0
         for field in cls.fields.values():
             offset = -(-end // field.align) * field.align
             offsets.append(offset)
             end = offset + field.size
         align = max(field.align for field in cls.fields.values())
+        # The same layout for NumPy and as WGSL.
         cls.dtype = np.dtype(
             {
                 "names": list(cls.fields),

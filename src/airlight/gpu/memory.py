@@ -91,6 +91,7 @@ class Texture(_Counted):
         written: bool = False,
         mips: int = 1,
     ) -> None:
+        # Larger than the device allows is a message that names the limit, not a validation error.
         width, height, depth = (*size, 1, 1)[:3]
         is_3d = dimension == "3d"
         limit = "max-texture-dimension-3d" if is_3d else "max-texture-dimension-2d"
@@ -102,6 +103,7 @@ class Texture(_Counted):
         usage |= wgpu.TextureUsage.STORAGE_BINDING if written else 0
         self.gpu, self.label, self.size, self.format = gpu, label, (width, height, depth), format
         self.mips = mips
+        # The texture and the view that slots bind.
         with gpu.guarded():
             made = gpu.device.create_texture(
                 label=label,
@@ -112,6 +114,7 @@ class Texture(_Counted):
                 mip_level_count=mips,
             )
             self.resource: Any = made.create_view(label=label, dimension=dimension)
+        # A chain of mip levels adds a third.
         self._layers: dict[int, Any] = {}
         self.nbytes = width * height * depth * _BYTES[format] * (4 if mips > 1 else 3) // 3
         self.handle = made

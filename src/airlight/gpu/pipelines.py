@@ -35,6 +35,7 @@ class Pipelines:
         with self._changing:
             found = self._kept.get(key)
             begun = self._begun.get(key)
+        # Made outside the lock: compiling takes seconds, and other threads go on.
         try:
             if found is None:
                 found = make() if begun is None else begun.result()

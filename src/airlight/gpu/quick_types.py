@@ -13,6 +13,7 @@ from typing import Any
 
 def declare_only_what_is_named(ffi: Any) -> bool:
     """Make `ffi` (a cffi.FFI) quick at types; whether it could be: cffi's insides may change."""
+    # Where cffi's insides are not as expected, it stays as it is.
     parser: Any = getattr(ffi, "_parser", None)
     parse: Any = getattr(parser, "_parse", None)
     if parse is None or not isinstance(getattr(parser, "_declarations", None), dict):
@@ -20,6 +21,7 @@ def declare_only_what_is_named(ffi: Any) -> bool:
     if getattr(parse, "is_quick", False):
         return True
 
+    # cffi declares all it knows each time it parses a type; the names in the source are enough.
     def quick(source: str) -> Any:
         everything = parser._declarations
         named = set(re.findall(r"\w+", source))

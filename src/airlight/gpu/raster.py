@@ -217,6 +217,7 @@ class FullscreenPass(RasterPipeline):
             commands.tally.ran(commands.stage_name, width * height)
             commands.tally.bound(commands.stage_name, targets)
         attached = tested.attached if tested else {}
+        # Three vertices cover the target; a depth test leaves out pixels by what they hold.
         with commands.render(self.label, color_attachments=colors, **attached) as encoder:
             if tested:
                 encoder.set_viewport(0, 0, *tested.size[:2], tested.at, tested.at)

@@ -57,6 +57,7 @@ class Recorded:
         """
         if not commands.is_recordable or commands.recording is not None:
             return encode()
+        # Replay what the same key encoded before; of recordings only the last few are kept.
         whole = (commands, *key)
         recording = self._recordings.pop(whole, None)
         if recording is None:
@@ -73,7 +74,7 @@ class Recorded:
         commands.recording = []
         try:
             found = encode()
-            return Recording(self._gpu, self.label, commands, commands.recording, found)
+            return Recording(self._gpu, self.label, commands.recording, found)
         finally:
             commands.recording = None
 
@@ -91,9 +92,7 @@ class Recording:
 
     nbytes = 0
 
-    def __init__(
-        self, gpu: Gpu, label: str, commands: Commands, dispatches: list[Dispatch], found: object
-    ) -> None:
+    def __init__(self, gpu: Gpu, label: str, dispatches: list[Dispatch], found: object) -> None:
         self._gpu = gpu
         self.found: Any = found
         # Parameters go into a buffer of their own, so that their offsets stay.
@@ -106,6 +105,7 @@ class Recording:
         gpu.memory.count(nbytes)
         if data:
             gpu.queue.write_buffer(params, 0, data)
+        # Rows to replay: what equals the row before is not set again.
         made: dict[tuple[int, ...], Any] = {}  # by ids, which are theirs as dispatches live
         self._rows: list[_Row] = []
         self._last: Any = None
@@ -125,6 +125,7 @@ class Recording:
         """Encode them."""
         if not self._rows:
             return
+        # Straight to wgpu-native where its calls are known: wgpu-py checks each argument again.
         encoder = commands.compute
         if _CALLS is None:
             self._replay_slowly(encoder)

@@ -32,6 +32,7 @@ def closed_bodies(meshes: Sequence[Mesh]) -> tuple[list[int], list[list[int]]]:
     closed = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
     found = [closed[id(mesh.geometry)] for mesh in meshes]
     bodies = [[index] for index, side in enumerate(found) if side != 0]
+    # Open meshes may close a body together; the sign of its volume says which side is out.
     for body in _joined([index for index, side in enumerate(found) if side == 0], meshes):
         outside = 1 if sum(_volume(meshes[index]) for index in body) > 0.0 else -1
         for index in body:
@@ -155,6 +156,7 @@ def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
 
 def _connected(left: list[int], owner: NDArray[np.int64], which: Edges) -> list[list[int]]:
     """Groups of those `left` that have edges at the same places."""
+    # Meshes that share an edge, as pairs; groups are what the pairs join.
     order = np.argsort(which, kind="stable")
     is_same = which[order][1:] == which[order][:-1]
     one, two = owner[order][:-1][is_same], owner[order][1:][is_same]

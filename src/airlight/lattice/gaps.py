@@ -56,6 +56,7 @@ def narrow_gap(meshes: tuple[Mesh, ...], axes: Axes) -> float:
     width, air = np.concatenate(found, axis=1)
     if not len(width):
         return float(np.inf)
+    # The quantile of widths, each weighted by the air in its gap.
     order = np.argsort(width)
     share = np.cumsum(air[order])
     return float(width[order][np.searchsorted(share, _NARROW * share[-1])])
@@ -73,6 +74,7 @@ def _samples(meshes: tuple[Mesh, ...], turn: F64) -> tuple[F64, F64]:
         if own.sum() <= 0.0:
             continue
         triangle, weights = samples_of(own, max(1, round(_SAMPLES * float(own.sum()) / total)))
+        # In the world, then along the axes.
         geometry, placed = mesh.geometry, mesh.world_from_object
         corners = geometry.positions[geometry.indices[triangle]].astype(np.float64)
         corners = corners @ placed[:3, :3].T + placed[:3, 3]

@@ -134,6 +134,7 @@ class Inject(ComputePass):
 
         `lights` are asked for where media attenuate them.
         """
+        # One invocation sums a square of texels, surface by surface, into virtual lights.
         media = {**self._attenuation.bound, **lights.bound} if self._attenuation and lights else {}
         side = -(-maps.resolution // maps.block)
         self.dispatch(

@@ -112,6 +112,7 @@ class LatticeTextures(ChannelTextures):
         placement = placement or self.placement
         # A shaped lobe is narrower than what a surface in its own cell should read of it.
         constant, directional = own_shares() if is_shaped else (1.0, 1.0)
+        # Injected and propagated light together, in half floats, a texture for each colour.
         self.pack.dispatch(
             commands,
             placement.count,

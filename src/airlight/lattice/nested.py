@@ -98,6 +98,8 @@ def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
     half = 0.5 * placement.cell * np.array(placement.count)
     direction = look / max(float(np.linalg.norm(look)), 1e-30)
     low, high = _room(nest, placement)
+    # Ahead of the eye, so far that it stays inside; a lattice larger than the box is centred in
+    # it.
     reach = AHEAD * half * direction
     inner_low, inner_high = low + half, high - half
     middle = 0.5 * (low + high)
@@ -113,6 +115,7 @@ def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Pl
     placement = nest.levels[level]
     base = np.array(nest.levels[-1].origin)
     ideal = (centre - base) / placement.cell - 0.5 * np.array(placement.count)
+    # Hysteresis: an eye that trembles across the border of a cell moves no lattice.
     if before is not None:
         now = np.round((np.array(before.origin) - base) / placement.cell)
         if (np.abs(now - ideal) <= SLACK).all():

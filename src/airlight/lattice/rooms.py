@@ -117,7 +117,9 @@ def _clearance(body: Sequence[Mesh], point: F64) -> float:
         corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
         for part in chunks(len(mesh.geometry.indices)):
             three = corners[mesh.geometry.indices[part]]
+            # Per axis, how far the triangle's box is away; 0 where the point is beside it.
             beyond = np.maximum(np.maximum(three.min(axis=1), -three.max(axis=1)), 0.0)
+            # A triangle is no nearer than its plane, nor than its box: the larger of both.
             normal = np.cross(three[:, 1] - three[:, 0], three[:, 2] - three[:, 0])
             length = np.maximum(np.linalg.norm(normal, axis=1), 1e-30)
             to_plane = np.abs(np.einsum("nk,nk->n", normal, three[:, 0])) / length

@@ -55,6 +55,7 @@ def cascades_nest(scene: Scene, settings: CascadeSettings, *, in_medium: bool = 
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
+    # As many as it takes for a cell to fit the narrowest gap.
     count, ratio = settings.cascades, settings.cascade_ratio
     if count == 0:
         cell = fitted(low, high, resolution, axes).cell

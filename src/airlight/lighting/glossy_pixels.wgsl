@@ -8,6 +8,7 @@ fn first_lattices() -> LatticeParams {
 }
 
 fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, share: f32) {
+    // The surface that the pixel sees, as lighting reads it.
     let position = vec2f(pixel) + 0.5;
     let d = textureLoad(depth, pixel, 0);
     let p = pixel_point(position, d);
@@ -18,6 +19,8 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, share: f32) {
     let r = reflector(base.rgb, base.a, normal_roughness.w, textureLoad(emission, pixel, 0).a);
     let n_v = max(dot(n, v), 1e-4);
     let gain = share * specular_albedo(r, n_v) / PI;
+    // What comes along the mirrored ray, lattice by lattice from the finest outwards, times the specular albedo over
+    // pi.
     let n_own = lattice_from_world(lattice_of(0u), n);
     let mirrored = lattice_from_world(lattice_of(0u), reflect(-v, n));
     var direct = rest;
@@ -44,6 +47,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, share: f32) {
     if (i >= count) {
         return;
     }
+    // As many invocations as fill the device share the list.
     loop {
         let direct = listed[2u * i];
         let indirect = listed[2u * i + 1u];

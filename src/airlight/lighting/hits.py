@@ -51,13 +51,11 @@ class HitLighting:
         sky: SkyIrradiance,
     ) -> None:
         """Write the radiance of `hits` to `layers`; where a ray left, the environment's, a = 0."""
-        values = self._bound(commands, hits, irradiance, sky)
-        if self._is_whole:
-            self._draw(commands, "whole", layers.targets, values, irradiance)
+        if not self._is_whole:
+            self.apart(commands, hits, layers, irradiance, sky)
             return
-        self._draw(commands, "lights", (layers.lit,), values, irradiance)
-        values |= {"lit": layers.lit}
-        self._draw(commands, "rest", layers.targets, values, irradiance)
+        values = self._bound(commands, hits, irradiance, sky)
+        self._draw(commands, "whole", layers.targets, values, irradiance)
 
     def lights(
         self,
@@ -81,10 +79,10 @@ class HitLighting:
         sky: SkyIrradiance,
     ) -> tuple[Texture, Texture]:
         """The textures with what lights and emitters give `hits`, and what `irradiance` does."""
-        lit = self.lights(commands, hits, layers, irradiance, sky)
-        values = self._bound(commands, hits, irradiance, sky) | {"lit": lit}
-        self._draw(commands, "rest", layers.targets, values, irradiance)
-        return lit, layers.indirect
+        values = self._bound(commands, hits, irradiance, sky)
+        self._draw(commands, "lights", (layers.lit,), values, irradiance)
+        self._draw(commands, "rest", layers.targets, values | {"lit": layers.lit}, irradiance)
+        return layers.lit, layers.indirect
 
     def _draw(
         self,
@@ -134,6 +132,7 @@ class HitLighting:
     def _lighting_of(self, part: Part, irradiance: Irradiance) -> Lighting:
         # What another part has lit has its shadows.
         shadows = None if part == "rest" else self.shadows
+        # A pass for each combination that a frame asks for, made when it first does.
         key = (part, shadow_key(shadows))
         if key not in self._passes:
             count, directional = self.kit.emitters.plain, self.kit.lights.parallel.layers

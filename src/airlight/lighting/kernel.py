@@ -182,10 +182,12 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
         return Kernel(_NOT_LISTED + _NO_LATTICES, {"HAS_LATTICES": 0.0}, {})
     is_listed = gloss == "listed"
     listing = TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
+    # Where the final gather has the light of surfaces, no lattice is read.
     if part == "gathered":
         mirrored = _texels(MIRRORED) if gloss == "traced" else _NOT_MIRRORED
         text = f"{_NOT_LISTED}{_texels(GATHERED)}{mirrored}//! use gathered_light\n"
         return Kernel(text, {"HAS_LATTICES": 1.0}, {})
+    # Else the lattices from the finest outwards, with the sky and near surfaces.
     constants = {
         **light.constants,
         "HAS_LATTICES": 1.0,
@@ -211,12 +213,15 @@ def lights_kernel(
     if part not in ("whole", "lights"):
         return Kernel(_LIT + _NO_LIGHTS, {"HAS_LIGHTS": 0.0}, {})
     is_box = attenuation is not None and attenuation.is_one_box
+    # Kinds of lights that the scene lacks cost nothing: their loops are compiled out.
     constants = {
         "HAS_LIGHTS": 1.0,
         "HAS_DIRECTIONAL": float(emitters.has_directional),
         "HAS_LOCAL": float(emitters.has_local),
         "IS_ONE_DIRECTIONAL": float(emitters.is_one_directional),
     }
+    # What stands between a light and a pixel: media, translucent surfaces, and rays where maps are
+    # unsure.
     panes = "//! use panes\n" if emitters.has_panes else _NO_PANES
     constants |= shadows or {}
     traced = _NOT_TRACED if shadows is None else _TRACED

@@ -139,6 +139,7 @@ class Kit:
             mapped=len(scene.lights) if has_media else self.emitters.plain,
             has_panes=self.meshes.has_translucent,
         )
+        # The device draws the sky's maps while the host samples surfels and makes solvers.
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
         if context.commands:
             self._begin(context.commands, scene, nest.levels[-1])

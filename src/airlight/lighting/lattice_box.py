@@ -45,6 +45,7 @@ def lattice_box(
     too. Raises SettingsError for bounds that are not a box.
     """
     turn = np.array(axes)
+    # Without the setting: what the scene fills, and its media where the lattice holds their light.
     if not bounds:
         if in_medium:
             return _with_medium(scene, turn)

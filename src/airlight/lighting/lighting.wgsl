@@ -31,6 +31,7 @@ struct Gathered {
     out.indirect = vec4f(0.0, 0.0, 0.0, 1.0);
     let p = surface_point(position.xy, d);
     let v = normalize(params.eye - p);
+    // Where there is no surface, the background.
     if (!HAS_SURFACES || d <= 0.0) {
         if (HAS_LIGHTS) {
             out.direct = vec4f(background(-v), 0.0);
@@ -39,11 +40,13 @@ struct Gathered {
         }
         return out;
     }
+    // The surface: its reflectances, its lobe, its normal.
     let base = textureLoad(albedo, pixel, 0);
     let normal_roughness = textureLoad(normal, pixel, 0);
     let emission_specular = textureLoad(emission, pixel, 0);
     let n = normalize(normal_roughness.xyz);
     let r = reflector(base.rgb, base.a, normal_roughness.w, emission_specular.a);
+    // Emission and direct light, from lights or from the part that has drawn them.
     var found = Gathered(vec3f(0.0), vec3f(0.0), 1.0, false);
     var direct = vec3f(0.0);
     if (HAS_LIGHTS) {
@@ -51,12 +54,14 @@ struct Gathered {
     } else {
         direct = lit_of(pixel).rgb;
     }
+    // Indirect light, of lattices and sky.
     if (HAS_LATTICES && params.has_lattice != 0u) {
         found = gathered(position.xy, d, p, r, n, v);
     }
     direct += found.direct;
     out.indirect = vec4f(found.indirect, 1.0);
     out.direct = vec4f(direct, 1.0);
+    // Glossy pixels follow their mirrored ray in a pass of their own.
     if (found.is_listed) {
         list_glossy(pixel, direct, found.indirect, found.mirrored);
     }

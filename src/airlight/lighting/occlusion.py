@@ -163,6 +163,7 @@ def occlusion_params(
     reach: Reach,
 ) -> OcclusionParams:
     """The image's rays from its matrix (reversed infinite depth), and how far to look."""
+    # Directions through pixels are linear in their place: one at the corner and two steps.
     width, height = layers.size
     corner = (world_from_clip @ (-1.0, 1.0, 0.0, 1.0))[:3]
     return OcclusionParams(

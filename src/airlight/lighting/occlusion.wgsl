@@ -140,9 +140,11 @@ fn slice_visibility(
     s: Slice, pixel: vec2i, texel: vec2i, across: vec2f, offset: f32, radius_px: f32,
 ) -> vec2f {
     var found = Horizons(s.lowest, s.lowest, visible_arcs(s.lowest, s.facing));
+    // The nearest sample at full size, both ways along the slice: contacts are thin.
     let nearest = max(pow(offset / f32(STEPS), SPREAD) * radius_px, NEAREST_PX);
     let first = vec2i(round(across * nearest));
     found = searched(s, found, at_pixel(pixel + first), at_pixel(pixel - first));
+    // Farther ones among the reduced texels, spread by a power of the distance.
     var i = 1u;
     loop {
         if (STEPS < 2u) { break; }
@@ -153,6 +155,7 @@ fn slice_visibility(
         i++;
         if (i >= STEPS) { break; }
     }
+    // The arcs that are left above both horizons, weighted by the slice's share of the hemisphere.
     let open = visible_arcs(found.all, s.facing);
     return s.size * vec2f(open.x + open.y, s.facing.x + s.gamma * s.facing.y);
 }

@@ -16,6 +16,7 @@ const DEPTH_TOLERANCE = 0.05;   // as a share of the depth, per texel of distanc
         let place = clamp(texel + vec2i(k & 3, k >> 2u) - 1, vec2i(0), last);
         let other = textureLoad(sampled, place, 0);
         let near = near_field_of(other);
+        // Texels of another depth are of another surface.
         let off = abs(bitcast<f32>(other.w) - own);
         let weight = select(0.0, 1.0, off <= DEPTH_TOLERANCE * own);
         light += weight * near.light;

@@ -26,6 +26,7 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
         k++;
         if (k >= params.scale * params.scale) { break; }
     }
+    // One surface: the pixel in the middle.
     if (nearest.x - farthest.x <= SAME_SURFACE * nearest.x) {
         return min(first + params.scale / 2u, last);
     }

@@ -27,6 +27,7 @@ def read_layers(
         name: (means.read(name) if means else texture.read())[..., :3].astype(np.float32)
         for name, texture in textures.items()
     }
+    # Layers add up to the image, but for those that are no radiance.
     radiance: F32 = np.sum([layers[n] for n in textures if n not in NOT_ADDED], axis=0)
     g = view.gbuffer
     layers |= {

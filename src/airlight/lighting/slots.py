@@ -96,6 +96,7 @@ def lighting_slots(
     is_traced: bool = False,
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
+    # What one part has lit, the next reads; what it does not read is not bound.
     is_after = part in ("lattices", "rest", "gathered")
     has_lattices = part not in ("lights", "gathered")
     gathered = GATHERED + MIRRORED * (gloss == "traced") if part == "gathered" else ()

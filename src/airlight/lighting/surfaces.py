@@ -159,6 +159,7 @@ class Surfaces:
         self, view: View, part: Part, irradiance: Irradiance, sky: SkyIrradiance
     ) -> dict[str, Any]:
         """The resources of lighting, by slot name."""
+        # Passes take of these what their slots name.
         g, lights = view.gbuffer, self.kit.lights
         params = LightingParams(
             world_from_clip=view.world_from_clip,
@@ -209,6 +210,7 @@ class Surfaces:
     def _lighting_of(
         self, part: Part, irradiance: Irradiance, shadows: ShadowRays | None, gloss: Gloss
     ) -> Lighting:
+        # A pass for each combination that a frame asks for, made when it first does.
         key = (part, gloss, shadow_key(shadows))
         if key not in self._passes:
             count, directional = self._plain

@@ -89,11 +89,14 @@ class Translucent:
         """Put the layer that was drawn, whose `images` these are, under those before it."""
         gbuffer = self.view.gbuffer
         assert isinstance(gbuffer, PeeledGBuffer)
+        # By kind: light of surfaces, or of the medium before them, each attenuated by the layers
+        # in front.
         for name, image in images.items():
             if name in NOT_ADDED:
                 continue
             kind = "IS_SURFACE" if name in SURFACE_LAYERS else "IS_MEDIUM"
             self._under(commands, name, kind, image, gbuffer.taken)
+        # The transmittance of all layers so far attenuates the next one behind.
         if self._is_passed not in self._passed_passes:
             constants = {"HAS_PASSED": float(self._is_passed)}
             self._passed_passes[self._is_passed] = _Passed(self.gpu, constants=constants)
@@ -129,6 +132,7 @@ class Translucent:
         if made is None:
             made = _Under(self.gpu, constants=dict.fromkeys(key, 1.0))
             self._under_passes[tuple(key)] = made
+        # C = C_front + T_front L: the layer is attenuated by what lies before it.
         made.draw(
             commands,
             (front.write,),

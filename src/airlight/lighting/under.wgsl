@@ -9,11 +9,13 @@ override HAS_PASSED: bool = false;
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
     let image = textureLoad(light, pixel, 0);
+    // How much of the layer is there: the surface's coverage, or per colour what its medium covers.
     var weight = vec3f(1.0);
     if (!IS_LAST) {
         let covered = textureLoad(taken, pixel, 0);
         weight = select(vec3f(select(0.0, covered.a, IS_SURFACE)), covered.rgb, IS_MEDIUM);
     }
+    // C = C_front + T_front L.
     if (HAS_PASSED) {
         weight *= textureLoad(passed, pixel, 0).rgb;
     }

@@ -54,6 +54,7 @@ class View:
         if aim == self._aimed:
             return
         self._aimed = aim
+        # The projection, moved by the jitter; depth is reversed, without a far plane.
         look = np.subtract(camera.target, camera.position)
         view = view_from_world(camera.position, look, camera.up)
         aspect = self.size[0] / self.size[1]

@@ -62,6 +62,7 @@ class Border(ComputePass):
         `faces`: the finer lattice's, as lattice.blockers.Blockers. `solved`: the textures that both
         share, of `power_scale` stored units per W sr^-1, and their sampler.
         """
+        # Power through a face goes with its area; both lattices count it in units of their own.
         inner = target.placement
         area = (inner.cell / outer.cell) ** 2
         side = max(inner.count)

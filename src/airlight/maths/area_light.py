@@ -44,6 +44,7 @@ def polygon_irradiance(corners: F64) -> float:
     unit = corners / np.linalg.norm(corners, axis=1, keepdims=True)
     total, down, up = 0.0, np.zeros(3), np.zeros(3)
     for a, b in zip(np.roll(unit, 1, axis=0), unit, strict=True):
+        # Where an edge crosses the horizon it ends, or begins, at the crossing.
         is_above, goes_on = a[2] > 0.0, b[2] > 0.0
         cut = a * b[2] - b * a[2]
         cut = cut * np.sign(b[2] - a[2]) / max(float(np.linalg.norm(cut)), 1e-30)

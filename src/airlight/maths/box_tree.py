@@ -39,6 +39,7 @@ def _runs(count: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     last: list[int] = []
     after: list[int] = []
 
+    # Halves, depth first: whoever leaves a node out goes on at `after`.
     def add(a: int, b: int) -> None:
         node = len(first)
         first.append(a)

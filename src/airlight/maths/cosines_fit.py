@@ -139,6 +139,8 @@ def fitted(cosine: float, alpha: float, start: F64 | None) -> tuple[F64, F64, F6
         matrix = _matrix(parameters, frame)
         inverse: F64 = np.asarray(np.linalg.inv(matrix), np.float64)
         determinant = abs(float(np.linalg.det(inverse)))
+        # The cube of the difference over the sampling density of both lobes, by rays of either:
+        # the measure of Heitz2016's own fit.
         total = 0.0
         for rays in (light, _unit(base @ matrix.T)):
             f, p, _ = ggx_lobe(view, rays, alpha)
@@ -157,6 +159,7 @@ def made() -> F64:
     table = np.zeros((SIDE, SIDE, 6))
     along: list[F64 | None] = [None] * SIDE
     for row in reversed(range(SIDE)):
+        # From rough to smooth, each fit starts from its neighbour's: neighbours interpolate well.
         start = along[0]
         for column in range(SIDE):
             known = along[column] if column == 0 else start

@@ -163,10 +163,13 @@ def deposit(medium: MediumGrid, beams: list[Beam]) -> tuple[F64, F64]:
     """(P, B), W: what leaves all beams per cell; see `diffusion`."""
     shape = (*medium.density.shape, 3)
     power, forward = np.zeros(shape), np.zeros((3, *shape))
+    # sigma_t of the beam counts the forward peak as unscattered; what leaves is the rest of
+    # sigma_s.
     loss = beam_loss(medium.g, medium.albedo)
     leaving = medium.sigma_t * medium.albedo * (1.0 - forward_share(medium.g))
     scale = leaving * medium.density[..., None] * float(np.prod(medium.cell))
     g1 = deposited_anisotropy(medium.g)
+    # Each beam, attenuated to the cell, gives W = E sigma rho V, and forwards g1 of it.
     for one in beams:
         through = mean_transmission(loss * one.optical_depth(medium))
         s = one.irradiance * scale * through

@@ -20,6 +20,7 @@ def largest_diffusivity(density: F64, cell: F64) -> float:
     total = float(density.sum())
     if total <= 0.0:
         return float(np.linalg.norm(cell * np.array(density.shape[::-1]))) / 6.0
+    # Covariance of the density, m^2: that of cells among each other and within themselves.
     spread = np.diag(np.asarray(cell, dtype=np.float64) ** 2 / 12.0)  # a cell is not a point
     at = [(np.arange(n) + 0.5) * h for n, h in zip(density.shape[::-1], cell, strict=True)]
     for i in range(3):

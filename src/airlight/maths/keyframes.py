@@ -47,8 +47,10 @@ def slerp(times: F64, values: F64, time: float) -> F64:
         return a
     b = np.asarray(values[k + 1])
     cosine = float(a @ b)
+    # q and -q turn alike: the nearer of both gives the shorter way round.
     if cosine < 0.0:
         b, cosine = -b, -cosine
+    # Too near for a division by the sine: a line is exact enough.
     if cosine > 1.0 - 1e-9:
         return unit_quaternion((1.0 - u) * a + u * b)
     angle = np.arccos(min(cosine, 1.0))
@@ -65,6 +67,8 @@ def smooth(times: F64, values: F64, time: float) -> F64:
     k, u = segment(times, time)
     if len(times) == 1:
         return np.asarray(values[0])
+    # Speeds at the keyframes from those of the segments beside, the shorter segment's counting
+    # more.
     steps = np.diff(times).reshape(-1, *[1] * (values.ndim - 1))
     slopes = np.diff(values, axis=0) / steps
     speeds = np.concatenate(
@@ -76,6 +80,7 @@ def smooth(times: F64, values: F64, time: float) -> F64:
             slopes[-1:],
         ]
     )
+    # Hermite's cubic has them at both ends.
     span = float(times[k + 1] - times[k])
     return hermite(values[k], span * speeds[k], values[k + 1], span * speeds[k + 1], u)
 

@@ -54,17 +54,21 @@ class Hops:
 @cache
 def hops() -> Hops:
     """The table: offsets sorted by face, edge, corner; weights as the squared Voronoi angles."""
+    # The 26 neighbours: 6 across faces, 12 across edges, 8 across corners.
     cube = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1)
     offsets = cube.reshape(-1, 3)
     offsets = offsets[np.abs(offsets).sum(axis=1) > 0]
     offsets = offsets[np.argsort(np.abs(offsets).sum(axis=1), kind="stable")]
     lengths = np.linalg.norm(offsets, axis=1)
     directions = offsets / lengths[:, None]
+    # The solid angle of a hop is that of its Voronoi cell, alike for hops of one kind.
     one_of_each = {k: int(np.flatnonzero(np.abs(offsets).sum(axis=1) == k)[0]) for k in (1, 2, 3)}
     angle = {
         k: float(polygon_solid_angle(voronoi_cell(directions, i))) for k, i in one_of_each.items()
     }
     omega = np.array([angle[int(k)] for k in np.abs(offsets).sum(axis=1)])
+    # Power weights w = omega^2 / sum omega^2, of two bands: gain0 = sqrt(w), gain1 = sqrt(3) rho
+    # gain0.
     weights = omega**2 / (omega**2).sum()
     gain0 = np.sqrt(weights)
     return Hops(offsets, lengths, directions, omega, weights, gain0, np.sqrt(3.0) * RHO * gain0)
@@ -206,12 +210,16 @@ def half_linear_step(
         power = leaving_power(before, j)
         if blocked is not None:
             power = power * (1.0 - np.asarray(blocked)[j])
+        # Of each half of the hop: the shares scattered, kept as track, and transmitted.
         destination = [_from_destination(v, offset) for v in (scatter, total)]
         length_m = cell_size_m * float(table.lengths[j])
         kept, given, passed = _half_linear_shares((scatter, total), destination, length_m)
+        # What stays in the source cell: scattered power, and track along the hop.
         lobe = power[..., None] * np.array([1.0, *(RHO * table.directions[j])])
         scattered += kept[0] * power
         track += kept[1][..., None] * lobe
+        # What arrives, sharpened and damped by the flux gain of both cells, with the other half's
+        # share.
         arriving = _lobe(passed * power, table.directions[j], 3.0 * RHO)
         arriving[..., 1:] *= (ahead * _from_destination(ahead, offset))[..., None]
         cells = [arriving, (given[0] * power)[..., None], given[1][..., None] * lobe]

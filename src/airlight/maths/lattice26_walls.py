@@ -137,13 +137,16 @@ def bounced(
     returned, track = np.zeros_like(before), np.zeros_like(before)
     for j, direction in enumerate(table.directions):
         power = leaving_power(before, j)
+        # Half a hop to the wall: transmittance exp(-sigma_t l / 2), mean path in the medium.
         half_m = 0.5 * cell_size_m * float(table.lengths[j])
         left = np.exp(-half_m * total)
         way_m = half_m * mean_transmittance(half_m * total)
+        # Reflected into a lobe about the normal of the wall, attenuated on both legs.
         mirror = np.where(power < 0.0, 1.0, white) if is_deficit_kept else white
         stopped = shut[j] * power
         back = mirror * stopped * left
         normal = wall_normals(shut, j)
+        # Both legs add track length, and scatter in the cell.
         track += (way_m * stopped)[..., None] * np.array([1.0, *(RHO * direction)])
         track += (way_m * back)[..., None] * _lobe(normal, REFLECTED_TRACK)
         returned += (left * back)[..., None] * _lobe(normal, returned_sharpness())

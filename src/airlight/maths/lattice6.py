@@ -117,10 +117,12 @@ def face_seen(
     """The face `normal` of the cell at `offset`, seen from the origin, cells of size 1."""
     centre, n = np.asarray(offset, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     corners = face_corners(centre, n)
+    # As printed: light arrives along the face's centre and leaves along its normal.
     if scheme == "paper":
         to_centre = centre + 0.5 * n
         receive = to_centre / np.linalg.norm(to_centre)
         emit, spread = n / (2.0 * np.pi), np.zeros((3, 3))
+    # As corrected: along the mean direction over the face, with what second moment is kept.
     elif scheme == "centroid":
         receive = polygon_mean_direction(corners)
         emit = 3.0 * receive / (4.0 * np.pi)

@@ -58,6 +58,7 @@ def _holds(colours: F64, materials: F64) -> bool:
 def _by_number(rows: F32) -> tuple[F32, F64]:
     """Each number a material; numbers that are everywhere in one ratio share theirs."""
     groups: list[list[int]] = []
+    # Columns in one ratio join the group of the first that they are in ratio with.
     for column in range(rows.shape[1]):
         own = rows[:, column]
         if not own.any():
@@ -70,6 +71,7 @@ def _by_number(rows: F32) -> tuple[F32, F64]:
                 break
         else:
             groups.append([column])
+    # A group's first column stands for it; the others are so many times as much.
     shares = np.stack([rows[:, group[0]] for group in groups], axis=1)
     materials = np.zeros((len(groups), rows.shape[1]))
     for k, group in enumerate(groups):

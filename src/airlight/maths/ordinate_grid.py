@@ -52,6 +52,7 @@ def ordinate_grids(extent: ArrayLike, directions: ArrayLike, cells: int) -> Ordi
     size = np.asarray(extent, dtype=np.float64)
     d = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
     x, y = (np.asarray(v, dtype=np.float64) for v in orthonormal_frame(d))
+    # Rolled about its direction, a grid's cross section is smallest where it lies along the box.
     angle = np.arange(ROLLS) * (0.5 * np.pi / ROLLS)
     c, s = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
     tried_x, tried_y = c * x + s * y, c * y - s * x
@@ -59,12 +60,14 @@ def ordinate_grids(extent: ArrayLike, directions: ArrayLike, cells: int) -> Ordi
     best = np.argmin(np.round(area / area.min(axis=0).clip(1e-30), 9), axis=0)
     row = np.arange(len(d))
     axes = np.stack([tried_x[best, row], tried_y[best, row], d], axis=1)
+    # Cubes as large as the number of cells allows; rounding up may take a few too many.
     spanned = np.abs(axes) @ size
     cell = np.cbrt(spanned.prod(axis=1) / cells)
     count = _count(spanned, cell)
     while np.any(too_many := count.prod(axis=1) > cells):
         cell = np.where(too_many, _TIGHT * cell, cell)
         count = _count(spanned, cell)
+    # The middle of the grid is the middle of the box.
     corner = 0.5 * size - np.einsum("ni,nij->nj", 0.5 * count * cell[:, None], axes)
     return OrdinateGrids(axes, corner, cell, count)
 

@@ -190,15 +190,19 @@ def _mean_on_the_way(passed: F64) -> F64:
 
 def _scattered(hops: Hops, sigma_s: F64, g: F64, a: F64, *, is_paper: bool) -> tuple[F64, F64]:
     """(share that joins the residuum, the rest's a) after the way through a cell."""
+    # As printed (Elek2014 section 4.2): all light stays, and a falls by g^(sigma_s l).
     if is_paper:
         depth = sigma_s * hops.path
         return np.zeros(a.shape), a * np.where(depth > 0.0, g**depth, 1.0)
+    # As corrected: of what scattering turns away a share joins the residuum, the rest widens the
+    # lobe.
     lost = sigma_s * (1.0 - g) * hops.path
     if hops.is_radial:
         share = np.where(g >= _PEAKED, SHARE_RADIAL_PEAKED, SHARE_RADIAL)
         turned = 2.0 / 3.0 * (1.0 - a * a) * hops.curvature
         after = np.clip(a * np.exp(-(1.0 - share) * lost) + turned, 0.0, _LARGEST_A)
         return -np.expm1(-share * lost), after
+    # Lobes wide enough are handed over to it whole.
     after = a * np.exp(-(1.0 - SHARE) * lost)
     high, low = HAND_OVER
     handed = np.clip((high - after) / (high - low), 0.0, 1.0)
@@ -220,6 +224,7 @@ def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
         light[0] += behind[0]
         along[0] += behind[0] * a[0]
         entry = 0.0 * entry
+    # To the four cells beside; what leaves a border cell is lost.
     nz, ny, nx, channels = power.shape
     flat_light, flat_along = (v.reshape(nz, ny * nx, channels) for v in (light, along))
     flat_side, flat_a = (v.reshape(nz, ny * nx, channels) for v in (side, a))
@@ -235,6 +240,7 @@ def _hop(hops: Hops, power: F64, a: F64) -> tuple[F64, F64, F64]:
         flat_light += stays
         flat_along += stays * flat_a
         sides = sides + flat_side[:, ~inside].sum(axis=(0, 1))
+    # What has arrived has the mean sharpness of its parts, weighted by power.
     arrived = np.where(light > 1e-30, along / np.maximum(light, 1e-30), 0.0)
     return light, arrived, np.stack([entry, ahead[-1].sum(axis=(0, 1)), sides])
 

@@ -104,15 +104,18 @@ def importance_sampled(radiance: ArrayLike, count: int, importance: F64 | None =
     rgb = np.asarray(radiance, dtype=np.float64)
     height, width = rgb.shape[:2]
     omega = latlong_row_solid_angles(height, width)[:, None]
+    # Density: luminance times solid angle times importance, nowhere quite zero.
     light = luminance(rgb) * (1.0 if importance is None else importance)
     total = float((light * omega).sum())
     towards = seeds(light * omega + 1e-12 * max(total, 1e-300) / light.size, count)
+    # The texel at each ordinate.
     u = np.arctan2(towards[:, 0], -towards[:, 2]) / (2.0 * np.pi) % 1.0
     v = np.arccos(np.clip(towards[:, 1], -1.0, 1.0)) / np.pi
     at = (
         np.minimum((v * height).astype(int), height - 1),
         np.minimum((u * width).astype(int), width - 1),
     )
+    # A share 1/N of all light each: omega = total / (N L), and its colour is the texel's.
     here = np.maximum(light[at], 1e-300)
     solid_angle = np.minimum(total / (count * here), 4.0 * np.pi)
     irradiance = rgb[at] / here[:, None] * (total / count)

@@ -85,12 +85,15 @@ def near_fluence(
     falls faster than an infinite one's. Where little of the path is filled, the light is outside:
     no loss.
     """
+    # The beam's coefficients: the forward peak counts as unscattered.
     f = forward_share(medium.g)
     scattering = medium.sigma_t * medium.albedo * (1.0 - f)
     loss = medium.sigma_t * beam_loss(medium.g, medium.albedo)
     albedo = scattering / np.maximum(loss, 1e-30)
+    # A thin medium loses light at its border, as if its extinction were larger.
     thickness = loss * mean_density * radius_m
     thin = THIN_GAIN * np.exp(-(thickness**2)) / radius_m
+    # Read the infinite medium's table at s / (1 + s), s the optical distance.
     r = np.maximum(away_m, 0.4 * float(np.mean(medium.cell)))
     s = loss * one.passed[..., None] + thin * r[..., None]
     tables = np.stack([near_table(float(w)) for w in albedo], axis=-1)
@@ -98,6 +101,7 @@ def near_fluence(
     low = np.minimum(at.astype(np.int64), NEAR_TABLE - 2)
     channel = np.arange(len(albedo))
     missing = (1.0 + low - at) * tables[low, channel] + (at - low) * tables[low + 1, channel]
+    # As much of it as the path lies in the medium.
     filled = one.passed / r
     share = filled * np.minimum(1.0, filled / max(mean_density, 1e-30))
     return np.asarray(np.asarray(intensity) * scattering * missing * (share / r)[..., None])

@@ -73,12 +73,14 @@ class RadialGrid:
         """How light moves in it; what leaves a box (3,), m, around the medium is lost."""
         n, edges = self.side, self.edges
         omega = octahedron_cell_solid_angles(n)
+        # Neighbours on the octahedral map, across its folds too.
         v, u = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
         cell = np.stack([u, v], axis=-1)
         steps = ((-1, 0), (1, 0), (0, -1), (0, 1))
         others = [octahedron_neighbour(cell, np.array(step), n) for step in steps]
         beside = np.stack([o[..., 1] * n + o[..., 0] for o in others])
         other_omega = omega.reshape(-1)[beside]
+        # Shells: path r1 - r0, volume omega (r1^3 - r0^3) / 3, section omega r^2.
         path = np.diff(edges)[:, None, None, None]
         middle = self.radii[:, None, None, None]
         cubes = np.diff(edges**3)[:, None, None, None] / 3.0

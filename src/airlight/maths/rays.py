@@ -44,11 +44,13 @@ def nearest_hit(
     found = RayHits(np.full(len(o), np.inf), np.full(len(o), -1), np.zeros((len(o), 2)))
     if not len(p):
         return found
+    # All pairs of rays and triangles, some rays at a time so that they fit in memory.
     step = max(1, _MOST_PAIRS // len(p))
     for first in range(0, len(o), step):
         part = slice(first, first + step)
         t, u, v = triangle_distances(o[part], d[part], p)
         t[~((t >= t_min) & (t < t_max))] = np.inf
+        # The nearest of each ray's hits; none leaves t = inf, triangle -1.
         nearest = t.argmin(axis=1)
         rows = np.arange(len(nearest))
         found.t[part] = t[rows, nearest]

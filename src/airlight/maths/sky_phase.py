@@ -29,6 +29,7 @@ def convolved(radiance: ArrayLike, g: ArrayLike) -> F64:
     `g` (channel,). Rows are convolved along longitude in frequency space. What is narrower than
     a texel keeps its integral.
     """
+    # Between two rows the phase function depends on the difference of longitudes alone.
     light = _shrunk(np.asarray(radiance, dtype=np.float64))
     height, width = light.shape[:2]
     omega = latlong_row_solid_angles(height, width)
@@ -36,6 +37,7 @@ def convolved(radiance: ArrayLike, g: ArrayLike) -> F64:
     cosine = np.einsum("ik,jwk->ijw", direction[:, 0], direction)
     waves = np.fft.rfft(light * omega[:, None, None], axis=1)
     channels = []
+    # So each pair of rows is a product of Fourier series; kernels are normalised on the map.
     for channel, anisotropy in enumerate(np.asarray(g, dtype=np.float64)):
         kernel = henyey_greenstein(cosine, anisotropy)
         kernel /= np.einsum("ijw,j->i", kernel, omega)[:, None, None]

@@ -71,12 +71,14 @@ def voronoi_cell(directions: ArrayLike, index: int) -> F64:
     """
     d = np.asarray(directions, dtype=np.float64)
     own = d[index]
+    # Corners of three directions lie on two of the planes that halve the way to others.
     planes = own - np.delete(d, index, axis=0)
     i, j = np.triu_indices(len(planes), 1)
     meets = np.cross(planes[i], planes[j])
     length = np.linalg.norm(meets, axis=1)
     meets = meets[length > 1e-9] / length[length > 1e-9, None]
     meets = np.concatenate([meets, -meets])
+    # Those that no other direction is nearer to, in order around the cell.
     corners = meets[(meets @ planes.T >= -1e-9).all(axis=1)]
     corners = np.unique(np.round(corners, 12), axis=0)
     side = np.cross(own, corners[0])

@@ -99,6 +99,7 @@ def sky_radiance(air: Air, towards_sun: F64, directions: F64) -> F64:
     Its parts without phase functions are smooth: they are computed for some views, dense near the
     horizon, and read between them.
     """
+    # The table: elevations dense near the horizon, azimuths from the sun's on one side.
     up = float(np.arcsin(np.clip(towards_sun[1], -1.0, 1.0)))
     rows = np.linspace(0.0, 1.0, _ELEVATIONS) ** 2 * np.pi / 2.0
     columns = np.linspace(0.0, np.pi, _AZIMUTHS)
@@ -107,12 +108,14 @@ def sky_radiance(air: Air, towards_sun: F64, directions: F64) -> F64:
     table = np.concatenate(
         [part @ rgb_of_sunlight() for part in (parts.air, parts.haze, parts.often)], axis=-1
     ).reshape(_ELEVATIONS, _AZIMUTHS, 9)
+    # Where each direction lies in it; the sky is alike on both sides of the sun.
     heights = np.arcsin(np.clip(directions[..., 1], 0.0, 1.0))
     turn = np.arctan2(directions[..., 0], directions[..., 2])
     beside = turn - np.arctan2(towards_sun[0], towards_sun[2])
     column = np.abs((beside + np.pi) % (2.0 * np.pi) - np.pi) / np.pi * (_AZIMUTHS - 1)
     row = np.sqrt(heights / (np.pi / 2.0)) * (_ELEVATIONS - 1)
     read = bilinear(table, row, column)
+    # Single scattering times its phase functions, plus what is scattered more often.
     cosine = np.clip(directions @ towards_sun, -1.0, 1.0)[..., None]
     once = read[..., :3] * air_phase(cosine) + read[..., 3:6] * haze_phase(cosine)
     return np.asarray(np.maximum(once + read[..., 6:], 0.0))

@@ -62,11 +62,13 @@ def view_grid(view: Frustum, extent: F64) -> ViewGrid | None:
     if window is None:
         return None
     (near, far), low, high = window
+    # Cells in perspective: equal steps on the image, equal slices in depth.
     x, y = low[:, None] + (np.arange(SIDE) + 0.5) / SIDE * (high - low)[:, None]
     slant = view.forward + x[None, :, None] * view.right + y[:, None, None] * view.up
     thick = (far - near) / SIDE
     z = (near + (np.arange(SIDE) + 0.5) * thick)[:, None, None, None]
     length = np.linalg.norm(slant, axis=-1, keepdims=True)
+    # Their sections grow with z^2; neighbours are those of a grid of cubes.
     section = np.broadcast_to(z**2 * float(np.prod((high - low) / SIDE)), (SIDE, SIDE, SIDE, 1))
     plain = parallel_hops((SIDE,) * 3, 1.0)
     path = np.full((SIDE, 1, 1, 1), thick * float(length.mean()))
@@ -82,6 +84,7 @@ def _window(view: Frustum, extent: F64) -> tuple[tuple[float, float], F64, F64] 
     far = float(depth.max())
     half = np.array(view.tangents)
     low, high = -half, half
+    # A box that is wholly before the eye covers a part of the image; else all of it.
     if depth.min() > 0.0:
         place = (away @ np.stack([view.right, view.up]).T) / depth[:, None]
         low = np.clip(place.min(axis=0), -half, half)
@@ -107,10 +110,12 @@ class Lobes:
 
 def scattered_importance(grid: ViewGrid, medium: MediumGrid) -> Lobes:
     """Of an image whose pixels all matter alike. `medium` has one channel."""
+    # The medium's density at the cells of the view's grid.
     inside = np.all((grid.centres >= 0.0) & (grid.centres <= medium.extent), axis=-1)
     density = np.where(inside, trilinear(medium.density, grid.centres / medium.cell), 0.0)
     here = MediumGrid(medium.extent, density, density, medium.sigma_t, medium.albedo, medium.g)
     hops = grid.hops
+    # Importance leaves the eye as light would, and is scattered at each hop.
     light = first_light(hops, here, density, 1.0 / hops.section, is_paper=False)
     sigma_s = density[..., None] * medium.sigma_t * medium.albedo
     power, along = light.copy(), light * medium.g
@@ -131,6 +136,7 @@ def _merged(grid: ViewGrid, power: F64, along: F64, isotropic: float) -> Lobes:
         blocks = values.reshape(n, k, n, k, n, k, -1).sum(axis=(1, 3, 5))
         return np.asarray(blocks.reshape(n**3, -1))
 
+    # Blocks of cells become a lobe each: place, direction and sharpness weighted by power.
     total = joined(power)
     kept = total[:, 0] > 1e-6 * total.max(initial=1e-30)
     total = total[kept]

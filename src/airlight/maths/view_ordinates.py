@@ -25,14 +25,17 @@ def view_partition(radiance: ArrayLike, count: int, importance: F64) -> Ordinate
 
     Light is kept as `ordinates.partition` keeps it.
     """
+    # Texels that the view sees pull their ordinates nearer.
     power, weight, towards, solid_angle = map_texels(np.asarray(radiance, dtype=np.float64))
     centre = seeds(weight, count)
     seen = resized(importance, weight.shape)
     pull = (weight * (UNSEEN + seen)).reshape(-1, 1)
     flat = towards.reshape(-1, 3)
     unit = unit_rows(flat, flat)
+    # Centres move to the weighted mean of their texels, which near centres share.
     for _ in range(ROUNDS):
         centre = unit_rows(_shares(unit, centre).T @ (pull * unit), centre)
+    # Each ordinate carries its texels' power, along their mean, as sharp as they lie together.
     share = _shares(unit, centre).T
     light = luminance(power).reshape(-1, 1)
     carried, vector = share @ light[:, 0], share @ (light * flat)

@@ -17,11 +17,13 @@ F64 = NDArray[np.float64]
 def trilinear(grid: F64, place: F64) -> F64:
     """Values (...) at places (..., 3), voxels x, y, z from the corner; clamped at the border."""
     top = np.array(grid.shape[2::-1]) - 1.0
+    # Values stand at the middle of voxels.
     at = np.clip(place - 0.5, 0.0, top)
     low = np.minimum(np.floor(at), np.maximum(top - 1.0, 0.0)).astype(np.int64)
     w = at - low
     high = np.minimum(low + 1, top.astype(np.int64))
     total: F64 = np.zeros(place.shape[:-1])
+    # Eight corners, weighted by nearness along each axis.
     for corner in range(8):
         upper = [(corner >> axis) & 1 for axis in range(3)]
         i, j, k = (np.where(u, high[..., a], low[..., a]) for a, u in enumerate(upper))
@@ -45,6 +47,7 @@ def _averaged_along(grid: F64, axis: int, cells: int) -> F64:
     """`box_averaged` along one axis; trilinear sampling is separable."""
     voxels = grid.shape[axis]
     samples = samples_per_cell(voxels, cells)
+    # Samples within each cell, read linearly between voxels, then averaged.
     unit = (np.arange(cells * samples) + 0.5) / (cells * samples)
     at = np.clip(unit * voxels - 0.5, 0.0, voxels - 1.0)
     low = np.minimum(at.astype(np.int64), max(voxels - 2, 0))

@@ -18,11 +18,13 @@ def welded(points: NDArray[np.floating[Any]]) -> NDArray[np.int64]:
     Where all points differ, point k has number k. Numbers go from 0 up, each is used. NaN is not
     allowed.
     """
+    # By hashes: where none is there twice, no two points are equal.
     key = _hashes(points)
     ordered = np.sort(key)
     if not (ordered[1:] == ordered[:-1]).any():
         return np.arange(len(points))
     del ordered
+    # Equal points stand together once sorted; where hashes collide, coordinates are sorted.
     order = np.argsort(key, kind="stable")
     is_new, is_collision = _changes(points, order, key)
     if is_collision:

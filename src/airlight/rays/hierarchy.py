@@ -123,6 +123,7 @@ class _Growth:
         self.children.append(np.zeros((count, 4), np.uint32))
         self.axes.append((axis | cuts.axis[0::2] << 2 | cuts.axis[1::2] << 4).astype(np.uint32))
         self.levels.append(self.levels[-1] + count)
+        # Each half is divided once more where that pays: a node has two to four children.
         counts = halves.counts
         is_cut = (counts > 1) & ((counts > self.most) | (cuts.cost < counts))
         before = np.where(is_cut, cuts.before, counts)
@@ -173,6 +174,8 @@ def cost(tree: Hierarchy, lows: F32, highs: F32) -> float:
     areas += sides[..., 2] * sides[..., 0]
     whole = highs[0].max(axis=0).astype(np.float64) - lows[0].min(axis=0)
     root = whole[0] * whole[1] + whole[1] * whole[2] + whole[2] * whole[0]
+    # A child is met with the chance that its box's area is of the whole's; then it costs its
+    # tests.
     is_leaf = tree.children >= LEAF
     counts = np.where(is_leaf, ((tree.children >> COUNT_SHIFT) & 7) + 1, 0)
     weights = np.where(is_leaf, counts * ITEM_COST, (tree.children > 0) * 1.0)

@@ -112,5 +112,6 @@ def _in_world(mesh: Mesh) -> Geometry:
         length = np.linalg.norm(turned, axis=1, keepdims=True)
         normals = np.where(length > 0.0, turned / np.maximum(length, 1e-300), normals)
         normals = normals.astype(np.float32)
+    # A mirroring transform turns triangles over: wound the other way, they face as before.
     indices = geometry.indices[:, [0, 2, 1]] if is_mirrored(mesh) else geometry.indices
     return Geometry(positions.astype(np.float32), indices, normals, geometry.uvs)

@@ -196,6 +196,7 @@ class RayScene:
         """Boxes a little wider than what they are around, and their instances' rows."""
         shown = [int(i) for i in placed if _is_invertible(ordered[i].world_from_object)]
         boxes = world_boxes([ordered[i] for i in shown])
+        # All static meshes are one more instance, laid out in the world.
         if len(self.still.bounds):
             corners = self.still.bounds
             whole = np.stack([corners.min(axis=0), corners.max(axis=0)])[None]

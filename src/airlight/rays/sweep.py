@@ -97,6 +97,7 @@ def _sorted(parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[Ints, Ints]:
     least = np.stack([np.minimum.reduceat(c, parts.starts) for c in centres])
     sides = np.stack([np.maximum.reduceat(c, parts.starts) for c in centres]) - least
     axis = sides.argmax(axis=0)
+    # Within each part by the share of its own longest side, so that one sort serves all parts.
     along = np.choose(axis[numbers], centres)
     of_part = np.take_along_axis(least, axis[None], axis=0)[0]
     side = np.maximum(np.take_along_axis(sides, axis[None], axis=0)[0], 1e-300)

@@ -21,6 +21,7 @@ def harmonics(directions: F64, bands: int) -> F64:
         if m:
             top = top * np.sqrt((2.0 * m + 1.0) / (2.0 * m))
             cos_m, sin_m = cos_m * x - sin_m * y, sin_m * x + cos_m * y
+        # Up in degree at the same order, by the recurrence of normalised Legendre functions.
         before, here = np.zeros_like(z), top
         for order in range(m, bands):
             base = order * order + order
@@ -45,6 +46,7 @@ def quadrature_directions(bands: int) -> tuple[F64, F64]:
 
     Gauss-Legendre in the cosine, equal steps in azimuth.
     """
+    # n cosines are exact to degree 2n - 1, 2n azimuths to order 2n - 1.
     cosine, weight = np.polynomial.legendre.leggauss(bands)
     phi = 2.0 * np.pi * (np.arange(2 * bands) + 0.5) / (2 * bands)
     sine = np.sqrt(1.0 - cosine**2)

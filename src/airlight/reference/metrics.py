@@ -221,6 +221,7 @@ class _Judge:
 
     def score(self, image: F32, reference: F32, variance: F32 | None) -> Metrics:
         self.check(image, "layer")
+        # What cannot be computed is None, with the reason beside.
         total = float(np.sum(reference, dtype=np.float64))
         omitted = {} if total > 0.0 else {"energy_ratio": "the reference is black"}
         if variance is None:

@@ -124,9 +124,11 @@ class _Group:
 
     def sweep(self, source: F64, incident: F64) -> F64:
         """Radiance (n, z, y, x, c) from the source function (n, z, y, x, c)."""
+        # Turned so that the light of this octant goes along the first axis, downstream.
         source = self._turned(source)
         out = np.zeros_like(source)
         behind = np.broadcast_to(incident[:, None, None, :], source[:, 0].shape)
+        # L = L_upstream exp(-tau) + S (1 - exp(-tau)), layer by layer.
         for layer in range(source.shape[1]):
             here = self.depth[:, layer]
             way = 0.5 * here if layer == 0 else 0.5 * (here + self.depth[:, layer - 1])
@@ -134,6 +136,7 @@ class _Group:
             came = behind if layer == 0 else self._upstream(behind, incident)
             behind = came * passed + source[:, layer] * (1.0 - passed)
             out[:, layer] = behind
+        # Turned back.
         back = np.flip(out, self._flipped)
         inverse = np.argsort(self.order)
         return np.transpose(back, (0, *(1 + k for k in inverse), 4))

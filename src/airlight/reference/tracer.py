@@ -206,6 +206,8 @@ def _add_up(
     squares: list[F64] = []
     done = 0
     waiting: Iterator[int] = iter(seeds)
+    # In groups, added up in the seeds' order: the sum does not depend on which batch is done
+    # first.
     with ThreadPoolExecutor(workers) as pool:
         while group := list(islice(waiting, workers)):
             for tally in pool.map(one_batch, group):
@@ -228,6 +230,7 @@ def _transport(
     domain: Domain,
 ) -> Transport:
     """Means and standard errors of the batches, divided by what makes them densities."""
+    # Standard error of the mean over independent batches.
     mean = [a / batches for a in total]
     error = [
         np.sqrt(np.maximum(s / batches - m * m, 0.0) / (batches - 1))

@@ -169,6 +169,7 @@ class PointSource:
         """For the kernel, and the power sent into the sampled cone, W."""
         low, high = map(np.array, bounds)
         centre, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+        # From outside, only the cone that holds the medium's bounding sphere is sampled.
         away = centre - np.array(self.position)
         distance = float(np.linalg.norm(away))
         cosine, axis = -1.0, np.array([0.0, 0.0, 1.0])

@@ -84,12 +84,14 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
     has_t, has_s = (any(name in names for name in pair) for pair in pairs)
     if has_t == has_s:
         raise SceneError("a volume has either sigma_s and sigma_a, or sigma_t and albedo")
+    # All coefficients on the grid's voxels, in three colours.
     grids = [name for name in names if np.ndim(given[name]) >= 3]
     if not grids:
         raise SceneError("no coefficient is a grid", remedy="Use shape = 'box', or a density.")
     shape = np.shape(given[grids[0]])[:3]
     full = {name: _filled(given[name], name, shape) for name in names}
     g = {"g_grid": full["g"]} if np.ndim(given["g"]) >= 3 else {"g": given["g"]}
+    # sigma_t = density times tint; albedo = sigma_s / sigma_t, where anything is.
     if has_t:
         density, tint = density_and_tint(full["sigma_t"])
         own = given["albedo"] if given["albedo"] is not None else 1.0
@@ -162,11 +164,14 @@ def parts_of(volume: Volume) -> tuple[Volume, ...]:
     """
     if not volume.has_coefficient_grids or volume.density is None:
         return (volume,)
+    # Media with constant coefficients add up: sigma_s and sigma_a of the parts sum to the
+    # volume's.
     shape, own = volume.density.shape, sigma_t_of(volume)
     sigma_s = np.asarray(own * albedo_of(volume))
     absorbing = np.maximum(own - sigma_s, 0.0)
     plain = replace(volume, tint=None, albedo_grid=None, g_grid=None, emission=None)
     made: list[Volume] = []
+    # For each g, as few materials as the voxels are mixtures of.
     for g, of_g in shares_by_g(volume, own):
         rows = np.concatenate([sigma_s * of_g, absorbing * of_g], axis=-1).reshape(-1, 6)
         group = object()
@@ -187,6 +192,7 @@ def parts_of(volume: Volume) -> tuple[Volume, ...]:
             )
     if not made:
         made.append(replace(plain, part_of=object()))
+    # Emission is the volume's once.
     if volume.emission is not None:
         made[0] = replace(made[0], emission=_by_voxel(volume.emission, volume.density))
     for part in made:

@@ -40,6 +40,7 @@ def through_lens(
     """
     if camera.aperture_m <= 0.0:
         return camera, jitter_px
+    # A point of the lens, and the pinhole camera there.
     look = np.subtract(camera.target, camera.position)
     distance = float(np.linalg.norm(look))
     forward = look / distance
@@ -48,6 +49,7 @@ def through_lens(
     focus = distance if camera.focus_m is None else camera.focus_m
     x, y = lens_points(sample) * (camera.aperture_m / 2.0)
     offset = x * right + y * np.cross(right, forward)
+    # The plane in focus stays where it is on the image.
     px_per_m = height_px / (2.0 * focus * np.tan(np.radians(camera.fov_y_deg) / 2.0))
     moved = replace(
         camera,

@@ -186,6 +186,7 @@ def _parted(
         sun_luminance=suns.luminance,
         sun_colour=suns.colour,
     )
+    # Lights in the world: the map's directions, turned as the environment is.
     along = -turned_about_y(suns.towards, environment.rotation_deg)
     irradiance = suns.irradiance * environment.scale
     lights = [

@@ -41,6 +41,7 @@ class Geometry:
         indices = _checked_indices(self.indices, len(positions))
         put(self, "positions", positions)
         put(self, "indices", indices)
+        # Without normals the surface is smooth.
         normals = self.normals
         if normals is None:
             normals = smooth_normals(positions, indices)

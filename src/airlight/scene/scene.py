@@ -64,6 +64,7 @@ class Scene:
         """
         boxes: list[Any] = [*world_boxes(self.meshes)]
         boxes += [volume_world_bounds(volume) for volume in self.volumes]
+        # With nothing else, what there is to see is the medium, or the camera's surroundings.
         if not boxes and self.medium is not None and self.medium.bounds is not None:
             low, high = self.medium.bounds
             return np.array(low), np.array(high)

@@ -56,6 +56,7 @@ def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
             f"setting {f.name} = {value!r} is not {_KIND_NAMES.get(kind, kind.__name__)}",
             where=where,
         ) from None
+    # Of the right kind; now, whether it is one of the choices, and in range.
     choices, low, high = (f.metadata.get(k) for k in ("choices", "low", "high"))
     if choices and result not in choices:
         raise SettingsError(

@@ -152,6 +152,7 @@ def sky_of_text(text: str) -> Sky:
         (turbidity,) = more or (Sky.turbidity,)
     except ValueError:
         raise _not_a_sun(text) from None
+    # Angles alone, or a time, in the zone of the place where it says none.
     if not at:
         return Sky(first, second, turbidity)
     try:
@@ -199,6 +200,7 @@ def followed(scene: Scene) -> Scene:
     light = scene.lights[-1]
     if np.allclose(light.direction, -sky.towards_sun, atol=1e-9):
         return scene
+    # The sky goes by the angle of its sun, so it is another sky now.
     turned = sky.turned_to(light.direction)
     return replace(
         scene,

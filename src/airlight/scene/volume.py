@@ -63,6 +63,7 @@ class Volume:
             self.world_from_volume, "volume transform", shape=(4, 4), dtype=np.float64
         )
         put(self, "world_from_volume", matrix)
+        # A grid of densities or a shape of density 1, never both.
         if self.shape not in ("grid", "box", "sphere"):
             raise SceneError(f"volume shape '{self.shape}' is unknown", remedy="Use box or sphere.")
         if (self.density is None) == (self.shape == "grid"):

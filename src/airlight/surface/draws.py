@@ -130,6 +130,7 @@ def draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
         for part in (mesh.material, mesh.geometry):
             first_use.setdefault(id(part), len(first_use))
 
+    # What costs most to change comes first: the pipeline, then textures, then geometry.
     def key(index: int) -> tuple[Any, ...]:
         m, g = meshes[index].material, meshes[index].geometry
         maps = tuple(map_of(m, name) is not None for name in MAPS)

@@ -108,6 +108,7 @@ class GpuScene:
         placed, first = ([of[i] for i in self.order] for of in (meshes, self._first))
         packed = packed_instances(placed, first, self.material_rows)
         self.current = meshes
+        # Whoever caches by the version recomputes nothing where nothing has changed.
         if packed.tobytes() == self._packed_instances and not deformed:
             return
         self._packed_instances = packed.tobytes()
@@ -127,6 +128,7 @@ class GpuScene:
                     f"mesh '{mesh.name}' has another material than before",
                     remedy="Make a new Renderer",
                 )
+            # One row of the materials, and of the table that the visibility buffer reads.
             self._shown[row] = mesh.material
             record = pack_array(MaterialData, [material_fields(mesh.material)])
             self.materials.write(record, row * MaterialData.dtype.itemsize)

@@ -171,6 +171,7 @@ class MeshPass:
             self._recorded[key] = (None, kept)
             self._encode(commands, encoder, scene, draws, shared)
             return
+        # The second time: recorded as a bundle, whose replay costs no Python for each draw.
         bundle = self._recorded[key][0]
         if bundle is None:
             recorder = self.gpu.device.create_render_bundle_encoder(

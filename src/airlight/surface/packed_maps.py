@@ -46,6 +46,7 @@ def is_packable(m: Material) -> bool:
     Translucent materials are not, either: their triangles are drawn one behind the other; nor
     unlit ones, which follow the exposure.
     """
+    # One lookup serves all maps only where they are laid out alike.
     maps = _maps(m)
     alike = {(t.pixels.shape, t.wrap, t.scale, t.offset) for t in maps}
     linear = not any(t.is_srgb for t in (m.metallic_roughness_texture, m.normal_texture) if t)
@@ -159,6 +160,7 @@ def _packed(
     """One mip level (texels, 2): square roots of linear light, 10 bits each; normal, roughness."""
     some = next(level for level in (base, rough, normal) if level is not None)
     texels = np.full((some.shape[0] * some.shape[1], 2), 0xFFFFFFFF, np.uint32)
+    # The root of light spends its 10 bits where the eye tells colours apart.
     if base is not None:
         codes = _roots(is_srgb)[base.reshape(-1, 4)[:, :3]]
         texels[:, 0] = codes[:, 0] | codes[:, 1] << 10 | codes[:, 2] << 20

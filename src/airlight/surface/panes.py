@@ -60,6 +60,8 @@ class Panes:
         """Draw one map, after its depth."""
         if self._depth is None:
             return
+        # White where nothing is in the way; depth is that of opaque surfaces, which hide what is
+        # behind.
         color = {
             "view": self.light.layer(layer),
             "load_op": "clear",

@@ -83,6 +83,7 @@ class PeeledGBuffer(GBuffer):
             "depth_clear_value": 0.0,
         }
         targets = (self.albedo, self.normal, self.emission, self.taken)
+        # The nearest fragments behind the layer before, in front of opaque surfaces.
         params = PeelParams(
             clip_from_world=clip_from_world,
             eye=self._eye,

@@ -25,6 +25,7 @@ def unique_provoking(indices: U32) -> tuple[U32, U32]:
     # Copies in the order of their vertex, then of their triangle.
     order = np.lexsort((np.arange(count), first))
     keys = first[order] * count + order
+    # Vertices that are corners and first in no triangle go to the end, once each.
     is_first = np.zeros(int(indices.max(initial=0)) + 1, dtype=bool)
     is_last = is_first.copy()
     is_first[first] = True
@@ -32,6 +33,7 @@ def unique_provoking(indices: U32) -> tuple[U32, U32]:
     is_last &= ~is_first
     last = np.flatnonzero(is_last)
     number_of_last = np.cumsum(is_last) - 1
+    # Other corners take the copy that is nearest in the order of triangles.
     corners = np.empty((count, 3), np.uint32)
     corners[:, 0] = np.arange(count)
     for corner in (1, 2):

@@ -170,6 +170,7 @@ class ReflectiveShadowMaps:
     def _draw(
         self, commands: Commands, scene: GpuScene, layer: int, view: LightView, light: Light
     ) -> None:
+        # Flux in a unit of its own, so that half floats hold that of any light.
         row, unit = light.row(), flux_unit(light)
         r, g, b = row.color
         params = ReflectiveParams(
@@ -179,6 +180,7 @@ class ReflectiveShadowMaps:
             body=row.body,
             gap=row.gap,
         )
+        # By triangle ids where the adapter is quicker so, and the rest as it comes.
         draws, keep = scene.visible(view.clip_from_world), False
         first, draws = self._parts.of(scene, draws)
         if self._visibility and (first or not draws):

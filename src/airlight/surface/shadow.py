@@ -53,6 +53,7 @@ class ShadowMaps:
         self.resolution, self.layers, self._is_thinned = resolution, layers, is_thinned
         count = max(1, layers)
         side = resolution if layers else 1
+        # A scene without such lights still binds a map, of one texel.
         self.depth = Texture(
             gpu, label, (side, side, count), "depth32float", dimension="2d-array", target=True
         )
@@ -65,6 +66,7 @@ class ShadowMaps:
 
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:
         """Draw those `views` that changed."""
+        # A map holds as long as its view and the geometry do.
         stale = []
         for layer, view in enumerate(views):
             key = (scene.version, view.clip_from_world.tobytes())
@@ -86,6 +88,7 @@ class ShadowMaps:
             "depth_store_op": "store",
             "depth_clear_value": 1.0,
         }
+        # Depth alone: the nearest surface to the light at each texel.
         with commands.render(
             self.depth.label, color_attachments=[], depth_stencil_attachment=depth
         ) as encoder:

@@ -77,6 +77,7 @@ class SurfelViews:
                 stale.append(index)
         if stale:
             self.views.write(pack_array(LightViewData, [view.fields for view in views]))
+        # Peel by peel, each behind the one before.
         for index in stale:
             for peel in range(self.peels):
                 self._draw(commands, scene, index, peel, views[index])

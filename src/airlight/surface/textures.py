@@ -127,6 +127,7 @@ def mip_chain(pixels: NDArray[np.uint8], *, is_srgb: bool) -> list[NDArray[np.ui
     """
     chain = [np.ascontiguousarray(pixels)]
     decoded, encoded = _tables(is_srgb)
+    # Halved in linear light, and encoded level by level.
     level = np.empty(pixels.shape, np.float32)
     level[..., :3] = decoded[pixels[..., :3]]
     level[..., 3] = pixels[..., 3] / np.float32(255.0)

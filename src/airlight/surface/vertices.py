@@ -30,6 +30,7 @@ class VertexBuffers:
             self.offsets[id(geometry)] = (index_count, vertex_count)
             index_count += geometry.indices.size
             vertex_count += len(geometry.positions)
+        # All geometries in one buffer each, so that a draw names offsets only.
         positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
         indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
         vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)

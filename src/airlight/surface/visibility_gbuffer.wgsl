@@ -17,11 +17,13 @@ struct GBufferOut {
     let seen = textureLoad(triangle_ids, vec2i(position.xy), 0).xy;
     let point = visible_point(seen, position.xy);
     let m = point.material;
+    // The normal map bends the normal along the texture's axes, the roughness map scales roughness.
     let bump = point.texel.surface.xyz * 2.0 - 1.0;
     let bent = mapped_normal(point.normal, point.world_dx, -point.world_dy, point.uv_dx, -point.uv_dy,
         vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
     let normal = select(point.normal, bent, (m.maps.z & MAPS_NORMAL) != 0u);
     let gloss = select(1.0, point.texel.surface.w, (m.maps.z & MAPS_ROUGHNESS) != 0u);
+    // Zeros where no triangle is seen, as where nothing is drawn.
     let is_seen = seen.x != 0u;
     var out: GBufferOut;
     out.albedo = select(vec4f(0.0), vec4f(m.color.rgb * point.texel.light, m.color.a), is_seen);

@@ -72,6 +72,7 @@ fn beyond(layer: u32, own: Facet, side: u32) -> Beyond {
     var result: Beyond;
     var is_own = true;
     result.facet = Facet(own.level, vec2u(beside), vec4f(NEVER, 0.0, 0.0, 0.0));
+    // What lies on the other side: a larger leaf, one of the same size, or smaller ones.
     if (all(beside >= vec2i(0)) && all(beside < vec2i(i32(tree.side >> own.level)))) {
         let node = vec2u(beside);
         if (is_in_whole(layer, own.level, node)) {
@@ -84,6 +85,7 @@ fn beyond(layer: u32, own: Facet, side: u32) -> Beyond {
             return result;
         }
     }
+    // A wall stands between both where their depths differ at an end of the side.
     if (is_own) {
         let ends = side_ends(own.level, own.node, side);
         result.is_walled = depth_at(own, ends[0]) != depth_at(result.facet, ends[0])

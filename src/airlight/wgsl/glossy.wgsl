@@ -78,6 +78,7 @@ fn glossy_walk(
     lattice: LatticeParams, surface: vec3f, lookup: vec3f, ray: GlossyRay, before: Glossy,
     is_outermost: bool,
 ) -> Glossy {
+    // From face to face (a digital differential analyser), in cells.
     let n = ray.n;
     let r = ray.r;
     let start = surface + ray.raised * n;
@@ -89,6 +90,7 @@ fn glossy_walk(
     // Ends where every ray is sure to come: its number of crossings jumps from pixel to pixel.
     let widest = GLOSSY_REACH / ray.alpha;
     let reach = min(widest, before.end + f32(GLOSSY_CELLS - 3u) / dot(abs(r), vec3f(1.0)));
+    // Where closed faces stop a share of the ray, it sees the cells before them; the rest goes on.
     var left = before.left;
     var transmittance = mix(GLOSSY_LEAST_LEFT, 1.0, left);
     var irradiance = before.irradiance;
@@ -129,6 +131,7 @@ fn glossy_walk(
             break;
         }
     }
+    // The rest sees the cell at its end; beyond the border of the outermost lattice there is none.
     t = min(t, reach);
     let border = select(-start, count - start, r > vec3f(0.0)) * towards * per_cell;
     let inside = saturate((min(border.x, min(border.y, border.z)) - t) / GLOSSY_BORDER);

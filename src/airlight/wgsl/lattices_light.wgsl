@@ -19,12 +19,14 @@ fn lattice_light(
 ) -> LatticeLight {
     let lattice = lattice_of(level);
     let mirrored = reflect(-v, n);
+    // Irradiance from around the normal, and what comes from around the mirrored direction.
     var e = lattice_irradiance(lattice, uvw, n);
     if (DAMPING > 0.0) {
         e *= lattice_damping(lattice, uvw, n, DAMPING);
     }
     let mirror = mirrored_light(level, p, r, n_v, n, uvw, mirrored);
     let diffuse = (vec3f(1.0) - specular_albedo(r, n_v)) * r.diffuse;
+    // The sky, and the lattice's light, as far as near surfaces leave them.
     let seen = interreflected(near.open, r.diffuse);
     var sky = sky_reflected(r, n_v, sky_at(uvw, n), mirror.sky, near.open, mirrors);
     if (!HAS_NEAR_FIELD) {
@@ -53,6 +55,7 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     let reached = specular_visibility(near.open, n_v, sqrt(r.alpha));
     let mirrors = select(reached * specular_albedo(r, n_v), vec3f(0.0), is_listed);
     var out = Gathered(vec3f(0.0), vec3f(0.0), reached, is_listed);
+    // From the finest lattice outwards, each by its weight at the point.
     var at = lattice_step(0u, 1.0, p);
     loop {
         let uvw = lattice_coordinates(lattice_of(at.k), p, n_own);

@@ -1,4 +1,4 @@
-// Texels of a light's map. The including pass declares the struct LightViewData.
+// Texels of the map of a light, or of another view. The including pass declares the struct LightViewData.
 
 // Clip coordinates of a texel's centre.
 fn texel_centre(texel: vec2u, resolution: u32) -> vec2f {

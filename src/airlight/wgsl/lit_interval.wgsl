@@ -58,6 +58,7 @@ fn parallel_interval(t0: f32, t1: f32) -> vec3f {
     var piece = 0u;
     loop {
         let end = next_face(t, t1);
+        // Optical depths at both ends, towards the eye and the light; the integral between is exact.
         let a = sigma_t * (t - entry + light_path(t));
         let b = sigma_t * (end - entry + light_path(end));
         sum += exp(-min(a, b)) * (end - t) * mean_transmittance_rgb(abs(b - a));
@@ -151,11 +152,13 @@ fn parallel_nodes(
 fn lit_interval(
     light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
+    // One box of a homogeneous medium has a closed form for directional lights.
     if (IS_ONE_BOX && !HAS_LOCAL) {
         let a = max(t0, medium_intervals[0].x);
         let b = min(t1, medium_intervals[0].y);
         return select(vec3f(0.0), parallel_interval(a, b) * light.color, a < b && medium_has_shafts);
     }
+    // Else medium by medium, in the part of the interval that lies in it.
     var sum = vec3f(0.0);
     var k = 0u;
     loop {

@@ -18,16 +18,6 @@ fn mean_transmittance_rgb(x: vec3f) -> vec3f {
     return vec3f(mean_transmittance(x.r), mean_transmittance(x.g), mean_transmittance(x.b));
 }
 
-// m(x) = 1/x - exp(-x)/(1 - exp(-x)), x >= 0.
-fn mean_absorption_depth(x: f32) -> f32 {
-    let x2 = x * x;
-    let series = 0.5 - x / 12.0 * (1.0 - x2 / 60.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 40.0)));
-    let small = x < 1.0;
-    let safe = select(x, 1.0, small);
-    let left = exp(-safe);
-    return select(1.0 / safe - left / (1.0 - left), series, small);
-}
-
 fn ray_box_interval(origin: vec3f, direction: vec3f, low: vec3f, high: vec3f) -> vec2f {
     let is_parallel = direction == vec3f(0.0);
     let inside = (low <= origin) & (origin <= high);
@@ -66,6 +56,7 @@ fn ray_cone_interval(
     axis: vec3f,
     cos_half_angle: f32,
 ) -> vec2f {
+    // The cone's equation (x.axis)^2 = cos^2 |x|^2 along the ray: qa t^2 + 2 qb t + qc = 0.
     let o = origin - apex;
     let c2 = cos_half_angle * cos_half_angle;
     let da = dot(direction, axis);
@@ -75,11 +66,13 @@ fn ray_cone_interval(
     let qb = oa * da - c2 * dot(o, direction);
     let qc = oa * oa - c2 * dot(o, o);
     let discriminant = qb * qb - qa * qc;
+    // Its roots without cancellation.
     let q = -(qb + select(1.0, -1.0, qb < 0.0) * sqrt(max(discriminant, 0.0)));
     let r0 = q / qa;
     let r1 = qc / select(q, 1e-30, q == 0.0);
     let low = min(r0, r1);
     let high = max(r0, r1);
+    // Steeper than the cone, the ray stays inside beyond a root; flatter, it is inside between both, if in this nappe.
     if (qa > 0.0) {
         return select(vec2f(-MEDIUM_FAR, low), vec2f(high, MEDIUM_FAR), da > 0.0);
     }

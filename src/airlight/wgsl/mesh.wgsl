@@ -101,6 +101,7 @@ fn surface_normal(in: VertexOut, m: MaterialData, is_front: bool) -> vec3f {
 }
 
 fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {
+    // The material's values times those of its maps.
     let m = materials[in.material];
     let base = base_color_at(in);
     var point: SurfacePoint;

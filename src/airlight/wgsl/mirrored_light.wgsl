@@ -82,6 +82,7 @@ fn mirrored_light(
         return Mirrored(sky_at(own, mirrored),
             lattice_irradiance_at(lattice_of(k), own, mirrored));
     }
+    // A mirrored ray through the lattices, each followed until the next larger takes over.
     var ray = Glossy(vec3f(0.0), 1.0, 1.0, own, 0.0, false);
     let share = glossy_share(specular_albedo(r, n_v), sqrt(r.alpha));
     if (IS_LISTED || share > 0.0) {
@@ -101,6 +102,7 @@ fn mirrored_light(
             k++;
         }
     }
+    // Rough surfaces read their own cell instead: both are blended by the surface's gloss.
     let end = mix(uvw, ray.uvw, share);
     return Mirrored(mix(1.0, ray.left, share) * sky_at(end, mirrored),
         share * ray.irradiance

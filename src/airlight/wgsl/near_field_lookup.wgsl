@@ -27,6 +27,7 @@ fn near_field_at(position: vec2f, own: f32) -> NearField {
         let texel = vec2i(clamp(base + corner, vec2f(0.0), size - 1.0));
         let packed = textureLoad(near_field, texel, 0);
         let near = near_field_of(packed);
+        // Bilinear weights, which fall by the fourth power of the difference in depth.
         let share = mix(1.0 - t, t, corner);
         let off = abs(bitcast<f32>(packed.w) - own) / (OCCLUSION_DEPTH_TOLERANCE * own);
         let weight = (share.x * share.y + 0.02) / (1.0 + off * off * off * off) + 1e-9;

@@ -33,6 +33,7 @@ fn open_line_of(grid: LatticeParams, begin: vec3f, end: vec3f) -> f32 {
     let per_cell = 1.0 / max(abs(line), vec3f(1e-9));
     var next = (select(vec3f(cell) - begin, vec3f(cell) + 1.0 - begin, is_up))
         * select(-per_cell, per_cell, is_up);
+    // The product of the faces' transmittances on the line, while anything is left.
     var open = 1.0;
     for (var k = 0u; k < MOST_CELLS && any(cell != target_cell) && open > 0.01; k++) {
         var axis = select(0u, 1u, next.y < next.x);

@@ -12,6 +12,7 @@ var<workgroup> sum_rows: array<vec3f, ROW>;
 fn group_sum(lane: u32, value: vec3f) -> vec3f {
     sum_own[lane] = value;
     workgroupBarrier();
+    // Rows first, then rows of rows: always in the same order.
     if (lane < ROW) {
         var row = vec3f(0.0);
         for (var i = 0u; i < ROW; i++) {

@@ -20,6 +20,7 @@ fn ray_corner_normal(bits: u32) -> vec3f {
 fn hit_point(hit: RayHit) -> Surface {
     let front = ray_rows(ray_triangles[2u * hit.triangle]);
     let back = ray_rows(ray_triangles[2u * hit.triangle + 1u]);
+    // Position from the corner and two edges, normals and coordinates between the corners.
     let p = bitcast<vec4f>(front.first);
     let q = bitcast<vec4f>(front.second);
     let a = p.xyz;

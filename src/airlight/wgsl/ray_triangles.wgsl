@@ -18,6 +18,7 @@ fn ray_nearer(hit: RayHit, ray: RayIn, triangle: u32, instance: u32, t_min: f32)
     let last = ray_rows(ray_triangles[2u * triangle + 1u]).first.xy;
     let p = bitcast<vec4f>(rows.first);
     let q = bitcast<vec4f>(rows.second);
+    // In the ray's basis the ray is the z axis: areas of the corners' projections say whether it goes through.
     let a = p.xyz - ray.origin;
     let b = vec3f(p.w, q.xy) - ray.origin;
     let c = vec3f(q.zw, bitcast<f32>(last.x)) - ray.origin;
@@ -27,6 +28,7 @@ fn ray_nearer(hit: RayHit, ray: RayIn, triangle: u32, instance: u32, t_min: f32)
     let two = x.yzx * y.zxy;
     let area = one - two;
     let slack = (abs(one) + abs(two)) * 5e-7;
+    // From the front all areas are positive, from the back all negative; their shares are the barycentric coordinates.
     let is_front = all(area >= -slack);
     let is_back = all(area <= slack);
     let inside = select(max(-area, vec3f(0.0)), max(area, vec3f(0.0)), is_front);
@@ -78,6 +80,7 @@ fn ray_is_there(hit: RayHit) -> bool {
     let met = bitcast<f32>(passing.first.w);
     if (!RAYS_MEET_TRANSLUCENT && met > 0.0) { return false; }
     if (first == 0u) { return met == 0.0 || ray_chance(hit) < met; }
+    // Alpha of the mask, bilinear between its texels.
     let limit = passing.first.xy;
     let uv = ray_uv(ray_rows(ray_triangles[2u * hit.triangle + 1u]), hit.bary);
     let size = vec2u(mask.first.w & 0xffffu, mask.first.w >> 16u);

@@ -23,6 +23,7 @@ fn reflecting(texel: vec2u, layer: u32) -> Reflecting {
     let centre = texel_centre(texel, params.resolution);
     let p = texel_point(view, centre, d);
     let n = normalize(textureLoad(normal, vec2i(texel), layer, 0).xyz);
+    // The texel's solid angle from a local light, its area from a parallel one; times `spread` it is m^2 across the light.
     let measure = texel_measure(view, centre, params.resolution);
     let deep = (view.clip_from_world * vec4f(p, 1.0)).w;
     let tangent = centre * view.texel * f32(params.resolution) * 0.5;

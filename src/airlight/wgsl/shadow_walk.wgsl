@@ -49,6 +49,7 @@ fn t_at(s: f32) -> f32 {
 fn enter_map(
     clip0: vec4f, step: vec4f, outer: vec2f, inner: vec2f, t0: f32, t1: f32, resolution: f32,
 ) {
+    // Both ends in texels of the map.
     let c0 = clip0 + inner.x * step;
     let c1 = clip0 + inner.y * step;
     let half = vec2f(0.5, -0.5);
@@ -56,11 +57,13 @@ fn enter_map(
     let most = vec2f(resolution - 0.01);
     let a = clamp((c0.xy / c0.w * half + 0.5) * resolution, vec2f(0.01), most);
     let b = clamp((c1.xy / c1.w * half + 0.5) * resolution, vec2f(0.01), most);
+    // Mirrored so that the ray goes up both axes: one case instead of four.
     let is_back = b < a;
     walk.mirror = select(vec2u(0u), vec2u(walk.side - 1u), is_back);
     walk.q0 = select(a, f32(walk.side) - a, is_back);
     walk.dq = abs(b - a);
     walk.inverse = 1.0 / max(walk.dq, vec2f(1e-30));
+    // Depth is linear along it, the ray parameter with it by both ends' w.
     let z = c0.z / c0.w;
     let dz = c1.z / c1.w - z;
     walk.z = vec3f(z, dz, 1.0 / select(dz, 1e-30, dz == 0.0));
@@ -68,6 +71,7 @@ fn enter_map(
     walk.t = t0 + inner * (t1 - t0);
     walk.begin = t0 + outer.x * (t1 - t0);
     walk.end = t0 + outer.y * (t1 - t0);
+    // From the coarsest level on; what lies before the map's reach is lit.
     walk.nudge = 1e-3 / max(max(walk.dq.x, walk.dq.y), 1e-3);
     walk.s = 0.0;
     walk.level = walk.top;

@@ -54,6 +54,7 @@ fn varied_cell(state: vec4f, medium: vec2f) -> Cell {
     if (HANDED_ON > 0.0) {
         return homogeneous_cell(state * paper_gain(medium));
     }
+    // For hops across faces, edges and corners at once.
     let quarter = 0.25 * params.cell * HOP_LENGTHS;
     let x = 2.0 * medium.y * quarter;
     let q = exp(-x);

@@ -48,6 +48,7 @@ fn agx(radiance: vec3f) -> vec3f {
 
 fn aces(radiance: vec3f) -> vec3f {
     let c = max(radiance, vec3f(0.0)) / 0.6;
+    // Into the primaries of the fit, through Hill's rational curve, and back.
     let ap1 = vec3f(
         dot(c, vec3f(0.59719, 0.35458, 0.04823)),
         dot(c, vec3f(0.07600, 0.90834, 0.01566)),

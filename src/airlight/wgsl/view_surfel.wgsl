@@ -1,6 +1,6 @@
 // The surfel that a texel of a view shows. The including pass binds views, depth, normal and
 // reflectance and `lattice`, and its params say resolution, view and first_layer.
-//! use view_texel
+//! use light_texel
 //! use lattice_axes
 
 const GRAZING = 0.1;    // the least cosine: texels there stand for more than they show
@@ -14,10 +14,23 @@ struct ViewSurfel {
     reflectance: vec3f,
 }
 
+// The direction that its light travels in, or an eye looks in, towards a world point.
+fn view_direction(view: LightViewData, world: vec3f, centre: vec2f) -> vec3f {
+    let near = view.world_from_clip * vec4f(centre, 0.0, 1.0);
+    return normalize(world - near.xyz / near.w);
+}
+
+// Where the eye of a view in perspective is, m.
+fn view_eye(view: LightViewData) -> vec3f {
+    // All rays meet where w vanishes: the point that clip_from_world takes to (0, 0, z, 0).
+    let p = view.world_from_clip * vec4f(0.0, 0.0, 1.0, 0.0);
+    return p.xyz / p.w;
+}
+
 // m^2 of the surface that a texel shows.
 fn surfel_area(view: LightViewData, world: vec3f, n: vec3f, centre: vec2f) -> f32 {
     let towards = view_direction(view, world, centre);
-    var across = view_texel_measure(view, centre, params.resolution);
+    var across = texel_measure(view, centre, params.resolution);
     if (view.is_perspective != 0u) {
         let reach = world - view_eye(view);
         across *= dot(reach, reach);
@@ -35,11 +48,10 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
     if (d >= 1.0) {
         return seen;
     }
+    // Where the texel's surface is.
     let view = views[params.view];
-    let centre = (vec2f(id.xy) + 0.5) / f32(params.resolution) * vec2f(2.0, -2.0)
-        + vec2f(-1.0, 1.0);
-    let clip = view.world_from_clip * vec4f(centre, d, 1.0);
-    let world = clip.xyz / clip.w;
+    let centre = texel_centre(id.xy, params.resolution);
+    let world = texel_point(view, centre, d);
     // The lattice's corner nearest to it.
     let coordinates = cells_from_world(lattice, world);
     let corner = vec3i(floor(coordinates + 0.5));

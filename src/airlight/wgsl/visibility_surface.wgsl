@@ -115,6 +115,7 @@ fn visible_point(seen: vec2u, position: vec2f) -> VisiblePoint {
     let dy = shares(on, quad + vec2f(0.0, pace.y)) - at_quad;
     let inside = clamp(at, vec2f(0.0), vec2f(1.0));
 
+    // Texture coordinates and their differences, which choose the mip level.
     let uv_0 = bitcast<vec2f>(c.yz);
     let uv_1 = bitcast<vec2f>(vec2u(c.w, d.x));
     let uv_2 = bitcast<vec2f>(d.yz);

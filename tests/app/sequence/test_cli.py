@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -135,7 +136,7 @@ def test_exposure_is_metered_once(gpu, scene, tmp_path):
     stops = metered_stops(plan, metered)
     assert metered_stops(replace(plan, first=5), metered) == stops
     assert metered_stops(replace(plan, exposure_stops=1.0), metered) is None
-    with FrameMaker(replace(plan, exposure_stops=stops), metered) as maker:
+    with closing(FrameMaker(replace(plan, exposure_stops=stops), metered)) as maker:
         assert {maker.image(frame).exposure_stops for frame in (0, 9)} == {stops}
 
 
@@ -375,7 +376,7 @@ def test_a_worker_makes_frames_one_maker_for_all(gpu, scene):
     (kept,) = sequence_farm._MAKER
     assert device == gpu.info.name and data == sequence_farm._made(sent, 3)[0]
     assert [kept] == sequence_farm._MAKER
-    with FrameMaker(plan, load(scene)) as maker:
+    with closing(FrameMaker(plan, load(scene))) as maker:
         assert maker.encoded(3) == data
     kept[1].close()
     sequence_farm._MAKER.clear()

@@ -7,11 +7,9 @@ import io
 import json
 import socket
 import subprocess
-import sys
 import time
 import urllib.error
 import urllib.request
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,19 +18,7 @@ from airlight.app.cli import run
 from airlight.app.view.browser import FILES, link_to, say_where
 from airlight.app.view.guard import bound_socket
 from airlight.app.view.page import web_text
-
-SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = [
-    word
-    for key in (
-        "resolution=8",
-        "shadow_resolution=64",
-        "sky_lights=0",
-        "surfels=2000",
-        "ambient_occlusion=false",
-    )
-    for word in ("-D", key)
-]
+from small_viewer import SCENE, served
 
 
 def test_the_link_carries_the_token():
@@ -78,24 +64,7 @@ def test_a_port_in_use_ends_with_2_and_one_line(capsys):
 @pytest.fixture(scope="module")
 def server():
     """(link, process) of a viewer served by the real command."""
-    process = subprocess.Popen(
-        [
-            sys.executable,
-            "-m",
-            "airlight",
-            "view",
-            str(SCENE),
-            "--in",
-            "browser",
-            "--no-open",
-            "-t",
-            "direct",
-            *SMALL,
-        ],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    process = served(subprocess.PIPE)
     assert process.stdout is not None
     yield process.stdout.readline().strip(), process
     process.terminate()

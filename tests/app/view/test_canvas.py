@@ -16,15 +16,9 @@ from airlight.errors import DeviceError
 from airlight.gpu.device import open_gpu
 from airlight.scene.io import load
 from airlight.scene.volume import Volume
+from small_viewer import SCENE
+from small_viewer import SETTINGS as SMALL
 
-SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
 PANEL_PX = 340
 
 pytestmark = pytest.mark.needs("rendercanvas", "imgui_bundle")

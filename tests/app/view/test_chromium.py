@@ -6,25 +6,13 @@ import io
 import os
 import shutil
 import subprocess
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = [
-    word
-    for key in (
-        "resolution=8",
-        "shadow_resolution=64",
-        "sky_lights=0",
-        "surfels=2000",
-        "ambient_occlusion=false",
-    )
-    for word in ("-D", key)
-]
+from small_viewer import served
+
 PANEL_PX = 340
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
 
@@ -37,24 +25,7 @@ def page():
     from playwright import sync_api
 
     program = next(filter(None, map(shutil.which, CHROMIUMS)))
-    viewer = subprocess.Popen(
-        [
-            sys.executable,
-            "-m",
-            "airlight",
-            "view",
-            str(SCENE),
-            "--in",
-            "browser",
-            "--no-open",
-            "-t",
-            "direct",
-            *SMALL,
-        ],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
+    viewer = served(subprocess.DEVNULL)
     assert viewer.stdout is not None
     link = viewer.stdout.readline().strip()
     # A container's root has no user namespaces for the browser's sandbox.

@@ -11,15 +11,9 @@ from airlight.errors import DeviceError
 from airlight.lpv.solver import LpvSolver
 from airlight.rendering import Renderer
 from airlight.scene.io import load
+from small_viewer import SETTINGS
 
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "map_resolution": 32,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
+SMALL = {**SETTINGS, "map_resolution": 32}
 
 
 def drawn_with(**settings) -> Drawn:

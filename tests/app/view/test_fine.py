@@ -17,14 +17,8 @@ from airlight.rendering import Renderer
 from airlight.scene import Medium
 from airlight.scene.io import load
 from airlight.techniques import checked_settings
+from small_viewer import SETTINGS as SMALL
 
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
 SIZE = (24, 14)
 
 

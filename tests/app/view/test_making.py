@@ -9,14 +9,7 @@ from airlight.app.view.making import Making
 from airlight.errors import SettingsError
 from airlight.rendering import Renderer
 from airlight.scene.io import load
-
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
+from small_viewer import SETTINGS as SMALL
 
 
 @pytest.fixture

@@ -13,25 +13,11 @@ import numpy as np
 import pytest
 
 import airlight as al
-from airlight.errors import DeviceError, SceneError
-from airlight.gpu.device import open_gpu
+from airlight.errors import SceneError
+from small_viewer import SETTINGS as SMALL
 
 SIZE = (64, 36)
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
-
-
-@pytest.fixture(autouse=True)
-def _device():
-    try:
-        open_gpu()
-    except DeviceError as error:
-        pytest.skip(str(error))
+pytestmark = pytest.mark.usefixtures("gpu")
 
 
 def pixels(png: bytes) -> np.ndarray:

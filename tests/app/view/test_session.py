@@ -19,15 +19,9 @@ from airlight.scene import Medium
 from airlight.scene.animation import Animation
 from airlight.scene.io import load
 from airlight.scene.io.images import load_image
+from small_viewer import SETTINGS as SMALL
 
 SIZE = (48, 28)
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "sky_lights": 0,
-    "surfels": 2000,
-    "ambient_occlusion": False,
-}
 SCENE = """
 [camera]
 position = [1.5, 1.4, 3.2]

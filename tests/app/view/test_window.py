@@ -13,19 +13,8 @@ import numpy as np
 import pytest
 
 from airlight.app.cli import run
+from small_viewer import OPTIONS, SCENE
 
-SCENE = Path(__file__).with_name("view_box.toml")
-SMALL = [
-    word
-    for key in (
-        "resolution=8",
-        "shadow_resolution=64",
-        "sky_lights=0",
-        "surfels=2000",
-        "ambient_occlusion=false",
-    )
-    for word in ("-D", key)
-]
 PANEL_PX, SIZE = 340, (640, 320)
 needs_a_desk = pytest.mark.needs("glfw", "imgui_bundle", ("Xvfb",), ("xdotool",))
 
@@ -70,7 +59,7 @@ class Desk:
                 f"{SIZE[0]}x{SIZE[1]}",
                 "-t",
                 "direct",
-                *SMALL,
+                *OPTIONS,
             ],
             env=self.environment,
             cwd=scene.parent,

@@ -113,15 +113,18 @@ def measured(
     results: dict[str, Any] = {"machine": machine(adapter), "is_quick": quick}
     cases = chosen_cases(scenes, settings, quick)
     loaded: dict[str, Scene] = {}
+    # The propagation kernel alone, then from the command to the first image.
     if "propagation" in wanted:
         report("propagation", 0.0)
         results["propagation"] = _propagation(plan, adapter)
     if "first-image" in wanted:
         results["first_image"] = _first_images(cases, adapter, report)
+    # Whole frames by stage, and how they grow with one setting at a time.
     if "frames" in wanted:
         results["frames"] = _frames(cases, plan, adapter, loaded, report)
     if "growth" in wanted:
         results["growth"] = _growth(plan, settings, adapter, loaded, report)
+    # Parts with scenes of their own.
     if "pop" in wanted:
         from .pop import measure
 
@@ -160,6 +163,7 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
     from .frames import PAPER_LATTICE, Case
 
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if quick else {}), **settings}
+    # Scenes that were named are drawn as named; without any, the reference cases.
     cases = [Case(Path(s).stem if ":" not in s else s, s, ROOM_SIZE, base) for s in scenes]
     if not scenes:
         cases = [
@@ -170,6 +174,7 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
         if _has_all("lpv-scatter", settings):
             fog = "builtin:atrium-fog"
             cases.append(Case("atrium in fog", fog, ATRIUM_SIZE, settings, "lpv-scatter"))
+    # A quick run shows that it works, so one small case will do.
     if quick:
         cases = [dataclasses.replace(case, size=QUICK_SIZE) for case in cases[:1]]
     return cases

@@ -120,6 +120,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             renderer.scene = dataclasses.replace(renderer.scene, lights=lights, camera=camera)
             timed.append(renderer.timed_passes())
         counts = counted(renderer)
+        # All of it with what the case was, so that a file of results stands alone.
         stats = renderer.stats()
         lattices = [part["cells"] for part in stats.get("cascades", ())] or [stats["lattice"]]
         return {

@@ -104,6 +104,7 @@ def table(
     `base` are the settings that do not vary.
     """
     rows = []
+    # One setting varies, all else stays as the paper's lattice has it.
     for value in axis.values:
         varied, settings = axis.vary(scene, value)
         case = Case(axis.name, axis.scene, size, {**base, **settings})

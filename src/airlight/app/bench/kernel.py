@@ -48,6 +48,7 @@ def compiled(folder: Path, c_file: Path | None = None) -> tuple[Path | None, str
         return None, f"skipped: benchmarks/{source.name} is not here (this is not a checkout)"
     if not compiler:
         return None, "skipped: there is no C compiler"
+    # The line that is reported is the line that is run, without the folders of this machine.
     program = folder / source.stem
     line = [Path(compiler).name, *C_FLAGS, source.name, "-o", program.name]
     done = subprocess.run(
@@ -80,6 +81,7 @@ def in_turns(
     """Milliseconds of both, run by run in turns so that they see the same machine; the ratio."""
     own: list[float] = []
     theirs: list[float] = []
+    # Interleaved, so that a machine that slows down slows both; the pause lets its clock settle.
     for index in range(2 + runs):  # the first two compile and touch the memory
         yardstick_ms = c() if c else 0.0
         if index >= 2:
@@ -108,6 +110,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     from ...lpv.propagate import Propagate
     from ...lpv.step import StepKind
 
+    # Random power and random walls: the time of a step does not depend on their values.
     gpu, rng = gpu.scope(), np.random.default_rng(1)
     placement = Placement((0.0, 0.0, 0.0), 1.0, (side, side, side))
     cells = placement.cells
@@ -117,6 +120,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     propagate = Propagate(gpu, placement, kind)
     commands = Commands(gpu)
 
+    # Whole wall time, from encoding to the end of the device's work.
     def run() -> float:
         begin_s = time.perf_counter()
         propagate.encode(commands, injected, faces, ITERATIONS)

@@ -60,12 +60,14 @@ def measure(adapter: str, report: Report, *, quick: bool = False) -> dict[str, A
     scene, size = plume(), QUICK_SIZE if quick else SIZE
     frames = 1 if quick else 5
     small = {"ordinates": 4, "grid": 6} if quick else {}
+    # Frames whose parts change: what moves decides which stages run again.
     cases = []
     for index, (name, settings) in enumerate(list(CASES.items())[: 1 if quick else None]):
         report(f"pop: {name}", index / len(CASES))
         moves = name.endswith("moving")
         made = {**SETTING, **settings, **small}
         cases.append({"name": name, **_frames(scene, size, made, frames, adapter, moves=moves)})
+    # Frames along one axis at a time, all else as in the paper's setting.
     growth = []
     for index, (axis, values, vary) in enumerate(_axes()[: 1 if quick else None]):
         report(f"pop: growth with {axis}", index / 3.0)
@@ -123,12 +125,14 @@ def _frames(
     from ...rendering import Renderer
 
     with Renderer(scene, "pop", size, settings=settings, adapter=adapter) as made:
+        # Frames as they come, after those that compile and fill caches.
         for step in range(WARM_UP_FRAMES + frames):
             if step == WARM_UP_FRAMES:
                 made.frame_ms.clear()
                 made.python_ms.clear()
             made.scene = moved(scene, step, moves=moves)
             made.frame(read=False)
+        # Stages in frames of their own: to wait for each costs time.
         timed = [_timed(made, scene, -1 - k, moves=moves) for k in range(min(frames, 3))]
         names = dict.fromkeys(name for passes in timed for name in passes)
         passes = {n: float(statistics.median(p.get(n, 0.0) for p in timed)) for n in names}

@@ -72,9 +72,11 @@ def measure(
 
 def _case(gpu: Gpu, scene: Scene, size: tuple[int, int], runs: int) -> dict[str, Any]:
     meshes = GpuScene(gpu, scene)
+    # What building the hierarchies costs the host.
     begin_s = time.process_time()
     rays = RayScene(gpu, meshes)
     build_s = time.process_time() - begin_s
+    # Rays through the camera's pixels; later kinds start where those hit.
     view = View(gpu, size)
     view.aim(scene.camera)
     starts = Buffer(gpu, "starts of rays", 48 * size[0] * size[1])
@@ -85,6 +87,7 @@ def _case(gpu: Gpu, scene: Scene, size: tuple[int, int], runs: int) -> dict[str,
         reach=float(np.linalg.norm(high - low)),
         size=size,
     )
+    # Each kind of ray is a kernel of its own, whose first run compiles and is left out.
     kinds = {}
     for number, kind in enumerate(KINDS):
         generated = f"const KIND = {number}u;"

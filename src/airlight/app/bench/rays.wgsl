@@ -8,6 +8,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let inside = all(id.xy < params.size);
     let pixel = min(id.xy, params.size - 1u);
     let row = 3u * (pixel.y * params.size.x + pixel.x);
+    // Camera rays, and where the next kinds start.
     if (KIND == 0u) {
         let at = (vec2f(pixel) + 0.5) / vec2f(params.size) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
         let far = params.world_from_clip * vec4f(at, 1e-3, 1.0);
@@ -23,6 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let start = starts[row];
     let normal = starts[row + 1u].xyz;
+    // A direction by the cosine about the normal, in a frame without branches (Duff2017).
     let u = bench_random(pixel);
     let around = 6.2831853 * u.x;
     let side = select(-1.0, 1.0, normal.z >= 0.0);

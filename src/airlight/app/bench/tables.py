@@ -159,11 +159,13 @@ def _first_images(cases: Sequence[Mapping[str, Any]]) -> Table:
 
 def _growth(table: Mapping[str, Any]) -> Table:
     rows = table["rows"]
+    # The stages that cost most anywhere along the axis, largest first.
     cost: dict[str, float] = {}
     for row in rows:
         for name, spent_ms in row["passes"].items():
             cost[name] = max(cost.get(name, 0.0), spent_ms)
     names = sorted(cost, key=lambda name: -cost[name])[:_STAGES_SHOWN]
+    # A row for each value.
     lines = []
     for row in rows:
         stages = (milliseconds(row["passes"].get(name, 0.0)) for name in names)
@@ -181,6 +183,7 @@ def pop_tables(found: Mapping[str, Any]) -> list[Table]:
     """Principal ordinates: stages under the paper's names, and growth."""
     cases, paper = found["cases"], found["paper_ms"]
     names = list(cases[0]["stages_ms"])
+    # Stages down, cases across, the paper's times beside.
     rows = [
         (n, *(milliseconds(c["stages_ms"][n]) for c in cases), str(paper.get(n, "-")))
         for n in names
@@ -190,6 +193,7 @@ def pop_tables(found: Mapping[str, Any]) -> list[Table]:
     columns = ("ms", *(c["name"] for c in cases), "paper, GTX 770")
     title = f"Principal ordinates at {_by(found['size'])}, the map turning"
     tables = [Table(title, columns, tuple(rows))]
+    # A table for each axis of growth.
     for growth in found["growth"]:
         lines = tuple(
             (
@@ -208,6 +212,7 @@ def _rays(found: Mapping[str, Any]) -> Table:
     rows = []
     for case in found["cases"]:
         kinds = case["kinds"]
+        # Rates by wall time; what a ray costs by processor time, which other work disturbs less.
         per_triangle = case["bytes"] / max(case["triangles"], 1)
         rate = (f"{k['rays'] / max(k['ms'], 1e-6) * 1e-3:.2f}" for k in kinds.values())
         per_ray = (f"{k['cpu_ms'] * 1e6 / max(k['rays'], 1):.0f}" for k in kinds.values())

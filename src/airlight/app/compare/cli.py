@@ -48,6 +48,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
     groups: list[list[str]] = []
     rest: list[str] = []
     has_scene = is_open = False
+    # Words that follow --technique are its names until an option comes.
     for arg, before in zip(args, ["", *args], strict=False):
         if arg in TECHNIQUE_OPTIONS:
             groups.append([])
@@ -58,6 +59,7 @@ def _one_each(args: list[str], valued: Collection[str]) -> list[str]:
             is_open = False
             rest.append(arg)
             has_scene |= not arg.startswith("-") and before not in valued
+    # A SCENE that stands behind the names was taken for one of them.
     if groups and len(groups[-1]) > 1 and not has_scene:
         rest.insert(0, groups[-1].pop())
     spread = [part for group in groups for name in group for part in ("--technique", name)]
@@ -118,10 +120,12 @@ def command(
     The reference comes from Mitsuba (pip install 'airlight[reference]') and is cached on
     disk by the scene's content.
     """
+    # What can be refused is refused before minutes of path tracing.
     names = tuple(dict.fromkeys(techniques)) or ("direct", "auto")
     reads(scene)
     make_folder(output)
     check_outputs(*_files(output))
+    # The scene may name files that the comparison would replace: checked again once it is read.
     with progress(quiet=quiet) as report:
         report("loading", 0.0)
         loaded = load_scene(scene, options["model"])

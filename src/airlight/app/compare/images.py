@@ -88,6 +88,7 @@ def contact_sheet(
 
     A row is as high as its first image, scaled to the cells' width.
     """
+    # Rows are as high as their images, columns all as wide as a cell.
     heights = [_height_px(cells, cell_width_px) for _, cells in rows]
     margin, caption, head = 16, caption_px + 12, 4 * caption_px
     columns = max(len(cells) for _, cells in rows)
@@ -97,6 +98,7 @@ def contact_sheet(
     draw = PIL.ImageDraw.Draw(sheet)
     large = PIL.ImageFont.load_default(1.6 * caption_px)
     draw.text((margin, caption_px + 2), title, INK, font=large)
+    # Captions narrow until they fit; an image that is missing has a faint one.
     for (name, cells), top, height in zip(rows, tops[:-1].tolist(), heights, strict=True):
         for c, (label, pixels) in enumerate(cells):
             x = margin + c * (cell_width_px + margin)

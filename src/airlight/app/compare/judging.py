@@ -60,10 +60,12 @@ def compare_scene(
     from .reference import reference_for
     from .result import Comparison
 
+    # The reference first: its noise is the floor under every score.
     own = shared_settings(techniques, scene, plan.settings)
     reference = reference_for(
         scene, plan.size, plan.spp, noise=plan.noise, timeout_s=plan.timeout_s, report=report
     )
+    # Each technique by itself: one that fails does not cost the others their page.
     outcomes = []
     for index, name in enumerate(techniques):
         report(f"rendering {name}", index / len(techniques))
@@ -91,6 +93,7 @@ def _outcome(
     from ...reference.metrics import compare
     from .result import Outcome
 
+    # The command that draws this image again, shown beside it.
     words = ["airlight", "render", label, "-o", f"{name}.exr", "--layers", "--technique", name]
     words += ["--size", _size_word(plan.size), "--samples", str(plan.samples)]
     made = shlex.join([*words, *_own_words(plan)])
@@ -103,6 +106,7 @@ def _outcome(
         return Outcome(name, made, error=str(error))
     except Exception as error:  # one broken technique must not cost the others their page
         return Outcome(name, made, error=f"internal error: {type(error).__name__}: {error}")
+    # Beside the error, how long a path tracer takes to the same error.
     l2, floor_l2 = metrics.relative_l2 or 0.0, metrics.noise_floor_l2 or 0.0
     return Outcome(
         name,
@@ -143,12 +147,14 @@ def render_technique(
     from ...rendering import Renderer
 
     settings = settings or {}
+    # The first frame compiles and solves, the second is what a frame costs.
     with Renderer(scene, technique, size, adapter=adapter, settings=settings) as renderer:
         renderer.frame(read=False)
         started_s = time.perf_counter()
         image = renderer.frame(samples=samples)
         taken_s = time.perf_counter() - started_s
     assert image is not None
+    # One bounce has a reference of its own, so it is drawn by itself.
     if _has_bounces(technique, scene):
         once = {**settings, "bounces": False}
         with Renderer(scene, technique, size, adapter=adapter, settings=once) as renderer:

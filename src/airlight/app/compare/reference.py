@@ -130,6 +130,7 @@ def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> i
 def _render(job: _Job, names: tuple[str, ...], spp: int, seed: int) -> Reference:
     from ...reference import mitsuba
 
+    # All layers in one run, until the time that is left is over.
     images = mitsuba.render_layers(
         job.scene,
         names,
@@ -139,6 +140,7 @@ def _render(job: _Job, names: tuple[str, ...], spp: int, seed: int) -> Reference
         timeout_s=max(job.deadline_s - time.monotonic(), 1.0),
         progress=lambda done: job.report("reference", done),
     )
+    # Each layer with the variance of its mean, which scores take for the noise floor.
     whole = images["all"]
     layers = {"variance": whole.layers["variance"]}
     for name in names[1:]:
@@ -162,6 +164,7 @@ def _merged(a: Reference, b: Reference) -> Reference:
     def mean(x: F32, y: F32) -> F32:
         return (u * x + v * y).astype(np.float32)
 
+    # Means by u x + v y, variances of means by u^2 x + v^2 y.
     layers = {
         name: (u * u * x + v * v * b.image.layers[name]).astype(np.float32)
         if name.endswith("variance")
@@ -210,6 +213,7 @@ def _content(value: Any, known: dict[int, bytes]) -> bytes:
     if id(value) in known:
         return known[id(value)]
     digest = hashlib.sha256(type(value).__name__.encode())
+    # By what a value holds, field by field, so that a renamed file finds its reference again.
     if isinstance(value, np.ndarray):
         digest.update(f"{value.dtype} {value.shape}".encode())
         digest.update(np.ascontiguousarray(value).data)
@@ -227,6 +231,7 @@ def _content(value: Any, known: dict[int, bytes]) -> bytes:
             digest.update(_content(value[key], known))
     else:
         digest.update(repr(value).encode())
+    # Arrays and dataclasses may be met again by many meshes.
     result = digest.digest()
     if isinstance(value, np.ndarray) or dataclasses.is_dataclass(value):
         known[id(value)] = result

@@ -100,11 +100,13 @@ class Comparison:
         return tuple(view for view in made if view is not None)
 
     def _view(self, name: str) -> LayerView | None:
+        # A layer that is black in all images says nothing, so it is left out.
         truth = _layer(self.reference.image, name)
         images = {o.technique: _layer(o.image, name) for o in self.outcomes if o.image is not None}
         lit = [a for a in (truth, *images.values()) if a is not None and a.any()]
         if truth is None or (not lit and name != WHOLE):
             return None
+        # A panel for each technique that has the layer.
         panels = []
         for outcome in self.outcomes:
             layer = images.get(outcome.technique)

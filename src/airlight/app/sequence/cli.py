@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -125,16 +126,19 @@ def make_frames(
 
     from .frames import FrameMaker, metered_stops
 
+    # Frames that are there stay as they are.
     missing = folder.missing(plan)
     if not missing:
         return
+    # One exposure for all: metered from the first frame, noted for runs that resume.
     if "metered_stops" not in folder.manifest:
         folder.note(metered_stops=metered_stops(plan, scene))
     if folder.metered_stops is not None:
         plan = replace(plan, exposure_stops=folder.metered_stops)
+    # Here by one renderer, or each frame by a worker of the cluster.
     with counted("frames", len(plan.frames), len(plan.frames) - len(missing), quiet=quiet) as count:
         if farm is None:
-            with FrameMaker(plan, scene) as maker:
+            with closing(FrameMaker(plan, scene)) as maker:
                 _note_device(folder, maker.renderer.gpu.info.name)
                 for frame in missing:
                     maker.save(frame, folder.file(plan, frame))
@@ -157,6 +161,7 @@ def _farmed(
 
     doubts: dict[int, list[str]] = {}
 
+    # A frame comes as the bytes of its file, and is there whole or not at all.
     def take(frame: int, data: bytes, device: str, said: list[str]) -> None:
         _note_device(folder, device)
         doubts[frame] = said
@@ -189,6 +194,7 @@ def check_sequence(output: Path, options: Mapping[str, Any]) -> None:
         from .farm import check_farm
 
         check_farm(options["farm"])
+    # The output's ending decides: a video's needs its encoder, any other is a folder of frames.
     if is_video:
         if options["kind"] == "exr":
             raise SettingsError("a video has no EXR frames", remedy="Give a folder for frames.")

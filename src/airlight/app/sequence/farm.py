@@ -136,6 +136,7 @@ def _raise_ours(future: Any, address: str) -> None:
     error = future.exception()
     if isinstance(error, AirlightError):
         raise error
+    # What went wrong with a worker is told as what to do about it.
     kind = type(error).__name__
     if kind == "KilledWorker":
         raise SettingsError(

@@ -113,6 +113,8 @@ class FrameFolder:
                 where=self.path,
                 remedy="Go on with it by --resume, or choose another folder.",
             )
+        # A resumed sequence must be the one that was begun, or its frames would not fit each
+        # other.
         now = json.loads(json_text(asked))
         for name in [*now, *there]:
             if now.get(name) != there.get(name):

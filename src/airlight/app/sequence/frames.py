@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 from .plan import Plan
@@ -63,17 +62,6 @@ class FrameMaker:
         """Give the device's memory back."""
         if self._renderer is not None:
             self._renderer.close()
-
-    def __enter__(self) -> FrameMaker:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def metered_stops(plan: Plan, scene: Scene) -> float | None:

@@ -113,6 +113,7 @@ def _parsed(text: str, last: int, *, has_end: bool) -> tuple[int, int]:
     found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
     if not found:
         raise SettingsError(f"--frames '{text}' is neither a number nor written as A-B")
+    # A number N asks for the first N frames.
     if found[2] is None:
         if int(found[1]) < 1:
             raise SettingsError("--frames 0 asks for nothing")
@@ -121,6 +122,7 @@ def _parsed(text: str, last: int, *, has_end: bool) -> tuple[int, int]:
                 "--frames and --end both say where it ends", remedy="Use one, or --frames A-B."
             )
         return 0, int(found[1]) - 1
+    # A range A-B has to lie within what there is.
     first, end = int(found[1]), int(found[2])
     if end < first:
         raise SettingsError(f"--frames {text} runs backwards")

@@ -38,6 +38,7 @@ def check_scheduler(address: str, answer_s: float) -> None:
     scheme, host, port = _place(address)
     if scheme != "tcp":
         return
+    # Nothing there, and something else there, are two mistakes with two remedies.
     deadline_s = monotonic() + answer_s
     try:
         with _connected(host, port, deadline_s) as connection:

@@ -79,6 +79,7 @@ def _encode(
     import av
 
     rate = Fraction(fps).limit_denominator(_LARGEST_RATE_PART)
+    # H.264 in Rec.709 with limited range and halved chroma: what browsers and players expect.
     stream = container.add_stream("libx264", rate=rate, options=_QUALITY)
     first = _even(frames[0])
     stream.height, stream.width = first.shape[:2]
@@ -86,6 +87,7 @@ def _encode(
     context = stream.codec_context
     context.colorspace = context.color_primaries = context.color_trc = _BT709
     context.color_range = _LIMITED
+    # Each frame has its own time stamp, so that the rate may be a fraction.
     for index, file in enumerate(frames):
         pixels = first if index == 0 else _even(file)
         if pixels.shape != first.shape:
@@ -95,6 +97,7 @@ def _encode(
         frame.pts, frame.time_base = index, 1 / rate
         container.mux(stream.encode(frame))
         report((index + 1) / len(frames))
+    # The encoder still holds frames; an end makes it give them.
     container.mux(stream.encode(None))
 
 

@@ -55,6 +55,7 @@ def serve(
         from rendercanvas.utils.asyncs import sleep
     except ImportError as error:
         raise missing(error.name or "uvicorn") from None
+    # The port first: where it is taken, nothing was made in vain.
     bound = bound_socket(listen, port)
     session.prepare(size)
     token = new_token()
@@ -70,10 +71,12 @@ def serve(
     def stop(event: dict[str, Any]) -> None:
         server.should_exit = True
 
+    # The window's close ends the server, and the server's end closes everything.
     canvas.add_event_handler(stop, "close")
     logging.getLogger("rendercanvas").setLevel(logging.ERROR)
     # Of rendercanvas, where a page is open when it closes.
     warnings.filterwarnings("ignore", message="coroutine 'Queue.put' was never awaited")
+    # Whoever has the link may look and steer, so it holds a token.
     link = link_to(bound, token)
     say_where(link, bound.getsockname()[1], listen)
     if opens and not os.environ.get("SSH_CONNECTION"):

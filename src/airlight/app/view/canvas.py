@@ -101,15 +101,19 @@ class CanvasView:
         """One frame. A window folded to nothing is not drawn."""
         if min(self.surface.size) < 1:
             return
+        # The image fills what the panel leaves, no larger than the device's textures may be.
         place = self.image_place()
         size = (min(int(place.extent[0]), _LARGEST_SIDE_PX), int(place.extent[1]))
         size = (size[0], min(size[1], _LARGEST_SIDE_PX))
         wants_more = self.session.frame(self.surface.view(), size, time.monotonic(), place)
+        # Handles and the panel lie over the image that was just drawn.
         if self.panel:
             grips = self.session.grips
             grips.is_shown = self.panel.is_shown and self.session.renderer is not None
             self.panel.marks = grips.marks(self.seen())
             self.panel.render()
+        # Refinement and frames that are owed to events ask for the next one; else nothing is
+        # drawn.
         self._owed = max(0, self._owed - 1)
         if wants_more or self._owed:
             self.canvas.request_draw()

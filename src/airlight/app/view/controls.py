@@ -134,6 +134,8 @@ class CameraControls:
         x, y = event["x"], event["y"]
         dx, dy = x - self._at[0], y - self._at[1]
         self._at = (x, y)
+        # With control the drag turns the light, alone the camera; with shift or another button it
+        # pans.
         modifiers = event.get("modifiers", ())
         degrees = _TURN_DEG_PER_SIDE / max(self.height_px, 1.0)
         if self._button == LEFT and ("Control" in modifiers or "l" in self._keys):
@@ -185,9 +187,12 @@ class CameraControls:
         notches = -float(event.get("dy", 0.0)) / 100.0
         camera = self.camera
         look = np.subtract(camera.target, camera.position)
+        # A flying camera goes ahead by a share of the scene's reach at each notch.
         if self.is_flying:
             self._shift(look / np.linalg.norm(look) * notches * 0.02 * self.reach_m)
             return
+        # An orbiting one comes nearer by a factor, so that it never passes its target; walls stop
+        # it.
         least = 1e-3 * self.reach_m / float(np.linalg.norm(look))
         factor = max(_NEARER_PER_NOTCH ** float(np.clip(notches, -20, 20)), least)
         by = look * (1.0 - factor)

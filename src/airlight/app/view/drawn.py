@@ -46,6 +46,7 @@ class Drawn:
         indirect light when there is time. What was solved so is solved again where it is not.
         `is_still`: for an image of several samples, as always or never of this renderer.
         """
+        # Nothing to do while lights, geometry and media are as they were solved.
         self.solve_ms = 0.0
         r = self.renderer
         now = solved_by(r)
@@ -53,6 +54,7 @@ class Drawn:
             return
         begin = time.perf_counter()
         was_quick, self._is_quick = self._is_quick, is_quick and r.gpu.is_cpu
+        # Lattices may lag while lights are moved: they get LATTICE_SHARE of the time.
         lags = self._is_quick and _are_lights(now, self._solved)
         if lags and not was_quick:
             self._lattices_s = begin
@@ -61,6 +63,7 @@ class Drawn:
         with _quickly(r) if self._is_quick else nullcontext():
             r.technique.solve(commands, r.show(r.scene), is_still=is_still, lags=lags)
         self._solved = now
+        # What solving took decides when the lattices follow next.
         if r.gpu.is_cpu:
             commands.submit()
             r.gpu.wait()

@@ -170,17 +170,20 @@ class Fine:
 
     def _work(self, commands: SlicedCommands, make: Callable[[], Renderer], shot: Shot) -> None:
         """In the task's thread: the renderer, the solution, then samples while `shot` is wanted."""
+        # A finer renderer beside the live one must leave memory to it.
         if self._drawn is None:
             before = self.gpu.allocated_bytes
             self._drawn = Drawn(make())
             taken = self.gpu.allocated_bytes - before
             if taken > MOST_BYTES:
                 raise DeviceError(f"it would take {taken >> 20} MiB of memory")
+        # Light is solved once, as for an image of several samples.
         drawn = self._drawn
         drawn.give(shot.scene)
         drawn.renderer.resize(shot.size)
         drawn.renderer.view.is_still = True
         drawn.solve(commands, is_still=True)
+        # Samples are folded in one by one, until what is looked at is another shot.
         for index, jitter in enumerate(self._jitters):
             if self._shot is not shot:
                 return

@@ -72,6 +72,7 @@ class Grips:
         if kind == "pointer_down" and event["button"] == LEFT and not event.get("modifiers"):
             self._held = self._taken(seen, event["x"], event["y"])
             return self._held is not None
+        # While something is held all moves are its own.
         if self._held is None:
             return False
         if kind == "pointer_move":
@@ -111,6 +112,7 @@ class Grips:
             (float(np.hypot(*(handle.at - (x, y)))), handle)
             for handle in handles(lights, self.state.picked, seen)
         ]
+        # Beside all handles a press may still take the line between two images.
         distance, handle = min(near, key=lambda pair: pair[0], default=(np.inf, None))
         if handle is None or distance > _REACH_PX:
             line = self.state.split * seen.size[0]
@@ -149,11 +151,13 @@ class _Hold:
         position = position_of(light)
         if position is None:  # infinitely far: it comes from where the hand is
             return light.changed("direction", _vec3(-seen.ray(x, y)))
+        # Along one axis: by as much as the hand has moved along it since the press.
         if self.part == "axis":
             now, begun = self._along(seen, x, y), self.begun_m
             if now is None or begun is None:
                 return None
             return light.changed("position", _vec3(position + (now - begun) * self.axis))
+        # Freely: in the plane through the light that faces the camera.
         forward = np.subtract(seen.camera.target, seen.camera.position)
         there = seen.on_plane(x, y, position, forward / np.linalg.norm(forward))
         return None if there is None else light.changed("position", _vec3(there))
@@ -167,12 +171,15 @@ class _Hold:
         position = position_of(self.light)
         if position is None:
             return None
+        # A sphere about the light, as wide on the image at every distance.
         radius = _AIM_PX * seen.pixel_m(position)
         eye, ray = np.array(seen.camera.position), seen.ray(x, y)
         away = position - eye
         nearest = float(ray @ away)
         missed = away - nearest * ray  # from the ray to the light
         gap = float(np.linalg.norm(missed))
+        # Where the hand's ray meets it, on the half that the light already points to; beside it,
+        # the rim.
         depth = float(np.sqrt(max(radius * radius - gap * gap, 0.0)))
         side = -1.0 if np.dot(direction_of(self.light), away) < 0.0 else 1.0
         towards = -missed + side * depth * ray

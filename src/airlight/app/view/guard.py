@@ -63,6 +63,7 @@ class Guard:
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
+        # The path begins with the token, compared in constant time; the rest goes on to the page.
         _, given, rest = (*str(scope["path"]).split("/", 2), "", "")[:3]
         if not hmac.compare_digest(given.encode(), self.token.encode()):
             await _refuse(scope, send, REFUSAL)
@@ -93,6 +94,7 @@ def _is_from_own_page(scope: Message, listen: str) -> bool:
     origins = [value for name, value in headers if name == b"origin"]
     if len(hosts) != 1 or len(origins) > 1:
         return False
+    # A name that was rebound to this machine, and a page of another site, are both refused.
     host = hosts[0].decode("latin-1").lower()
     if not is_own(_without_port(host), listen):
         return False

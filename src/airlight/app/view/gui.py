@@ -68,12 +68,14 @@ class Panel:
             self._has_popup = False
             return
         draw_marks(self.marks, self.width(display.x, display.y))
+        # Without the panel, a line of status.
         if self.shows_help:
             _help(display.x, display.y)
         if not self.is_shown:
             self._status(display)
             self._has_popup = False
             return
+        # The panel takes the left side, as high as the window; sections follow each other.
         imgui.set_next_window_pos((0.0, 0.0))
         imgui.set_next_window_size((min(PANEL_WIDTH, display.x), display.y))
         fixed = imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_resize

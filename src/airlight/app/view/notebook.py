@@ -43,6 +43,7 @@ def view(
         loaded, source=source, technique=technique, settings=settings, adapter=adapter
     )
     session.prepare(size)
+    # Without widgets a still image is all that a notebook can show.
     try:
         from rendercanvas import anywidget
     except ImportError:
@@ -78,6 +79,8 @@ def live_widget(
 ) -> Any:
     """A canvas of `rendercanvas.anywidget` with `session` on it and `still`, if any, behind it."""
 
+    # Messages from the page: the panel's own first, then those of events, as far as they are
+    # believed.
     class LiveView(anywidget.AnywidgetRenderCanvas):  # type: ignore[misc]
         _esm, _css = widget_files(anywidget.JS, anywidget.CSS)
 
@@ -96,6 +99,7 @@ def live_widget(
             image = base64.b64encode(png_bytes(still)).decode()
             return {**data, "image/png": image}, metadata
 
+    # The canvas draws, the page shows the panel, and the file is watched on the widget's loop.
     page = Page(session, lambda message: canvas.send(message))
     canvas = LiveView(size=size, max_fps=30, update_mode="ondemand")
     canvas.view = CanvasView(canvas, session, page.saver, page)

@@ -59,6 +59,7 @@ class Page:
 
     def render(self) -> None:
         """Tell the page what has changed since it was told last."""
+        # Each part goes out only where it differs from what the page has.
         self._tell("status", self._status())
         listed = [
             {

@@ -68,22 +68,27 @@ class Quality:
         `changed`: since the last. `is_busy`: a hand is at work, and must not wait for a fine
         image to be done before the next coarse one.
         """
+        # Another size: what was learnt about the time of frames no longer holds.
         if full != self._full:
             self._coarsest, self._finer = MOST_SCALE, None
             self._full, self.still_scale, self._is_last = full, 1.0, False
         if changed:
             self._changed_s = now_s
+        # While something changes: coarse images, at most one for a change.
         if now_s - self._changed_s < SETTLE_S:
             self._was_moving, self._done, self._is_last = True, 0, False
             return Plan(self.coarse(full), 0 if changed else None, is_moving=True)
+        # At rest: as fine as frames at rest have been affordable, then once at full size.
         if self._was_moving and not is_busy:
             self.still_scale = _step_below(self.still_scale)  # the machine may have time again
             self._is_last = False
         if self._done >= self.samples and self.still_scale > 1.0 and not is_busy:
             self._is_last = True  # a coarse image is not where refinement ends
         full = full if self._is_last else _reduced(full, self.still_scale)
+        # A hand at work keeps what is shown until it lets go.
         if is_busy and (self._was_moving or self._still_size == full):
             return Plan(full, None, is_moving=self._was_moving)
+        # Another size starts its samples from the first; they end after `samples`.
         if self._was_moving or self._still_size != full:
             self._was_moving, self._still_size, self._done = False, full, 0
         if self._done >= self.samples:

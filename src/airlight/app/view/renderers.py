@@ -123,6 +123,7 @@ class Renderers(Document):
         except Exception as error:  # a driver's refusal must not take the window down
             state.message, state.notice = said(error), ""
             return
+        # The new renderer takes the place of the one before.
         if self._drawn:
             self._drawn.close()
         self._drawn, self._refused, state.message = drawn, None, ""

@@ -119,6 +119,7 @@ def sky(state: ViewState) -> Iterator[Widget]:
             chosen = {NO_SKY: None, UNIFORM: Environment((0.5, 0.5, 0.5)), MAP: own}[name]
             state.put_environment(chosen)
 
+    # The kind first; what else can be changed follows from it.
     yield Widget("sky.kind", "choice", "environment", _kind(environment), choose, choices=names)
     if environment is None:
         return
@@ -180,6 +181,7 @@ def air(state: ViewState) -> Iterator[Widget]:
     def put_fog(fog: Any) -> None:
         state.scene = replace(state.scene, medium=fog)
 
+    # Fog fills the scene; volumes have a section each, with a slice where they are grids.
     if scene.medium is None:
         yield Widget("fog.add", "button", "add fog", None, add)
     else:
@@ -242,6 +244,7 @@ def _slice(state: ViewState, index: int) -> Iterator[Widget]:
     yield Widget(key("share"), "number", "slice at", view.share, put("share"), 0.0, 1.0)
     yield Widget(key("map"), "choice", "colours", view.colours, put("colours"), choices=COLOURS)
     yield Widget(key("chart"), "chart", "", sliced.chart)
+    # Densities are shown in the grid's unit and stored as shares of its largest.
     tip = "Densities below are empty; those above are full"
     low, high = view.low * top, view.high * top
     ends = (0.0, top)

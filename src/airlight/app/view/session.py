@@ -160,15 +160,18 @@ class Session(Renderers):
 
     def image(self, samples: int = _SAVED_SAMPLES) -> Image:
         """What is seen now, at full size, with its layers. Raises AirlightError."""
+        # The renderer of what is wanted now, which may still be in the making.
         self._make()
         self.wait()
         if self.state.message and self._made != structure(self.state):
             raise AirlightError(self.state.message)
+        # Where the finer solution is shown, it is what is saved.
         drawn = self._drawn
         if self.fine.is_shown:
             self.fine.halt()
             drawn = self.fine.drawn or drawn
         assert drawn is not None
+        # Its samples replace those on screen, which begin again.
         with self._turns.frame():
             drawn.give(self.scene_now())
             drawn.renderer.resize(self._size)
@@ -221,14 +224,17 @@ class Session(Renderers):
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
         if self._made == structure(self.state):
             drawn.give(self.scene_now())
+        # Light that does not depend on the camera, then one jittered sample of the view.
         drawn.solve(commands, is_quick=plan.is_moving)
         x, y = (0.0, 0.0) if plan.is_moving else self._jitters[plan.sample]
         camera, place = self.controls.camera, (float(x), float(y))
         if not plan.is_moving:
             camera, place = through_lens(camera, place, plan.sample, plan.size[1])
         drawn.draw(commands, camera, place, plan.sample)
+        # The sample joins the running mean, unless something moves.
         self._shown.take(drawn, self.state.look, plan.sample, settled=not plan.is_moving)
         r.gpu.wait()
+        # Stages are read after the device is done.
         if commands.is_timed:
             if not r.gpu.is_cpu:
                 commands.collect_timestamps()

@@ -24,6 +24,7 @@ class Uploads:
 
     def take(self, message: Mapping[str, Any]) -> None:
         """A piece; one that does not follow the last, or makes too large a file, ends the file."""
+        # A piece says which file it belongs to and where it stands; what does not is dropped.
         name, part, parts = (message.get(key) for key in ("name", "part", "parts"))
         piece = _decoded(message.get("data"))
         is_number = all(isinstance(v, int) and not isinstance(v, bool) for v in (part, parts))
@@ -32,11 +33,13 @@ class Uploads:
             return
         if part == 0:
             self._name, self._parts, self._pieces = name, int(parts or 0), []
+        # Pieces come in order, and no larger than a scene may be.
         follows = part == len(self._pieces) and (name, parts) == (self._name, self._parts)
         if not follows or sum(map(len, self._pieces)) + len(piece) > MOST_BYTES:
             self._pieces = []
             return
         self._pieces.append(piece)
+        # The last piece opens the file.
         if len(self._pieces) == self._parts:
             data, self._pieces = b"".join(self._pieces), []
             self._opened(str(self._kept(data)))

@@ -30,6 +30,7 @@ class Watch:
         if now - self._looked_s < (INTERVAL_S if self._pending is None else _QUIET_S):
             return False
         self._looked_s = now
+        # A change counts once it has stood for a while: editors write files in several steps.
         stamps = self._stamps(set(self._seen) | {self.path})
         if stamps == self._seen or self.path not in stamps:
             self._pending = None
@@ -62,6 +63,7 @@ def named_files(path: Path) -> set[Path]:
         raw = tomllib.loads(read_text(path))
     except (SceneError, ValueError, RecursionError):
         return files
+    # Environment maps, meshes and grids are the files whose change is worth a redraw.
     tables: list[Any] = [raw.get("environment")]
     for name in ("mesh", "volume"):
         listed = raw.get(name)

@@ -126,6 +126,7 @@ def plain(widget: Widget, encode: Callable[[U8], str]) -> Mapping[str, Any]:
         "value": value,
         "tip": widget.tip,
     }
+    # Keys that say nothing are left out: the panel is sent whenever a value changes.
     rare = {
         "low": widget.low,
         "high": widget.high,

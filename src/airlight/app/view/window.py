@@ -42,6 +42,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
     def copy(text: str) -> None:
         glfw.set_clipboard_string(canvas._window, text)
 
+    # Files come by drag and drop, or by the desktop's own dialog.
     asking = Asking.where_there_is_one(session.drop)
     saver = Saver(session, Path.cwd(), copy, asking.ask if asking else None)
     view = CanvasView(canvas, session, saver)
@@ -52,6 +53,7 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
         view.touched()
 
     glfw.set_drop_callback(canvas._window, dropped)
+    # The loop draws, watches the scene file and the dialog, and ends by signals.
     if asking:
         loop.add_task(asking.watch, sleep, view, name="watch the dialog")
     loop.add_task(close_on_signals, canvas, name="close on signals")

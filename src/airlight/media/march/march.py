@@ -16,8 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from ...fields import Source
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
@@ -26,7 +24,6 @@ from ...gpu.memory import Buffer, Texture, linear_sampler
 from ...gpu.raster import FullscreenPass
 from ...lattice.placement import Fade, Placement
 from ...lattice.table import LatticeTable
-from ...maths.transforms import F64
 from ..gpu_media import GpuMedia
 from ..rays import Rays
 from .forward_source import fused_rows
@@ -45,15 +42,6 @@ from .marched_light import MarchedLight, variant_of
 MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
 _LIMIT = "max-color-attachment-bytes-per-sample"
-
-
-def placed(placement: Placement) -> F64:
-    """(4, 4): from the world to the texture coordinates of a lattice."""
-    extent = placement.cell * np.array(placement.count, np.float64)
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.array(placement.axes) / extent[:, None]
-    matrix[:3, 3] = -np.array(placement.origin) / extent
-    return matrix
 
 
 class _March(FullscreenPass):

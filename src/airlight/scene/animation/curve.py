@@ -46,6 +46,7 @@ class Curve:
             raise SceneError(
                 f"keyframe times must rise, but {times[late + 1]:g} s comes after {times[late]:g} s"
             )
+        # A curve is a value: nobody changes its keyframes afterwards.
         times.flags.writeable = values.flags.writeable = False
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "values", values)

@@ -140,11 +140,13 @@ class Rig:
         return self._posed(scene, None, 0.0)
 
     def _posed(self, scene: Scene, clip: Clip | None, time_s: float) -> Scene:
+        # Every node of the file at this time, in the file's space and in the world.
         at = self._clip_time(clip, time_s)
         place = self.world_from_file
         placed = place.at(time_s) if isinstance(place, Placing) else place
         in_file = self.skeleton.world(clip, at)
         world = placed @ in_file
+        # What hangs on a node goes with it: meshes, lights, and the camera if the file has one.
         meshes, lights = list(scene.meshes), list(scene.lights)
         for k, part in enumerate(self.parts, start=self.first_mesh):
             meshes[k] = self._mesh(meshes[k], part, clip, at, in_file, placed)
@@ -169,8 +171,10 @@ class Rig:
         world = cast(F64, placed @ in_file[part.node])
         if part.local is not None:
             world = world @ part.local
+        # A rigid mesh moves as a whole.
         if part.shape is None:
             return replace(mesh, world_from_object=world)
+        # One with a skin or morph targets gets new vertices.
         if part.shape.skin is not None:
             world = placed  # a skinned mesh does not hang on its node (section 3.7.3.2)
         weights = np.zeros(0) if part.weights is None else part.weights

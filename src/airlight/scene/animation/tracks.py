@@ -79,6 +79,8 @@ class OrbitTrack:
         centre = np.asarray(own.position if self.pivot is None else self.pivot, np.float64)
         up, angle = np.array(own.up), 2.0 * np.pi * time_s / self.turn_s
 
+        # Rotated about the axis through the centre (Rodrigues): v cos a + (up x v) sin a, what
+        # lies along the axis kept.
         def turned(place: tuple[float, float, float]) -> tuple[float, float, float]:
             v = np.subtract(place, centre)
             along = up * float(v @ up)

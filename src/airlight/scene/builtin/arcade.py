@@ -28,12 +28,14 @@ _ARCH_STEPS = 20
 
 def arch_wall() -> Geometry:
     """The wall above the columns, SPRING_M to STOREY_M, with its arch cut out."""
+    # Both faces: from the rim of the arch up to the storey's top.
     angle = np.linspace(np.pi, 0.0, _ARCH_STEPS + 1)
     half, top = BAY_M / 2.0, STOREY_M
     rim = np.stack([np.cos(angle), np.sin(angle)], axis=1) * ARCH_RADIUS_M + (0.0, SPRING_M)
     lower = np.concatenate([[(-half, SPRING_M)], rim, [(half, SPRING_M)]])
     upper = np.stack([lower[:, 0], np.full(len(lower), top)], axis=1)
     sheet = np.stack([lower, upper])
+    # The underside of the arch between them.
     soffit = np.repeat(rim[None], 2, axis=0)
     z = np.broadcast_to(np.array([[-WALL_HALF_M], [WALL_HALF_M]]), soffit.shape[:2])
     inwards = np.stack([-np.cos(angle), -np.sin(angle), np.zeros_like(angle)], axis=1)
@@ -83,6 +85,7 @@ def groin_vault(half_x_m: float, half_z_m: float, steps: int = 10) -> Geometry:
     a, b = np.meshgrid(angle, angle)
     x, z = -half_x_m * np.cos(a), -half_z_m * np.cos(b)
     webs = []
+    # Each barrel gives the two webs where it is the higher one.
     for across_x in (True, False):
         rise = np.sin(a if across_x else b)
         positions = np.stack([x, SPRING_M + VAULT_RISE_M * rise, z], axis=-1)
@@ -114,6 +117,8 @@ def transverse_rib(half_width_m: float) -> Geometry:
     half_z, drop = GALLERY_M / 2.0 + 0.05, 0.12
     angle = np.linspace(0.0, np.pi, 17)
     centre = OUTER_WALL_Z + GALLERY_M / 2.0
+    # Two ellipses a little apart: the rib's underside is the inner one, its cheeks lie between
+    # both.
     inner, outer = (
         np.stack(
             [centre - (half_z - e) * np.cos(angle), SPRING_M + (VAULT_RISE_M - e) * np.sin(angle)],

@@ -134,6 +134,7 @@ def _arcades(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
         for sx in (-1, 1)
         for sz in (-1, 1)
     ]
+    # Vaults over the bays and corners, a rib and a pilaster between two of them.
     bays, between, ends = _both(bay_places), _both(column_places), _both(corner_places)
     bay_vault = arcade.groin_vault(BAY_M / 2.0, half_z)
     return (

@@ -57,6 +57,7 @@ def cumulus_density(seed: int) -> F32:
             (centred[0] - cx) ** 2 + (1.15 * (centred[1] - cy)) ** 2 + (centred[2] - cz) ** 2
         )
         depth = np.maximum(depth, radius - away)
+    # Billows and wisps move the rim of the heap; below a height it ends, as clouds do.
     billow = np.abs(fractal_noise(SHAPE, (8, 5, 8), rng, octaves=3, gain=0.6))
     wisp = fractal_noise(SHAPE, (16, 10, 16), rng, octaves=2, gain=0.6)
     rim = depth.astype(np.float32) + 2.6 * (1.0 - 1.3 * billow) + 0.7 * wisp

@@ -53,12 +53,14 @@ def _shaft(r: float, low: float, high: float, twist_turns: float) -> Geometry:
     """Sixteen flutes that end in round scoops, on a shaft with entasis; or twisted fillets."""
     flutes, per_flute = (12 if twist_turns else 16), 4
     angle = np.linspace(0.0, 2.0 * np.pi, flutes * per_flute + 1)[None, :]
+    # Rings, dense where flutes begin and end.
     scoop = np.array([0.0, 0.02, 0.045])
     middle = np.linspace(0.07, 0.93, 8 if twist_turns else 4)
     t = np.concatenate([scoop, middle, 1.0 - scoop[::-1]])[:, None]
     entasis = r * (1.0 - 0.16 * t**1.8)
     ends = np.clip(np.minimum(t, 1.0 - t) / 0.06, 0.0, 1.0)
     depth = 0.085 * np.sqrt(1.0 - (1.0 - ends) ** 2)
+    # The radius at each angle and height: entasis, less the depth of the flute.
     turned = angle + 2.0 * np.pi * twist_turns * t
     radius = entasis * (1.0 - depth * np.abs(np.sin(0.5 * flutes * angle)))
     height = np.broadcast_to(low + (high - low) * t, radius.shape)
@@ -143,6 +145,7 @@ def baluster(segments: int = 8) -> Geometry:
 
 def fountain() -> tuple[Geometry, Geometry]:
     """(stone, water): a round basin 2.6 m wide with a bowl on a foot, 1.75 m high."""
+    # Profiles, from outside to the axis, turned about it.
     wall: Points = [(1.34, 0.0), (1.34, 0.10), (1.24, 0.16), (1.20, 0.36)]
     wall += arc((1.24, 0.47), 0.08, -90.0, 90.0, 6)
     wall += [(1.08, 0.55), (1.06, 0.52), (1.04, 0.10), (0.32, 0.10)]

@@ -44,6 +44,8 @@ def _fields(of: Eddies, seed: int) -> tuple[F32, F32]:
     rng = np.random.default_rng(seed)
     potential = [fractal_noise(of.cells, of.largest, rng, octaves=3, gain=0.30) for _ in range(3)]
 
+    # The curl of a vector potential has no divergence: what it stirs is neither compressed nor
+    # thinned.
     def slope(component: int, axis: int) -> F32:
         field = potential[component]
         return cast(F32, np.roll(field, -1, axis) - np.roll(field, 1, axis))

@@ -19,6 +19,7 @@ def woven(
     tile_m, threads = 0.32, 64
     at = (np.arange(size_px, dtype=np.float32) + 0.5) / size_px * threads
     weft, warp = np.meshgrid(at, at, indexing="ij")
+    # Which thread is above at each crossing, and how its crown rises.
     over = (np.floor(weft) + np.floor(warp)) % 2
     crown = np.where(over > 0, np.sin(np.pi * (warp % 1)), np.sin(np.pi * (weft % 1)))
     slub = fractal_noise((size_px, size_px), (4, 32), rng, octaves=3)
@@ -58,6 +59,7 @@ def drape(
     """
     s = np.linspace(0.0, 1.0, cells[0] + 1)[None, :]
     t = np.linspace(0.0, 1.0, cells[1] + 1)[:, None]
+    # The phase of the pleats drifts further down, where they widen and merge.
     fold_m = width_m / pleats
     drift = sum(
         amount * np.sin(2.0 * np.pi * (k * s + phase)) * t ** (0.5 * k)
@@ -69,6 +71,7 @@ def drape(
     depth = fold_m * (
         0.20 + 0.27 * t * (1.0 + 0.5 * np.sin(2.0 * np.pi * (1.3 * s + rng.random())))
     )
+    # The fold's cross section, sharp at the rod and rounder at the hem.
     shape = np.sin(phase) + 0.22 * np.sin(2.0 * phase + 1.0) * (1.0 - t)
     shape += 0.35 * np.sin(0.5 * phase + 2.0) * t
     z = depth * shape

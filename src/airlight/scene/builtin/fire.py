@@ -139,6 +139,7 @@ def _hearth(seed: int) -> tuple[Mesh, ...]:
     rng = np.random.default_rng(seed + 1)
     finish = stone.limestone_blocks(rng, size_px=256)
     sooty = replace(finish, material=replace(finish.material, base_color=(0.45, 0.42, 0.4)))
+    # Stones around, each as nature left it, then five logs that lean together.
     angles = np.arange(11) * (360.0 / 11) + rng.uniform(-6.0, 6.0, 11)
     stones = []
     for angle, wide, tall in zip(

@@ -26,6 +26,7 @@ def frond_finish(rng: np.random.Generator, size_px: int = 512) -> Finish:
     x = 2.0 * at[None, :] - 1.0
     along = 1.0 - at[:, None]
     side = np.abs(x)
+    # Which leaflet a texel is in, how far that reaches, and how wide it is there.
     leaflet = (along - 0.16 * side) * 22.0 + 0.5 * (x > 0.0)
     number = np.floor(leaflet).astype(np.intp)
     jitter = rng.uniform(-0.06, 0.06, 64).astype(np.float32)
@@ -33,6 +34,7 @@ def frond_finish(rng: np.random.Generator, size_px: int = 512) -> Finish:
     taper = np.clip(1.0 - (side / np.maximum(reach, 1e-3)) ** 2, 0.0, 1.0)
     half_width = 0.40 * np.sqrt(taper) * np.clip(0.55 + 2.0 * side, 0.0, 1.0)
     across = np.abs(leaflet % 1.0 - 0.5)
+    # Coverage: signed distances to the edges in texels, so that they are smooth.
     blade = np.where(taper > 0.0, (half_width - across) * size_px / 22.0, -1.0)
     rib = (0.030 * (1.1 - along) - side) * size_px * 0.5
     stalk = along < 0.05
@@ -67,11 +69,13 @@ def fronds(rng: np.random.Generator, count: int = 34, length_m: float = 1.15) ->
     across, along = FROND_CELLS
     s = np.linspace(-1.0, 1.0, across + 1)
     t = np.linspace(0.0, 1.0, along + 1)
+    # Old fronds stand outside, longer and lower, turned by the golden angle.
     age = np.linspace(0.0, 1.0, count)
     azimuth = 2.399963 * np.arange(count) + rng.normal(0.0, 0.25, count)
     length = length_m * (0.75 + 0.45 * age * (1.3 - age)) * rng.uniform(0.85, 1.15, count)
     rise = np.radians(86.0 - 52.0 * age + rng.normal(0.0, 6.0, count))
     droop = np.radians(40.0 + 75.0 * age + rng.normal(0.0, 12.0, count))
+    # Each spine bends down along its length; its blade is folded along the rib.
     elevation = rise[:, None] - droop[:, None] * t**1.5
     step = np.diff(t, prepend=0.0) * length[:, None]
     out = np.cumsum(step * np.cos(elevation), axis=1)

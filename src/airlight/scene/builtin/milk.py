@@ -80,6 +80,7 @@ def knot(stations: int = 192, sides: int = 24) -> Geometry:
         ],
         axis=-1,
     )
+    # Leaned back and stood on the ground.
     lean = np.radians(50.0)
     turn = np.array(
         [[1.0, 0.0, 0.0], [0.0, np.cos(lean), -np.sin(lean)], [0.0, np.sin(lean), np.cos(lean)]]

@@ -89,6 +89,7 @@ def facing(positions: F64, triangles: NDArray[np.intp], normals: F64, uvs: F64) 
     positions = f32(positions).astype(np.float64)
     a, b, c = (positions[triangles[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)
+    # A triangle faces as its vertices' normals do, or else is turned round.
     agrees = np.einsum("ij,ij->i", face, unit[triangles].sum(axis=1)) >= 0.0
     wound = np.where(agrees[:, None], triangles, triangles[:, ::-1])
     kept = wound[np.linalg.norm(face, axis=1) > 1e-10]

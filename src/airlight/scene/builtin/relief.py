@@ -20,6 +20,7 @@ def lion_shield(radius_m: float = 0.95) -> Geometry:
     positions = radius_m * np.stack([x, y, depth], axis=-1)
     normals = lattice_normals(positions, closed_columns=True)
     normals[0] = (0.0, 0.0, 1.0)
+    # The face, and a moulded rim around it.
     face = patch(positions, normals, positions[..., :2] * (1.0, -1.0))
     rim: Points = [(1.0, 0.0), (1.0, 0.10), *arc((0.96, 0.12), 0.04, 0.0, 150.0, 5)]
     rim += [(0.88, 0.10), (0.84, 0.06)]

@@ -32,12 +32,15 @@ def clear_sky(sun_travel: Vec3, *, height_px: int = 64, scale: float = 1.0) -> E
     towards = np.stack(
         [np.sin(v)[:, None] * np.sin(u), cos_zenith, -np.sin(v)[:, None] * np.cos(u)], axis=-1
     )
+    # Luminance by CIE S 011, colour from deep blue at the zenith to pale near the horizon and the
+    # sun.
     sun = -np.array(sun_travel) / np.linalg.norm(sun_travel)
     luminance = _cie_clear(cos_zenith, towards @ sun, float(sun[1]))
     whiteness = (1.0 - np.clip(cos_zenith, 0.0, 1.0)) ** 3 + 0.15 * np.clip(luminance - 1, 0, 3)
     blend = np.clip(whiteness, 0.0, 1.0)[..., None]
     hue = _ZENITH / _ZENITH.mean() * (1.0 - blend) + _PALE / _PALE.mean() * blend
     sky = _ZENITH.mean() * (_GLOW * -np.expm1(-luminance / _GLOW))[..., None] * hue
+    # The horizon's row is shared between sky and ground.
     above = np.clip(0.5 + cos_zenith[..., None] * height_px / np.pi, 0.0, 1.0)
     pixels = scale * (above * sky + (1.0 - above) * _GROUND)
     return Environment(map=cast(F32, pixels.astype(np.float32)), source="clear sky")

@@ -50,6 +50,7 @@ def _face(low: F64, high: F64, face: str, radius: float) -> Geometry:
     on_box = np.zeros((len(along_v), len(along_u), 3))
     on_box[..., axis] = high[axis] if outward > 0 else low[axis]
     on_box[..., u_axis], on_box[..., v_axis] = np.meshgrid(along_u, along_v)
+    # Rounded: points at the radius from the box that is smaller by it.
     if radius > 0.0:
         core = np.clip(on_box, low + radius, high - radius)
         normals = on_box - core
@@ -59,6 +60,7 @@ def _face(low: F64, high: F64, face: str, radius: float) -> Geometry:
         normals = np.zeros_like(on_box)
         normals[..., axis] = outward
         positions = on_box
+    # Texture coordinates upright on all sides, in metres.
     mirror = outward if axis != 0 else -outward
     v_sign = -1.0 if v_axis == 1 else outward
     u_sign = 1.0 if axis == 1 else mirror

@@ -18,6 +18,7 @@ def limestone_blocks(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     """Ashlar: eight courses of four blocks, 0.6 x 0.3 m, worn, joints 1 cm wide."""
     tile_m, courses, blocks = 2.4, 8, 4
     y, x = _grid(size_px)
+    # Which block a texel is in, and how far from the joint.
     course = np.floor(y * courses)
     along = x * blocks + 0.5 * (course % 2)
     block = np.floor(along) % blocks
@@ -27,6 +28,7 @@ def limestone_blocks(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     grain = fractal_noise((size_px, size_px), (12, 12), rng, octaves=6, gain=0.6)
     stain = fractal_noise((size_px, size_px), (2, 3), rng, octaves=4)
     face = smoothstep(0.002, 0.014, joint_m + 0.0015 * grain)
+    # Blocks differ in brightness, warmth and height; all have grain, and stains across them.
     index = (course * blocks + block).astype(np.intp)
     shade = rng.normal(0.0, 1.0, (3, courses * blocks)).astype(np.float32)
     grey = (1.0 + 0.08 * shade[0][index] + 0.045 * grain + 0.05 * stain) * (0.62 + 0.38 * face)
@@ -86,11 +88,13 @@ def paving(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     """Courtyard slabs, 0.6 x 0.6 m, every one a little different, foot-worn to a dull shine."""
     tile_m, count = 2.4, 4
     y, x = _grid(size_px)
+    # Which slab a texel is in, and how far from the joint.
     index = (np.floor(y * count) * count + np.floor(x * count)).astype(np.intp)
     joint_m = np.minimum(_edge_distance(x * count), _edge_distance(y * count)) * (tile_m / count)
     grain = fractal_noise((size_px, size_px), (10, 10), rng, octaves=6, gain=0.6)
     wear = fractal_noise((size_px, size_px), (3, 3), rng, octaves=4)
     face = smoothstep(0.002, 0.010, joint_m + 0.001 * grain)
+    # Slabs differ in brightness, warmth and height; worn ones are smoother than joints.
     shade = rng.normal(0.0, 1.0, (3, count * count)).astype(np.float32)
     grey = (1.0 + 0.11 * shade[0][index] + 0.05 * grain + 0.04 * wear) * (0.45 + 0.55 * face)
     warmth = 0.05 * shade[1][index]
@@ -112,6 +116,7 @@ def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
     """Gallery floor: pale marble tiles set on their corners, with dark and red ones between."""
     tile_m, count = 1.6, 2
     y, x = _grid(size_px)
+    # Tiles along the diagonals: pale ones, with dark and red ones between.
     a, b = (x + y) * count, (x - y) * count
     joint_m = np.minimum(_edge_distance(a), _edge_distance(b)) * (tile_m / count / np.sqrt(2.0))
     dark = (np.floor(a) + np.floor(b)) % 2

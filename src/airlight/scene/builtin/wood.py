@@ -17,10 +17,12 @@ def boards(
     """Oiled floor boards along u, 0.16 m wide and 0.8 m long, each cut from another place."""
     tile_m, rows, per_row = 1.6, 10, 2
     texel = np.arange(size_px)
+    # Which board a texel is in: rows are shifted against each other.
     row = texel * rows // size_px
     along = (texel[None, :] + (rng.integers(0, size_px, rows))[row][:, None]) / size_px
     board = row[:, None] * per_row + np.floor(along * per_row).astype(np.intp) % per_row
     grain = _grain(rng, size_px)
+    # Each board is cut from another place of the same grain.
     shift = rng.integers(0, size_px, (2, rows * per_row))
     rolled = grain[
         (texel[:, None] + shift[0][board]) % size_px, (texel[None, :] + shift[1][board]) % size_px

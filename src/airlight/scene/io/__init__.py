@@ -83,6 +83,7 @@ def load(
         scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
         return with_sky(scene, sky) if sky else scene
     file = Path(path)
+    # Errors from here on name the file.
     with naming(file):
         scene = _loaded(file, model, sky)
         check_extent(scene)
@@ -119,6 +120,7 @@ def model_keys(
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     suffix = file.suffix.lower()
+    # Scene files say everything themselves; a sky that was asked for replaces theirs.
     if suffix == ".toml":
         from .doubts import doubts
         from .toml import load_toml
@@ -131,6 +133,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
 
         scene = load_mitsuba(file)
         return with_sky(scene, sky) if sky else scene
+    # Bare grids and meshes get what they lack.
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 

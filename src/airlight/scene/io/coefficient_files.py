@@ -63,12 +63,14 @@ def read_coefficients(
     density. Raises SceneError for what cannot be read, and values that mean nothing.
     """
     read = {name: _read(path, grids[name], name) for name in grids}
+    # One box holds all grids of extinction; others are read on it.
     for name in OF_DENSITY:
         if name in read:
             density, _ = on_one_grid(density, read[name])
     placed = {name: on_one_grid(density, found, grows=False)[1] for name, found in read.items()}
     if not any(name in grids for name in OF_DENSITY):
         return density, {f"{name}_grid": placed[name] for name in grids}
+    # Grids times their numbers; what has a number alone is in proportion to the density.
     full: dict[str, Any] = dict.fromkeys((*NAMES[:4],))
     full["g"] = numbers.get("g", 0.0)
     for name in NAMES:
@@ -80,6 +82,7 @@ def read_coefficients(
             full[name] = density.density[..., None] * np.array(number, np.float32)
         elif number is not None and name == "albedo":
             full[name] = number
+    # As arguments of a Volume, whose density times tint is the extinction.
     if "g" not in placed:
         full["g"] = mean_cosine(full["g"])
     made = as_grids(full)

@@ -20,6 +20,7 @@ def read_cube(path: Path) -> Lut:
     kind, size = "", 0
     ends = {"DOMAIN_MIN": np.zeros(3), "DOMAIN_MAX": np.ones(3)}
     rows: list[F64] = []
+    # Lines are keywords or rows of three numbers, in any order.
     for number, line in enumerate(lines, 1):
         words = line.split("#")[0].split()
         if not words or words[0] == "TITLE":

@@ -47,6 +47,7 @@ def clear_sky(towards_sun: F64, height: int = 32) -> F32:
     )
     sine, y = np.sin(np.pi * v), np.cos(np.pi * v)
     direction = np.stack([sine * np.sin(2 * np.pi * u), y, -sine * np.cos(2 * np.pi * u)], axis=2)
+    # Paler towards the horizon, with a glow about the sun.
     paleness = np.exp(-np.maximum(y, 0.0) * 3.5)[..., None]
     sky = _ZENITH + (_HORIZON - _ZENITH) * paleness
     cosine = np.clip(direction @ towards_sun, 0.0, 1.0)[..., None]

@@ -149,6 +149,7 @@ def _inside(probe: Probe, room: Room) -> Camera:
     axes = [0, 2] if room.size[0] > room.size[2] else [2, 0]
     if room.size[axes[0]] > 1.2 * room.size[axes[1]]:
         axes = axes[:1]
+    # From both ends, somewhat off the middle; the view that shows most wins.
     places = [
         _look_along(room, axis, side, shift)
         for axis in axes
@@ -167,6 +168,7 @@ def _look_along(room: Room, axis: int, side: float, shift: float) -> Camera:
     across = 2 - axis
     length, height = float(high[axis] - low[axis]), float(high[1] - low[1])
     is_human = 2.0 <= height <= 8.0
+    # At the eye's height of a person where the room is a person's, a little down.
     eye = (low + high) / 2.0
     eye[1] = low[1] + (EYE_HEIGHT_M if is_human else 0.4 * height)
     eye[axis] += side * 0.4 * length

@@ -53,6 +53,7 @@ class Axis:
 
 def letter_of(name: str, attributes: dict[str, Any]) -> str:
     """Which way a dimension goes by its coordinate's attributes, else by its name; "" unknown."""
+    # By the conventions' attributes, then by units, then by the name alone.
     axis = str(attributes.get("axis", "")).upper()
     if axis in _STANDARD:
         return axis
@@ -119,11 +120,13 @@ def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
         raise SceneError(f"its coordinate '{axis.name}' has equal or missing values")
     if np.unique(np.sign(np.diff(centres))).size > 1:
         raise SceneError(f"its coordinate '{axis.name}' goes up and down")
+    # h = H ln(p0 / p), the isothermal atmosphere.
     if units in _PASCALS:
         if float(centres.min()) <= 0.0:
             raise SceneError(f"its pressure '{axis.name}' is not above 0")
         doubts.append(f"heights of '{axis.name}' are estimated from its pressures")
         return np.asarray(_SCALE_HEIGHT_M * np.log(_SEA_LEVEL_PA / (centres * _PASCALS[units])))
+    # Degrees of longitude shrink by the cosine of the latitude.
     if units.startswith("degree"):
         doubts.append(f"degrees of '{axis.name}' are taken as metres on a flat ground")
         shrunk = math.cos(math.radians(latitude)) if axis.letter == "X" else 1.0

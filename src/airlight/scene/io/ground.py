@@ -37,6 +37,7 @@ def with_ground(scene: Scene) -> Scene:
     probe = Probe.of(scene)
     if len(probe.corners) == 0 or find_room(probe) is not None or _has_floor(probe):
         return scene
+    # Wide enough for long shadows, a little below the lowest point so that nothing flickers in it.
     low, high = scene.whole_bounds
     half = REACH * float(max((high - low)[[0, 2]].max() / 2.0, (high - low)[1]))
     at = (low + high) / 2.0
@@ -69,12 +70,14 @@ def _has_floor(probe: Probe) -> bool:
     """Whether most rays down onto the model's box end at something near its lowest point."""
     points = probe.corners.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
+    # Rays straight down, on a grid over the model.
     steps = np.linspace(-0.49, 0.49, _PLACES)
     x, z = (a.ravel() for a in np.meshgrid(steps, steps))
     middle, size = (low + high) / 2.0, high - low
     origins = np.stack([middle[0] + x * size[0], np.full(x.shape, high[1] + size[1] + 1e-3),
                         middle[2] + z * size[2]], axis=1)  # fmt: skip
     distance = probe.cast(origins, np.tile((0.0, -1.0, 0.0), (len(x), 1))).distance
+    # What most of them meet near the lowest point is a floor; a flat model is one itself.
     height = origins[:, 1] - distance
     near = np.isfinite(distance) & (height < low[1] + 0.05 * float(size[1]))
     is_flat = float(size[1]) < 0.02 * float(max(size[0], size[2]))

@@ -114,6 +114,7 @@ def read_radiance(path: Path, warnings: list[str] | None = None) -> F32:
     else:
         said.append(f"{path}: an 8-bit image used as light; it has no highlights")
         return _decoded(_opened(read_bytes(path), str(path)), path)
+    # Extremes are finite where all pixels are: one pass in the usual case.
     if not np.isfinite(pixels.max(initial=0.0)) or not np.isfinite(pixels.min(initial=0.0)):
         if np.isnan(pixels).any():
             raise SceneError(f"{int(np.isnan(pixels).sum())} values are NaN", where=path)

@@ -48,6 +48,7 @@ def read_ktx2(raw: bytes, name: object) -> NDArray[np.uint8]:
         )
     if depth or layers > 1 or faces != 1 or not (width and height):
         raise SceneError("the KTX 2 image is a volume, an array or a cube", where=name)
+    # The size is the header's word: checked before anything is unpacked.
     check_size(width, height, len(raw), name)
     if not has_transcoder():
         raise SceneError(

@@ -95,6 +95,7 @@ def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32
             f"the file has {len(positions)} vertices",
             where=path,
         )
+    # Polygons are cut here, because trimesh makes fans of concave ones.
     polygons = _polygons(mesh)
     if polygons is not None:
         corners, sizes = polygons

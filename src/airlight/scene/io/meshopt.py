@@ -84,6 +84,8 @@ def _byte_column(stream: _Stream, rows: int) -> bytes:
     groups = -(-rows // GROUP)
     header = stream.take(-(-groups // 4))
     parts = []
+    # Two bits a group say how many bits its values have; the largest value stands for a byte of
+    # its own.
     for g in range(groups):
         kind = (header[g // 4] >> (g % 4 * 2)) & 3
         if kind == 0:
@@ -133,6 +135,7 @@ class _Triangles:
     def _on_an_edge(self, code: int) -> tuple[int, int, int]:
         """A triangle that shares an edge with one of the last."""
         a, b = self.edges[(self.edge_at - 1 - (code >> 4)) & 15]
+        # The third corner: a new one, one of the last, or one that is written out.
         kind = code & 15
         if kind < self.farthest:
             c = self._new() if kind == 0 else self.vertices[(self.vertex_at - 1 - kind) & 15]

@@ -49,6 +49,7 @@ def _material(block: Block, textures: TextureFiles) -> Material:
     values.update(_coverage(block, textures, _base_texture(block, textures)))
     values.update(_emission(block, textures))
     values.update(_normal_map(block, textures))
+    # What was not read is said once for the material.
     unread = [key for key, (text, _) in block.statements.items() if _is_lost(key, text)]
     if unread:
         listed = ", ".join(f"'{key}'" for key in unread)
@@ -86,11 +87,14 @@ def _reflection(block: Block, textures: TextureFiles) -> dict[str, Any]:
     if max(kd) > 1.0:
         textures.warnings.append(f"{block.path}: Kd of '{block.name}' is above 1 and was cut")
         kd = (min(kd[0], 1.0), min(kd[1], 1.0), min(kd[2], 1.0))
+    # A dark Kd beside a bright Ks is how MTL says metal.
     roughness, metallic = block.number("pr"), block.number("pm")
     is_metal = metallic is None and max(kd) < METAL_MAX_KD and max(ks) > METAL_MIN_KS
     values: dict[str, Any] = {"base_color": kd, "metallic": _unit(metallic or 0.0)}
     if is_metal and "map_kd" not in block.statements:
         values |= {"base_color": tuple(min(c, 1.0) for c in ks), "metallic": 1.0}
+    # Roughness by its own key, else by Phong's exponent; specular by Ks, where no key of PBR is
+    # set.
     has_map = "map_pr" in block.statements or "map_pm" in block.statements
     if roughness is None and has_map:
         roughness = 1.0
@@ -139,8 +143,10 @@ def _coverage(block: Block, textures: TextureFiles, base: Texture | None) -> dic
             "MeshLab means it; for a surface that is not there write d 0"
         )
         transparency = None
+    # `d` is opacity, `Tr` is what it lacks to 1; `d` counts where both are there.
     alpha = 1.0 if transparency is None else 1.0 - transparency
     alpha = _unit(alpha if opacity is None else opacity)
+    # A mask that is soft blends, one that is sharp cuts holes.
     mask = block.image("map_d", "map_opacity")
     if mask is not None:
         image = textures.data(mask.file)

@@ -101,6 +101,7 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
     """Record and unpacked buffer of one grid."""
     at, names = _FILE.size, []
     found: tuple[_Record, bytes] | None = None
+    # Grids follow each other, each with a record of its sizes before it.
     for _ in range(count):
         fields = _RECORD.unpack_from(content, at)
         size, packed_size, name_size, codec = fields[0], fields[1], fields[21], fields[29]
@@ -190,6 +191,8 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
     counts = np.frombuffer(buffer, "<u4", 3, _TREE_OFFSET + 32)
     world_from_index = np.eye(4)
     world_from_index[:3, :3], world_from_index[:3, 3] = matrix.reshape(3, 3), shift
+    # Blocks of 8^3 voxels over the active box: coarse values, then those of the leaves, then cut
+    # to it.
     leaf, lower, upper = (
         np.frombuffer(buffer, kind, int(n), int(at))
         for kind, n, at in zip((_LEAF, _LOWER, _UPPER), counts, offsets, strict=False)
@@ -216,6 +219,7 @@ def _blocks(
     lower: NDArray[np.void],
 ) -> F32:
     """Values of the 8^3 blocks from block `corner` on, of all that is coarser than leaves."""
+    # From coarse to fine: the background, the root's tiles, then values of upper and lower nodes.
     tile_count, background = struct.unpack_from("<If", buffer, root + 24)
     blocks = np.full(shape, background, np.float32)
     tiles = np.frombuffer(buffer, _ROOT_TILE, tile_count, root + 64)

@@ -164,6 +164,7 @@ def _check_hdf5(path: Path) -> None:
         raise _missing("h5netcdf") from None
     outside = SceneError("has data in other files, which are not followed", remedy="Repack it.")
 
+    # External links and virtual datasets would read files that nobody named.
     def look(group: Any, depth: int) -> None:
         for name in group:
             link = group.get(name, getlink=True)
@@ -212,6 +213,7 @@ def _along_axes(
     axes = [_axis(variable, str(name), lines) for name in variable.dims]
     told: list[str] = []
     kept: list[Axis] = []
+    # Of times the first is read; other dimensions of one cell are dropped.
     for axis in axes:
         is_time = axis.letter == "T"
         if (is_time and len(axes) > 3) or (axis.size == 1 and len(axes) - len(told) > 3):
@@ -224,6 +226,7 @@ def _along_axes(
     if len(kept) != 3:
         have = " x ".join(f"{axis.name} ({axis.size})" for axis in kept)
         raise SceneError(f"its variable '{variable.name}' has the dimensions {have}, not three")
+    # Axes that do not say which they are count as height, y, x.
     if sorted(axis.letter for axis in kept) != ["X", "Y", "Z"]:
         kept = [replace(axis, letter=letter) for axis, letter in zip(kept, "ZYX", strict=True)]
         names = ", ".join(axis.name for axis in kept)
@@ -257,6 +260,7 @@ def _optical(
     if key not in _CONTENT and key not in _MIXING:
         return values, None
     text = f"its values in {units} are water in droplets of {_RADIUS_M * 1e6:g} micrometres"
+    # Mixing ratios times the density of air, which falls with height, are water by volume.
     if key in _CONTENT:
         water = values * np.float32(_CONTENT[key])
     else:

@@ -104,12 +104,14 @@ def _rough_sums(
 
     They are all corners of their vertices.
     """
+    # Corners by vertex, all of one vertex in a row.
     vertex = triangles.ravel()[corner]
     order = np.argsort(vertex, kind="stable")
     starts = np.flatnonzero(np.diff(vertex[order], prepend=-1))
     sizes = np.diff(starts, append=len(vertex))
     around = _Around(positions, triangles, corner[order], is_flat)
     sums, keys = np.zeros((len(corner), 3)), np.zeros(len(corner), dtype=np.int64)
+    # All pairs of a vertex are compared, so many vertices at a time as fit in memory.
     corner_pairs = np.cumsum(np.where(sizes > _MAX_FACES_AT_A_VERTEX, sizes, sizes**2))
     cuts = np.searchsorted(corner_pairs, np.arange(0, corner_pairs[-1], _PAIRS_AT_ONCE)[1:])
     ends = np.unique(np.append(cuts, len(starts)))
@@ -148,8 +150,10 @@ class _Around:
         corners = np.arange(starts[0], starts[0] + sizes.sum())
         first = np.where(count == 1, corners, np.repeat(starts, sizes))
         bounds = np.cumsum(count) - count
+        # Pairs (i, j) of corners of one vertex; a fan of too many faces stays by itself.
         i = np.repeat(corners, count)
         j = np.arange(len(i)) - np.repeat(bounds, count) + np.repeat(first, count)
+        # Faces join where they meet at less than the crease's angle.
         cosine = np.einsum("pc,pc->p", self.face[i], self.face[j])
         joined: NDArray[np.bool_] = cosine > self.limit[i]
         joined |= (i == j) | self.is_sliver[i]

@@ -60,6 +60,7 @@ def _triangles(data: ObjData) -> _Triangles:
     corners = data.corners[at]
     normals = data.normals
     missing = corners[:, :, 2] < 0
+    # Corners without a normal of their own get one, smooth up to a crease.
     if missing.any():
         rows = np.flatnonzero(missing.any(axis=1))
         made, index = creased_normals(
@@ -87,6 +88,7 @@ def _meshes(data: ObjData, triangles: _Triangles, materials: list[Material]) -> 
 
 
 def _geometry(data: ObjData, corners: I64, normals: Floats) -> Geometry:
+    # A vertex for each combination of position, coordinates and normal.
     rows, indices = compact(corners)
     uvs: NDArray[np.float32] | None = None
     if (rows[:, 1] >= 0).any():

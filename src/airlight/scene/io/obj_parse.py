@@ -70,6 +70,7 @@ def parse_obj(raw: bytes, path: Path) -> ObjData:
     face_lines = lines.of(_FACE)
     for column, kind in enumerate((_V, _VT, _VN)):
         _resolve(corners[:, column], sizes, face_lines, lines.of(kind), kind, path)
+    # Materials and smoothing hold from their line until the next.
     statements = _Statements(lines)
     return ObjData(
         positions=lines.columns(points, point_sizes, 3, _V),

@@ -164,6 +164,7 @@ def _transform(stream: VdbStream) -> F64:
             f"has a grid placed by a {kind}, which is no affine transform",
             remedy="Resample it onto a regular grid.",
         )
+    # A flat transform has no inverse, and nothing in it volume.
     if not np.isfinite(matrix).all() or abs(float(np.linalg.det(matrix[:3, :3]))) < 1e-30:
         raise VdbError("a grid's transform is not finite, or flat")
     return matrix

@@ -117,6 +117,7 @@ class _Values:
         none = np.zeros(count, dtype=bool)
         if kind == _EVERY_VALUE:
             return None, none
+        # What inactive voxels hold is not stored where it is one of two values.
         if kind == _ALL_BACKGROUND:
             first = self.background
         elif kind in (_ALL_ONE_VALUE, _MASK_AND_ONE_VALUE, _MASK_AND_TWO_VALUES):
@@ -247,6 +248,7 @@ def _read_inner(values: _Values, corner: Corner, level: int, found: _Found) -> N
 def _active_box(found: _Found) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """First voxel (3,) of what is active, and the one beyond the last."""
     lows, highs = [], []
+    # The leaves' active voxels, then the tiles'.
     for corner, mask in found.leaves:
         inside = np.nonzero(mask.reshape(8, 8, 8))
         if len(inside[0]):

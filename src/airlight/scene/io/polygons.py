@@ -31,6 +31,7 @@ def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
     starts = np.cumsum(sizes) - sizes
     step = np.arange(len(polygon)) - (np.cumsum(count) - count)[polygon]
     first = starts[polygon]
+    # Fans of all polygons first; then the concave ones among those of each size are cut otherwise.
     at = np.stack([first, first + step + 1, first + step + 2], axis=1)
     begins = np.cumsum(count) - count
     columns = np.ascontiguousarray(positions.T)
@@ -73,6 +74,8 @@ def _cut_concave(
     shape = shape - shape.mean(axis=1, keepdims=True)
     ahead = np.roll(shape, -1, axis=1)
     normal = np.cross(shape, ahead).sum(axis=1)  # twice the area, Newell's normal
+    # Corners that turn against the polygon's own sense are reflex: their polygons are clipped by
+    # ears.
     turn = np.cross(shape - np.roll(shape, 1, axis=1), ahead - shape)
     left = np.einsum("fkc,fc->fk", turn, normal)
     limit = _STRAIGHT * np.square(np.abs(shape).max(axis=(1, 2))) * np.linalg.norm(normal, axis=1)

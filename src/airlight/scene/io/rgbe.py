@@ -103,6 +103,7 @@ def _unpacked(body: bytes, at: int, count: int) -> tuple[bytearray, int]:
     """
     line = bytearray()
     while len(line) < count:
+        # Above 128 one byte is repeated, else that many follow.
         length = body[at]
         if length > 128:
             line += body[at + 1 : at + 2] * (length - 128)

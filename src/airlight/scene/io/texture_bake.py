@@ -81,10 +81,12 @@ def baked(texture: Texture, charts: Charts, *, is_normal: bool = False) -> Baked
     span = np.maximum(solid.to.max(axis=(0, 1)) - low, 1e-9)
     if is_normal:  # bumps lean where u and v have different scales
         span = np.full(2, span.max())
+    # As many texels as the original has there, with a margin that filtering may reach into.
     size, is_coarse = _size(texture, solid, span)
     inner = size - 2.0 * MARGIN
     placed = Charts((solid.to - low) / span * inner + MARGIN, solid.source)
     pixels, conflict = _drawn(texture, placed, size, is_normal=is_normal)
+    # The transform that takes the charts' coordinates to the new image.
     scale = inner / span / size
     offset = MARGIN / size - low * scale
     made = replace(
@@ -239,6 +241,7 @@ def _filled(values: F64, is_there: NDArray[np.bool_]) -> F64:
         return values
     height, width = values.shape[:2]
     padding = ((0, height % 2), (0, width % 2))
+    # Means of what is there over 2 x 2 texels, filled in turn the same way.
     weight = np.pad(is_there.astype(np.float64), padding)[..., None]
     sums = np.pad(values * is_there[..., None], (*padding, (0, 0)))
     counts, sums = (

@@ -81,6 +81,7 @@ def _cased(folder: Path, name: PurePosixPath) -> Path | None:
     try:
         if (folder / name).is_file():
             return folder / name
+        # Written on a system that does not tell cases apart: each part by its letters alone.
         here = folder
         for part in name.parts:
             exact = here / part

@@ -111,6 +111,7 @@ def _scene(raw: Raw, path: Path) -> Scene:
         *([EnvironmentTrack(turning)] if turning else []),
         *(VolumeTrack(k, files) for k, (_, _, files) in enumerate(volumes) if files),
     ]
+    # Lights of the tables come first, then those of mesh files, as the tracks count them.
     scene = Scene(
         meshes=tuple(mesh for part in parts for mesh in part.meshes),
         lights=(*(light for light, _ in lights), *(x for part in parts for x in part.lights)),

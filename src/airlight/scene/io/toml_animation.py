@@ -61,6 +61,7 @@ def _curves(table: Table, keys: Sequence[Any], between: str, label: str) -> dict
     names = [name for name in rows[0] if name != "time_s"]
     if not names:
         raise SceneError(f"{label} key 1 changes nothing: it sets time_s alone")
+    # Each keyframe sets the same keys, so that every key is a curve over all times.
     for number, row in enumerate(rows, start=1):
         odd = set(row) ^ set(rows[0])
         if odd:
@@ -90,6 +91,7 @@ def mesh_tracks(
     """
     rigs = [t for t in (part.animation.tracks if part.animation else ()) if isinstance(t, Rig)]
     placing: Any = placed
+    # Keyframes move the table's placement, so they cannot stand beside a matrix.
     if keys:
         if "matrix" in values:
             raise SceneError(
@@ -100,6 +102,7 @@ def mesh_tracks(
         placing = Placing(
             curves("mesh", keys, values.get("between", "smooth"), label), still, upright
         )
+    # The file's own animation goes on within that placement.
     if rigs:
         return tuple(replace(_clip(rig, values, label), world_from_file=placing) for rig in rigs)
     for name in ("clip", "clip_start_s", "clip_speed", "clip_loop"):

@@ -86,6 +86,7 @@ def check_table(table: Table, raw: Any, label: str) -> dict[str, Any]:
     """
     if not isinstance(raw, dict):
         raise SceneError(f"{label} must be a table of keys, not {raw!r}")
+    # Unknown keys first: a misspelt one is why another is missing.
     keys, of_variant = _keys_for(table, raw, label)
     known = {key.name: key for key in keys}
     for name in raw:

@@ -75,6 +75,7 @@ def sky_table(scene: Scene, original: Scene, raw: Mapping[str, Any]) -> dict[str
     before = original.environment.sky if original.environment is not None else None
     if sky == before and raw:
         return dict(raw)
+    # Only what differs from the defaults, and the angles, which say where the sun is.
     usual = Sky()
     return {
         field.name: getattr(sky, field.name)

@@ -64,9 +64,11 @@ def scene_text(
         had_sky = original.environment is not None and original.environment.sky is not None
         lights = original.lights[:-1] if had_sky else original.lights
         original = replace(original, lights=lights, environment=None)
+    # The camera, unless it is the one that framing chooses again.
     raw["camera"] = {**raw.get("camera", {}), **_camera(scene.camera)}
     if has_own_camera(scene):
         raw["camera"] = {}
+    # Lights and environment, unless they are the defaults of a scene without any.
     is_default = _is_default_light(raw, scene, original)
     notes_before = len(notes)
     own_lights = scene.lights[: len(scene.lights) - _brought(raw, original)]
@@ -79,9 +81,11 @@ def scene_text(
         del notes[notes_before:]
     if (model or {}).get("ground"):
         raw["mesh"] = [*raw.get("mesh", ()), *ground_tables(scene)]
+    # Media, and what moves.
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
     raw["volume"] = _volumes(scene.volumes, raw.get("volume", []), notes)
     with_motion(raw, scene, original, notes)
+    # Settings by technique; then all tables in the order of the reference page.
     techniques = dict(scene.settings)
     for name, values in (settings or {}).items():
         techniques[name] = {**techniques.get(name, {}), **values}
@@ -95,6 +99,7 @@ def _original(
     source: str, folder: Path, model: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
     path = Path(source)
+    # A scene file as it was written, its paths from the new file's folder.
     if path.suffix.lower() == ".toml":
         raw = tomllib.loads(read_text(path))
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
@@ -103,6 +108,7 @@ def _original(
                 if key in table:
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
+    # Of another file, a table that names it.
     if path.suffix.lower() in MESH_SUFFIXES:
         placed = {name: model[name] for name in model if name not in ("sun", "ground")}
         return {"mesh": [{"file": _relative(path, folder), **placed}]}, []
@@ -185,6 +191,7 @@ def _environment(
 ) -> dict[str, Any]:
     if environment is None:
         return {}
+    # A map that no file holds is written as its mean.
     table = {key: raw[key] for key in ("file",) if key in raw}
     if not table and environment.map is not None:
         notes.append(_NO_MAP)
@@ -228,6 +235,7 @@ def _volumes(
     for volume, table in zip(volumes, raw, strict=False):
         kept = {key: value for key, value in table.items() if key not in _SCATTERING}
         tables.append({**kept, **_by_voxel(_scattering(volume), table, notes)})
+    # Volumes that were added have no file; a shape needs none.
     for volume in volumes[len(raw) :]:
         if volume.density is None:
             matrix = volume.world_from_volume

@@ -71,6 +71,7 @@ def _put(table: dict[str, Any], curves: Curves, kind: str, notes: list[str]) -> 
     _drop(table, _MOVING)
     first, *others = curves.values()
     known = _known(kind, table)
+    # A table has one set of times and one interpolation for all of its keys.
     is_said = first.between in ("smooth", "linear", "step") and all(
         curve.between == first.between and np.array_equal(curve.times, first.times)
         for curve in others

@@ -34,6 +34,7 @@ def placed_volume(
         grids = taken_grids(values)
     given = dict(values)
     values = with_extinction(values, label)
+    # Where densities come from: a file, a sequence of files, or a shape.
     if sum(name in values for name in ("file", "shape", "sequence")) != 1:
         raise SceneError(f"{label} needs either a file, a sequence or a shape")
     if "sequence" not in values:
@@ -61,6 +62,7 @@ def placed_volume(
     note_read(*files)  # of a sequence those that are read later, too
     wanted = [values.get(name, "density") for name in _OF_FILES]
     grid = density_or_first(files[0], wanted[0], wanted[1], grids)
+    # Emission and coefficients may need a larger box than the density's.
     glowing = values.get("emission_grid", values.get("temperature_grid"))
     with inside(label):
         emission, grown = taken_emission(values, files[0], grid)

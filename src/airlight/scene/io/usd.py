@@ -52,12 +52,14 @@ class _Reader:
         self._stage = stage = opened_stage(path)
         from pxr import Usd, UsdGeom
 
+        # A moving stage is read as it is at its first time.
         self._time = Usd.TimeCode.EarliestTime()
         self.warnings: list[str] = []
         if stage.HasAuthoredTimeCodeRange():
             self._time = Usd.TimeCode(stage.GetStartTimeCode())
             if stage.GetEndTimeCode() > stage.GetStartTimeCode():
                 self.warnings.append(f"what moves stands as at time {stage.GetStartTimeCode():g}")
+        # From the stage's unit and upwards axis to metres and +Y.
         self._metres = float(UsdGeom.GetStageMetersPerUnit(stage))
         if not 0.0 < self._metres < 1e9:
             raise SceneError(f"its metersPerUnit {self._metres} is no length")
@@ -188,6 +190,7 @@ class _Reader:
         attribute = prim.GetAttribute("inputs:texture:file")
         value = attribute.Get(self._time) if attribute else None
         image = None
+        # The image is named from the layer that sets it, which may lie elsewhere.
         if value is not None and value.path:
             stack = attribute.GetPropertyStack(self._time)
             resolved = resolved_asset(stack[0].layer, str(value.path), self._folder)
@@ -209,6 +212,7 @@ class _Reader:
         from .volume_scene import grid_volume
         from .volumes import read_volume
 
+        # The field called density, or the only one; it has to be in an OpenVDB file.
         fields = UsdVol.Volume(prim).GetFieldPaths()
         name = "density" if "density" in fields else next(iter(fields), None)
         asset = self._stage.GetPrimAtPath(fields[name]) if name else None
@@ -224,6 +228,7 @@ class _Reader:
             self.warnings.append(f"'{prim.GetPath()}': its file is missing")
             return
         volume, told = grid_volume(read_volume(resolved, str(grid or name)), Path(resolved))
+        # Extinction is per unit of the file, which is `scale` metres in the world.
         scale = float(np.cbrt(abs(np.linalg.det(world[:3, :3])))) or 1.0
         r, g, b = (c / scale for c in volume.sigma_t)
         matrix = world @ volume.world_from_volume

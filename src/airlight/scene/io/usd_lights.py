@@ -44,6 +44,7 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
         raise SceneError(f"'{prim.GetPath()}': its light is no finite number")
     position, ahead, up = _point(world[:3, 3]), _unit(-world[:3, 2]), _unit(world[:3, 1])
     wide, high, deep = (float(n) for n in np.linalg.norm(world[:3, :3], axis=0))
+    # Each kind in its own unit. A normalised light gives its whole power, whatever its size.
     if prim.IsA(UsdLux.DistantLight):
         half = math.radians(float(UsdLux.DistantLight(prim).GetAngleAttr().Get(time))) / 2.0
         solid = 1.0 if is_whole or half <= 0.0 else math.pi * math.sin(half) ** 2
@@ -59,6 +60,7 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
         return AreaLight(position, _rgb(radiance), "disk", ahead, up, radius=max(radius, _SMALL_M))
     if not prim.IsA(UsdLux.SphereLight):
         return None
+    # A sphere too small to see is a point of the same intensity, pi r^2 times its radiance.
     sphere = UsdLux.SphereLight(prim)
     radius = sphere.GetRadiusAttr().Get(time) * (wide * high * deep) ** (1.0 / 3.0)
     if is_whole:

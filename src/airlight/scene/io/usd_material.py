@@ -70,11 +70,13 @@ class UsdMaterials:
         if not shader or shader.GetIdAttr().Get() != _PREVIEW:
             self.warnings.append(f"{name}: has no {_PREVIEW}: it is shown grey")
             return replace(usual, name=name)
+        # Images and numbers of UsdPreviewSurface; where there is an image, it alone counts.
         base = self._texture(shader, "diffuseColor", is_color=True)
         emission = self._texture(shader, "emissiveColor", is_color=True)
         images = {n: self._texture(shader, n, is_color=False) for n in ("roughness", "metallic")}
         opacity = self._texture(shader, "opacity", is_color=False)
         threshold = float(self._value(shader, "opacityThreshold") or 0.0)
+        # Without a threshold opacity blends, else it cuts holes.
         alpha = 1.0 if opacity else float(np.clip(self._number(shader, "opacity", 1.0), 0.0, 1.0))
         is_blended = threshold <= 0.0 and (
             alpha < 1.0 or (opacity is not None and is_soft(opacity))
@@ -82,6 +84,7 @@ class UsdMaterials:
         if opacity is not None:
             base = with_alpha(base, opacity)
             threshold = threshold or (0.0 if is_blended else 0.5)
+        # One image holds roughness and metal; a number beside an image is 1.
         numbers = {
             n: 1.0 if images[n] else float(np.clip(self._number(shader, n, usual_value), 0, 1))
             for n, usual_value in (("roughness", 0.5), ("metallic", 0.0))
@@ -158,6 +161,7 @@ class UsdMaterials:
         image = self._image(source, place, is_color=is_color)
         scale = np.array(self._value(source, "scale") or (1.0,) * 4, float)
         bias = np.array(self._value(source, "bias") or (0.0,) * 4, float)
+        # Data in one channel, with scale and bias worked in, as images have no such keys here.
         if not is_color and name != "normal" and channel in _CHANNELS:
             plane = image.pixels[..., _CHANNELS[channel]] / 255.0
             k = _CHANNELS[channel]

@@ -91,6 +91,7 @@ class _Faces:
 
     def geometry(self, chosen: I64, uv_name: str) -> Geometry | None:
         """The triangles of some faces; None where they have none."""
+        # The chosen faces' corners, cut into triangles, in the mesh's own numbers.
         starts = np.cumsum(self.sizes) - self.sizes
         sizes = self.sizes[chosen]
         if int(sizes.sum()) == 0:
@@ -103,6 +104,7 @@ class _Faces:
         at = held[at]
         if self._is_left_handed:
             at = at[:, ::-1]
+        # Rows of each table by its own interpolation: one vertex for each combination.
         face = np.asarray(chosen)[polygon]
         points = self.corners[at]
         normals, normal_at = self._normals(points, at, face)

@@ -50,6 +50,8 @@ def opened_stage(path: Path) -> Any:
             "needs the package usd-core, which is not installed",
             remedy="Run: pip install 'airlight[usd]', or export glTF (.glb).",
         ) from None
+    # Every layer that the first one names, before the library composes them: none outside of the
+    # folder is read.
     folder = path.parent.resolve()
     try:
         first = _layer(path.resolve(), Sdf)
@@ -65,6 +67,7 @@ def opened_stage(path: Path) -> Any:
         stage = Usd.Stage.Open(first, None, _resolver_context(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
         raise SceneError(f"is no readable USD ({_said(error)})") from None
+    # Composition may bring in others still.
     for layer in stage.GetUsedLayers():
         if layer.realPath:
             placed_inside(layer.realPath, folder, layer.identifier)

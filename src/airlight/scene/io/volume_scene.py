@@ -43,7 +43,7 @@ def load_volume_scene(file: Path) -> Scene:
 def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
     """A grid as a medium of what its units say, or else as smoke, and what was chosen for it."""
     colours, said = _colours(grid, file)
-    optics = grid.optics or _chosen_optics(grid, file)
+    optics = grid.optics or _chosen_optics(grid)
     volume = Volume(
         sigma_t=(optics.sigma_t,) * 3,
         density=grid.density,
@@ -61,7 +61,7 @@ def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
     return volume, (*grid.warnings, *said, chosen)
 
 
-def _chosen_optics(grid: VolumeGrid, file: Path) -> Optics:
+def _chosen_optics(grid: VolumeGrid) -> Optics:
     """Whitish smoke as deep as smoke is, for a grid that says nothing about light."""
     sigma_t = fitting_sigma_t(grid.density, grid.bounds)
     text = (
@@ -85,6 +85,7 @@ def _with_emission(
     grown, values = on_one_grid(grid, read_values(file, name))
     if values.ndim != 3 or not float(values.max()) > 0.0:
         return grid, None, (f"{file.name}: its grid '{name}' is no fire that is seen",)
+    # Temperatures in kelvin are taken as they are, others end at HOTTEST_K.
     scale = 1.0
     if name == "temperature":
         hottest = float(values.max())
@@ -94,6 +95,7 @@ def _with_emission(
         found = Emission(ORANGE, np.maximum(values, 0.0))
     assert found.values is not None
     longest_m = float(np.subtract(grown.bounds[1], grown.bounds[0]).max())
+    # So bright that a tenth of the box's longest side, at its peak, sends FLAME.
     strength = FLAME / max(found.peak * max(found.radiance) * 0.1 * longest_m, 1e-30)
     r, g, b = (float(f"{c * strength:.3g}") for c in found.radiance)
     keys = f'{"temperature" if name == "temperature" else "emission"}_grid = "{name}"'

@@ -133,10 +133,12 @@ def _from_sparse(grid: SparseGrid) -> VolumeGrid:
     low = np.array(grid.first) - 0.5
     high = low + grid.values.shape[:3]
     values = grid.values
+    # A level set holds distances: inside is 1, and the rim a voxel wide.
     if grid.is_level_set:
         voxel_m = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3]))))
         values = np.clip(0.5 - values / np.float32(voxel_m), 0.0, 1.0)
     density = np.ascontiguousarray(np.moveaxis(values, (0, 1, 2), (2, 1, 0)), np.float32)
+    # Without rotation a box says where it is, else a matrix.
     scale = np.diag(matrix[:3, :3])
     if np.array_equal(matrix[:3, :3], np.diag(scale)) and scale.min() > 0.0:
         low, high = (corner * scale + matrix[:3, 3] for corner in (low, high))
@@ -174,6 +176,7 @@ def _fitting(grid: VolumeGrid, path: Path) -> VolumeGrid:
     density = grid.density
     warned = _sound(density, path)
     grid = replace(grid, warnings=(*grid.warnings, *warned)) if warned else grid
+    # Means over runs of voxels, the last one of as many as there are.
     for axis, size in enumerate(density.shape):
         step = -(-size // LONGEST_SIDE)
         if step > 1:

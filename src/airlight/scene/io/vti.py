@@ -103,6 +103,7 @@ class _Builder(ElementTree.TreeBuilder):
 
 def _parsed(raw: bytes) -> _File:
     """The file without its appended data, which need not be XML, and those."""
+    # Appended data may be raw bytes, which no XML parser takes: cut off first.
     found = _APPENDED.search(raw)
     appended, is_raw = b"", False
     if found:
@@ -125,6 +126,7 @@ def _parsed(raw: bytes) -> _File:
             f"is of VTK's type {kind}, only ImageData is read",
             remedy="Resample it to an image in ParaView, or by vtkResampleToImage.",
         )
+    # How numbers are stored in all of the file.
     order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
     header = _TYPES[root.get("header_type", "UInt32")]
     return _File(image, order, order + header, root.get("compressor", ""), appended, is_raw)
@@ -154,6 +156,7 @@ def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
     channels = int(array.pieces[0][1].get("NumberOfComponents", "1"))
     check_count(math.prod(count) * channels)
     values: NDArray[Any] | None = None
+    # Pieces are boxes of the whole, in any order; they may share a layer of points.
     for extent, element in array.pieces:
         own = _counts(extent, array.is_of_points)
         first = extent[::2] - whole[::2]
@@ -188,6 +191,7 @@ def _place(
     spacing = _numbers(image, "Spacing", 3, float, "1 1 1")
     turn = _numbers(image, "Direction", 9, float, "1 0 0 0 1 0 0 0 1").reshape(3, 3)
     half = 0.5 if is_of_points else 0.0
+    # Points are the centres of voxels, so the box reaches half a spacing beyond them.
     low = spacing * (whole[::2] - half)
     high = spacing * (np.maximum(whole[1::2], whole[::2] + (not is_of_points)) + half)
     matrix = np.eye(4)
@@ -251,6 +255,7 @@ def _unpacked(file: _File, stored: bytes, wanted: int) -> bytes:
             f"is packed by {file.compressor}, only zlib and LZMA are read",
             remedy="Write it with zlib, or not packed.",
         )
+    # Of packed blocks, the header says how many there are, how large, and how long each is packed.
     blocks, block_size, last = (int(n) for n in np.frombuffer(stored, file.header, 3))
     expected = blocks * block_size - (block_size - last if last else 0)
     if blocks > _MOST_BLOCKS or expected != wanted:

@@ -39,6 +39,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         with _streamed(path, target) as part:
             yield part
         return
+    # Beside the target, so that taking its place is one step of the file system.
     part = _part(target.path)
     try:
         with _said(path):

@@ -176,6 +176,7 @@ class AreaLight(LightType):
         else:
             angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS + 1)
             unit = np.stack([np.cos(angle), np.zeros_like(angle), np.sin(angle)], axis=1)
+        # A sphere's outline is that of the disk that faces the eye.
         facing: AreaLight = self
         if self.shape == "sphere" and eye != self.position:
             away = np.subtract(eye, self.position)

@@ -32,6 +32,7 @@ fn incoming(light: LightData, position: vec3f) -> Incoming {
         result.distance = 1e30;
         return result;
     }
+    // I / r^2, r^2 no less than `nearest`: no point is lit infinitely.
     let delta = light.position - position;
     let squared = max(dot(delta, delta), light.nearest);
     result.distance = sqrt(squared);
