@@ -73,7 +73,8 @@ def patch(
     (n, 2) says which rows to connect; by default each to the next. Triangles without area
     (poles) are left out.
     """
-    triangles = _triangles(*positions.shape[:2], row_pairs)
+    rows, columns = positions.shape[:2]
+    triangles = _triangles(rows, columns, row_pairs)
     return facing(positions.reshape(-1, 3), triangles, normals.reshape(-1, 3), uvs.reshape(-1, 2))
 
 
