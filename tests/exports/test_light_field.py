@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from airlight.exports.light_field import AXES, LatticeLight, LightField
+from airlight.exports.lookup import Lookup
 
 SHAPE = (7, 6, 5)  # z, y, x
 LOW = np.array([-1.0, 0.0, 2.0])
@@ -93,5 +94,7 @@ def test_a_wall_warps_the_lattice_to_the_face_it_was_counted_on():
     towards = np.tile([-1.0, 0.0, 0.0], (3, 1))
     np.testing.assert_allclose(held.irradiance(points, towards)[0], np.pi, rtol=1e-6)
     np.testing.assert_allclose(
-        held._bent(points, towards)[:, 0], [2.0, 1.0 + 1.2 / 1.4, 1.0 + 0.4 / 1.4], rtol=1e-6
+        Lookup(held).warped(points, towards)[:, 0],
+        [2.0, 1.0 + 1.2 / 1.4, 1.0 + 0.4 / 1.4],
+        rtol=1e-6,
     )

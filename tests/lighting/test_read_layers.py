@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -41,3 +43,20 @@ def test_layers_of_radiance_add_up(image):
     parts = [v for k, v in image.layers.items() if k in light and k not in NOT_ADDED]
     assert len(parts) >= 2
     np.testing.assert_allclose(np.sum(parts, axis=0), image.radiance, rtol=1e-5, atol=1e-6)
+
+
+def test_depth_asked_for_late_is_that_of_its_own_frame(square):
+    floor = square((-40, 0, 4), (80, 0, 0), (0, 0, -80))
+    above = Camera(position=(0.0, 3.0, 0.0), target=(0.0, 0.0, -0.01), fov_y_deg=20.0)
+    with Renderer(Scene(meshes=(floor,), camera=CAMERA), "direct", SIZE) as renderer:
+        renderer.frame()
+        first = renderer.frame(camera=above)
+        renderer.frame(camera=CAMERA)
+    np.testing.assert_allclose(np.median(first.layers["depth"]), 3.0, rtol=0.02)
+
+
+def test_layers_survive_pickling(image):
+    # As they do on the way from the workers of a farm.
+    copied = pickle.loads(pickle.dumps(image))
+    assert list(copied.layers) == list(image.layers)
+    np.testing.assert_array_equal(copied.layers["depth"], image.layers["depth"])

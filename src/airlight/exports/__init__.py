@@ -1,7 +1,8 @@
 """Solved light for other programs: light fields as plain arrays with a header.
 
 solved             a renderer's lattices and volumes, read back -> light field
-light_field        the arrays, and the lookup of irradiance in NumPy
+light_field        the arrays, and the irradiance that they give surfaces
+lookup             where surfaces are looked up in them, in NumPy
 light_field_file   .npz, or a folder of .npy, with a JSON header
 vdb                OpenVDB files for programs that show volumes
 """

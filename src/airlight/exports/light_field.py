@@ -12,16 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..maths.lattice6 import surface_irradiance
+from .lookup import Lookup
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 AXES: F64 = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 """Normals of an ambient cube's six values."""
-WHOLE_BEFORE = 0.75
-"""As in wgsl/lattice_space.wgsl: cells before a surface where the walls beside it are looked up."""
-BEFORE = 0.15
-"""As in wgsl/lattice.wgsl: cells before a surface where the walls that it faces are looked up."""
 CREVICE_SHARE = 0.5
 """As in wgsl/lattice.wgsl: the least share of the light in the next cell that a surface gets."""
 
@@ -68,8 +65,7 @@ class LatticeLight:
         `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
         """
         p, n = self._own(points), self._own(normals)
-        coordinates = self._bent(p, n)
-        uvw = self._eased(self._lookup_coordinates(coordinates, n), _rim_shares(n))
+        uvw = Lookup(self).coordinates(p, n)
         here = self._facing(uvw, n)
         next_cell = self._facing(uvw + n / np.array(self.count), n)
         return np.maximum(here, CREVICE_SHARE * next_cell)
@@ -100,79 +96,6 @@ class LatticeLight:
             return surface_irradiance(states, n, 1.0, scale=1.0)
         along = (states[..., 1:] * n).sum(axis=-1)
         return np.asarray(np.pi * np.maximum(states[..., 0] - 2.0 / 3.0 * along, 0.0), np.float64)
-
-    def _cells(self, coordinates: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
-        """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
-        cell = np.clip(np.floor(coordinates), 0, np.array(self.count) - 1).astype(np.intp)
-        return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
-
-    def _lookup_coordinates(self, coordinates: F64, n: F64) -> F64:
-        """Twin: lookup_coordinates in wgsl/lattice.wgsl."""
-        if self.dead_ends is None:
-            return coordinates + _raised(coordinates, n)
-        coordinates = self._lifted(coordinates, n)
-        wanted = coordinates + _raised(coordinates, n)
-        cell = np.floor(coordinates + BEFORE * n)
-        within = np.where(n < 0.0, np.maximum(wanted, cell + 0.5), np.minimum(wanted, cell + 0.5))
-        return np.where(self._ends(cell, n), within, wanted)
-
-    def _lifted(self, coordinates: F64, n: F64) -> F64:
-        """Twin: lifted in wgsl/lattice.wgsl."""
-        is_facing = np.abs(n) > 0.5
-        before = coordinates + np.where(is_facing, 0.5 * np.sign(n), 0.0)
-        cell = np.floor(before)
-        t = before - cell
-        side = np.where(t > 1.0 - BEFORE, 1.0, 0.0) - np.where(t < BEFORE, 1.0, 0.0)
-        step = np.where(is_facing, 0.0, side)
-        is_above = self._ends(cell, step)
-        is_below = self._ends(cell + step, -step) & ~is_above
-        lifted = cell + 0.5 + 0.5 * step + (BEFORE + 0.01) * np.where(is_below, step, -step)
-        return np.where((is_above | is_below) & (step != 0.0), lifted, coordinates)
-
-    def _ends(self, cell: F64, step: F64) -> NDArray[np.bool_]:
-        """(n, 3): the axes along which `directions` from cells lead into an enclosed face.
-
-        Twin: ends in wgsl/lattice.wgsl.
-        """
-        assert self.dead_ends is not None
-        _, at = self._cells(cell)
-        hop = 2 * np.arange(3) + (step < 0.0)
-        return np.asarray((self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1 == 1)
-
-    def _bent(self, p: F64, n: F64) -> F64:
-        """Twin: warped_surface_coordinates in wgsl/lattice_space.wgsl."""
-        coordinates = (p - np.array(self.origin)) / self.cell
-        return np.stack([self._warped_axis(coordinates, n, axis) for axis in range(3)], axis=1)
-
-    def _warped_axis(self, coordinates: F64, n: F64, axis: int) -> F64:
-        """One axis, between the walls of the cell WHOLE_BEFORE cells in front of the surface."""
-        beyond = WHOLE_BEFORE * n
-        beyond[:, axis] = 0.0
-        cell, at = self._cells(coordinates + beyond)
-        low, high = self.walls[at][:, axis].astype(np.float64), self._wall_above(cell, axis)
-        # Linear between both walls, and beyond each of them, so that walls lie on faces.
-        t = coordinates[:, axis] - cell[:, axis]
-        between = (t - low) / np.maximum(1.0 + high - low, 0.25)
-        below, above = (t - low) / (1.0 + low), 1.0 + (t - 1.0 - high) / (1.0 - high)
-        bent = np.where(t < low, below, np.where(t > 1.0 + high, above, between))
-        return np.asarray(cell[:, axis] + bent)
-
-    def _wall_above(self, cell: NDArray[np.intp], axis: int) -> F64:
-        """The shift of the wall on the high face along `axis`; 0 at the lattice's end."""
-        last = self.count[axis] - 1
-        x, y, z = (np.minimum(cell[:, k] + (k == axis), self.count[k] - 1) for k in range(3))
-        return np.where(cell[:, axis] == last, 0.0, self.walls[z, y, x, axis])
-
-    def _eased(self, coordinates: F64, rim: F64) -> F64:
-        """Twin: lattice_eased in wgsl/lattice.wgsl; `rim` (n, 3) as from `_rim_shares`."""
-        cell, at = self._cells(coordinates)
-        t = np.clip(coordinates - cell, 0.0, 1.0) - 0.5
-        open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
-        share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
-        within = rim * _smoothstep(0.0, 0.25, share) * _smoothstep(0.5 - BEFORE, 0.5, np.abs(t))
-        count = np.array(self.count)
-        eased = cell + 0.5 + t * np.maximum(_smoothstep(0.15, 0.5, share), within)
-        return np.asarray(np.clip(eased, 0.5, count - 0.5) / count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,23 +157,6 @@ class LightField:
         from .light_field_file import load_light_field
 
         return load_light_field(path)
-
-
-def _smoothstep(low: float, high: float, x: F64) -> F64:
-    t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))
-
-
-def _rim_shares(n: F64) -> F64:
-    """Twin: rim_shares in wgsl/lattice.wgsl, of unit normals."""
-    return 1.0 - _smoothstep(0.2, 0.5, np.abs(n))
-
-
-def _raised(coordinates: F64, n: F64) -> F64:
-    """The offset before a surface, in cells. Twin: lookup_offset in wgsl/lattice.wgsl."""
-    along = coordinates * np.sign(n)
-    f = along - np.floor(along)
-    return np.asarray(n * (0.5 + np.minimum(f, 1.0 - f)))
 
 
 def _trilinear(cells: F32, uvw: F64) -> F64:

@@ -63,14 +63,15 @@ def _facing(meshes: tuple[Mesh, ...]) -> F64:
     """(n, 3): normals times areas, m^2, of all surfaces, summed where they agree."""
     own: dict[int, F64] = {}
     found = [np.zeros((0, 3))]
-    for mesh in meshes:
+    # The cofactors of a transform turn and scale area vectors as it does surfaces.
+    linear = np.array([mesh.world_from_object[:3, :3] for mesh in meshes]).reshape(-1, 3, 3)
+    a, b, c = np.moveaxis(linear, -1, 0)
+    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    for mesh, cofactor in zip(meshes, cofactors, strict=True):
         key = id(mesh.geometry)
         if key not in own:
             own[key] = _area_vectors(mesh.geometry)
-        linear = mesh.world_from_object[:3, :3]
-        a, b, c = linear.T
-        cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-        found.append(own[key] @ cofactor.T)
+        found.append(own[key] @ cofactor)
     return _summed(np.concatenate(found), _FINE)
 
 

@@ -78,24 +78,72 @@ fn lattice_moved(lattice: LatticeParams, uvw: vec3f, cells: vec3f) -> vec3f {
     return clamp(uvw * size + cells, first, first + vec3f(lattice.count) - 1.0) / size;
 }
 
+// Where to interpolate in a cell that is t, -1/2 to 1/2, from its middle: not across closed faces.
+fn open_offset(lattice: LatticeParams, cell: vec3f, t: vec3f, rim: vec3f) -> vec3f {
+    let xy = textureLoad(lattice_visibility_a, lattice_texel(lattice, vec3i(cell)), 0);
+    let z = textureLoad(lattice_visibility_b, lattice_texel(lattice, vec3i(cell)), 0);
+    // Hop 0 comes from the low x side, hop 1 from the high, and so on.
+    return vec3f(open_fraction(t.x, xy.x, xy.y, rim.x), open_fraction(t.y, xy.z, xy.w, rim.y),
+        open_fraction(t.z, z.x, z.y, rim.z));
+}
+
 // Texture coordinates at which lattice coordinates are sampled, not across closed faces; `rim` as from
 // rim_shares, 0 for rays.
 fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3f {
     let count = vec3f(lattice.count);
     let cell = clamp(floor(coordinates), vec3f(0.0), count - 1.0);
-    let xy = textureLoad(lattice_visibility_a, lattice_texel(lattice, vec3i(cell)), 0);
-    let z = textureLoad(lattice_visibility_b, lattice_texel(lattice, vec3i(cell)), 0);
-    // Hop 0 comes from the low x side, hop 1 from the high, and so on.
     let t = clamp(coordinates - cell, vec3f(0.0), vec3f(1.0)) - 0.5;
-    let eased = vec3f(open_fraction(t.x, xy.x, xy.y, rim.x), open_fraction(t.y, xy.z, xy.w, rim.y),
-        open_fraction(t.z, z.x, z.y, rim.z));
+    let eased = open_offset(lattice, cell, t, rim);
     return lattice_uvw(lattice, cell + 0.5 + eased);
+}
+
+// How oblique a surface of normal n is to the faces of cells: 0 along them, 1 from some 25 degrees on. A point
+// of a medium (n = 0) is not.
+fn obliqueness(n: vec3f) -> f32 {
+    let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
+    return select(0.0, 1.0 - smoothstep(0.9, 0.97, along), along > 0.0);
+}
+
+// How far from its plane an oblique surface is looked up, cells along its normal.
+const BEFORE_OBLIQUE = 0.6;
+// Cells whose middles are so far from its plane lie behind it, and before it.
+const BEHIND_PLANE = -0.1;
+const BEFORE_PLANE = 0.3;
+
+fn before_plane(distance: vec3f) -> vec3f {
+    return smoothstep(vec3f(BEHIND_PLANE), vec3f(BEFORE_PLANE), distance) + 1e-3;
+}
+
+// Texture coordinates for a surface oblique to the cells, at warped coordinates. The faces that it closes are steps
+// before and behind it, which would show as plates. So cells count by how far their middles lie before its plane,
+// which leaves out those that hold the light of its other side; closed faces end interpolation only across
+// its normal, where they are another wall's.
+fn oblique_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
+    let raised = lifted(lattice, warped, n) + BEFORE_OBLIQUE * n;
+    let at = clamp(raised, vec3f(0.5), vec3f(lattice.count) - 0.5);
+    let cell = floor(at);
+    let t = at - cell - 0.5;
+    let is_own = smoothstep(vec3f(0.2), vec3f(0.4), abs(n));
+    let offset = mix(open_offset(lattice, cell, t, vec3f(0.0)), t, is_own);
+    // The shares of the cell and of its neighbour on each axis.
+    let distance = dot(cell + 0.5 - warped, n);
+    let own = before_plane(vec3f(distance)) * (1.0 - abs(offset));
+    let beside = before_plane(distance + sign(offset) * n) * abs(offset);
+    return lattice_uvw(lattice, cell + 0.5 + sign(offset) * beside / (own + beside));
 }
 
 // The same for a surface point of the world, m, and its normal along the lattice's axes.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
-    let coordinates = warped_surface_coordinates(lattice, position, n);
-    return lattice_eased(lattice, lookup_coordinates(lattice, coordinates, n), rim_shares(n));
+    let warped = warped_surface_coordinates(lattice, position, n);
+    let oblique = select(obliqueness(n), 0.0, lattice.is_paper != 0u);
+    var uvw = vec3f(0.0);
+    if (oblique < 1.0) {
+        uvw = lattice_eased(lattice, lookup_coordinates(lattice, warped, n), rim_shares(n));
+    }
+    if (oblique > 0.0) {
+        uvw = mix(uvw, oblique_coordinates(lattice, warped, n), oblique);
+    }
+    return uvw;
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light

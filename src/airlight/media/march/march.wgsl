@@ -103,12 +103,16 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
             let dt = min(media_step_limit(t, wanted), hull.y - t);
             let p = eye + (t + 0.5 * dt) * ray.direction;
             densities_at(p, t + 0.5 * dt);
+            // A cell that a surface cuts holds the light of both of its sides: before the one that
+            // the ray ends at, light is read a cell before it.
+            let read_at = min(t + 0.5 * dt, max(ray.distance - own.step, hull.x));
+            let q = eye + read_at * ray.direction;
             // What media emit and scatter in it, times the mean transmittance to the eye.
             let depth = depth_here(t, dt);
             let T_step = exp(-depth);
             let reached = T * dt * mean_transmittance_of(depth, T_step);
-            L += reached * (emitted_here + emission_at(p, -ray.direction));
-            sky += reached * skylit_at(p, -ray.direction);
+            L += reached * (emitted_here + emission_at(q, -ray.direction));
+            sky += reached * skylit_at(q, -ray.direction);
             T *= T_step;
             T_most = max(T.r, max(T.g, T.b));
             if (IS_REDUCED_MEDIUM) {
@@ -120,13 +124,13 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
                     T_reduced * dt * mean_transmittance_of(reduced.depth, T_reduced_step);
                 eye_depth += 0.5 * reduced.scattered;
                 eye_path += reduced.path;
-                let own_light = forward_light(p, -ray.direction, reached, reduced_reached);
+                let own_light = forward_light(q, -ray.direction, reached, reduced_reached);
                 // Beside single scattering of the sky, and what media emit, what is scattered
                 // forwards of both.
-                L_reduced += reduced_reached * reduced_emission_at(p, -ray.direction) + own_light.on
+                L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction) + own_light.on
                     + max(reduced_reached - reached, vec3f(0.0))
                     * (sky_reduced_at() + emitted_here);
-                L_two_bands += reached * lattice_two_bands(p, -ray.direction) + own_light.last;
+                L_two_bands += reached * lattice_two_bands(q, -ray.direction) + own_light.last;
                 eye_depth += 0.5 * reduced.scattered;
                 T_reduced *= T_reduced_step;
                 T_most = max(T_reduced.r, max(T_reduced.g, T_reduced.b));

@@ -74,13 +74,34 @@ def patch(
     (poles) are left out.
     """
     rows, columns = positions.shape[:2]
+    triangles = _triangles(rows, columns, row_pairs)
+    return facing(positions.reshape(-1, 3), triangles, normals.reshape(-1, 3), uvs.reshape(-1, 2))
+
+
+def patches(parts: Sequence[tuple[F64, F64, F64]]) -> Geometry:
+    """Several lattices, each the positions, normals and uvs of a `patch`, as one geometry."""
+    starts = np.cumsum([0] + [positions[..., 0].size for positions, _, _ in parts])
+    triangles = [
+        start + _triangles(*positions.shape[:2])
+        for start, (positions, _, _) in zip(starts[:-1], parts, strict=True)
+    ]
+    positions, normals, uvs = (
+        np.concatenate([values.reshape(-1, values.shape[-1]) for values in kind])
+        for kind in zip(*parts, strict=True)
+    )
+    return facing(positions, np.concatenate(triangles), normals, uvs)
+
+
+def _triangles(
+    rows: int, columns: int, row_pairs: NDArray[np.intp] | None = None
+) -> NDArray[np.intp]:
+    """Triangles (T, 3) between the points of a lattice; `row_pairs` as of `patch`."""
     if row_pairs is None:
         row_pairs = np.stack([np.arange(rows - 1), np.arange(1, rows)], axis=1)
     first = row_pairs[:, :1] * columns + np.arange(columns - 1)
     second = row_pairs[:, 1:] * columns + np.arange(columns - 1)
     quads = np.stack([first, second, second + 1, first + 1], axis=-1).reshape(-1, 4)
-    triangles = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
-    return facing(positions.reshape(-1, 3), triangles, normals.reshape(-1, 3), uvs.reshape(-1, 2))
+    return quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
 
 def facing(positions: F64, triangles: NDArray[np.intp], normals: F64, uvs: F64) -> Geometry:

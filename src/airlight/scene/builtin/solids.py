@@ -6,7 +6,7 @@ import numpy as np
 
 from ..checks import F64, Vec3
 from ..mesh import Geometry
-from .patch import merged, patch
+from .patch import patch, patches
 
 ALL_FACES = ("-x", "+x", "-y", "+y", "-z", "+z")
 
@@ -30,7 +30,7 @@ def rectangle(corner: Vec3, right: Vec3, down: Vec3, cells: tuple[int, int] = (1
 
 def box(low: Vec3, high: Vec3, faces: tuple[str, ...] = ALL_FACES) -> Geometry:
     """The named faces of a box, facing outwards, 2 triangles each."""
-    return merged([_face(np.array(low), np.array(high), face, 0.0) for face in faces])
+    return patches([_face(np.array(low), np.array(high), face, 0.0) for face in faces])
 
 
 def rounded_box(low: Vec3, high: Vec3, radius: float) -> Geometry:
@@ -40,10 +40,11 @@ def rounded_box(low: Vec3, high: Vec3, radius: float) -> Geometry:
     """
     low_m, high_m = np.array(low, np.float64), np.array(high, np.float64)
     radius = min(radius, 0.499 * float((high_m - low_m).min()))
-    return merged([_face(low_m, high_m, face, radius) for face in ALL_FACES])
+    return patches([_face(low_m, high_m, face, radius) for face in ALL_FACES])
 
 
-def _face(low: F64, high: F64, face: str, radius: float) -> Geometry:
+def _face(low: F64, high: F64, face: str, radius: float) -> tuple[F64, F64, F64]:
+    """Positions, normals and uvs, rows by columns, of one face."""
     axis, outward = "xyz".index(face[1]), 1.0 if face[0] == "+" else -1.0
     u_axis, v_axis = _UV_AXES[axis]
     along_u, along_v = (_stations(low[k], high[k], radius) for k in (u_axis, v_axis))
@@ -65,7 +66,7 @@ def _face(low: F64, high: F64, face: str, radius: float) -> Geometry:
     v_sign = -1.0 if v_axis == 1 else outward
     u_sign = 1.0 if axis == 1 else mirror
     uvs = np.stack([u_sign * on_box[..., u_axis], v_sign * on_box[..., v_axis]], axis=-1)
-    return patch(positions, normals, uvs)
+    return positions, normals, uvs
 
 
 def _stations(low: float, high: float, radius: float) -> F64:

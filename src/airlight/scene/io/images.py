@@ -172,7 +172,9 @@ def _write_display(image: Image, path: Path, suffix: str) -> None:
         )
     except ValueError as error:
         raise OutputError(str(error), where=path) from None
-    options: dict[str, Any] = {} if suffix == ".png" else {"quality": 95, "subsampling": 0}
+    # Level 4 of deflate takes a third of the time of the default, 6, for a file 4 % larger.
+    png: dict[str, Any] = {"compress_level": 4}
+    options = png if suffix == ".png" else {"quality": 95, "subsampling": 0}
     PIL.Image.fromarray(pixels).save(path, **options)
 
 
