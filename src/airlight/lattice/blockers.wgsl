@@ -3,6 +3,8 @@
 //! use blocker_side
 //! use lattice_axes
 
+const BLACK = 2u;
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
         return;
@@ -32,8 +34,9 @@
         }
         let side = 2u * axis + select(1u, 0u, covered[axis] > 0.0);
         add_side(first, side, units, offset[axis], surfel.reflectance);
-        if (surfel.is_two_sided != 0u) {
-            add_side(first, side ^ 1u, units, offset[axis], surfel.reflectance);
+        if (surfel.back != 0u) {
+            let reflectance = select(surfel.reflectance, vec3f(0.0), surfel.back == BLACK);
+            add_side(first, side ^ 1u, units, offset[axis], reflectance);
         }
         add_axis(first, axis, units, offset[axis]);
     }
