@@ -119,7 +119,7 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
 
 def _back(material: Material, side: int) -> int:
     """`SurfelData.back` of a mesh of which `side` blocks, as Rooms.sides."""
-    if side != 0:
+    if side != 0 or material.lets_light_out:
         return 0
     return 1 if material.two_sided else 2
 

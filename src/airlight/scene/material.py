@@ -103,6 +103,11 @@ class Material:
         """Whether cameras see through the surface's back."""
         return not (self.two_sided or self.has_black_back)
 
+    @property
+    def lets_light_out(self) -> bool:
+        """Whether light passes its back: samples of what emits on its front lie behind it."""
+        return self.is_emissive and not self.two_sided
+
     @cached_property
     def is_translucent(self) -> bool:
         """Whether light passes straight through some of the surface that is there."""

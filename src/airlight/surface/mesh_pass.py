@@ -134,7 +134,7 @@ class MeshPass:
     """The pipelines of one kind of pass: one per variant of its shader that materials need.
 
     `opaque`: a simpler pipeline for materials that are whole. `culls`: whether it looks through
-    culled backs, as cameras do; lights meet them.
+    culled backs, as cameras do; lights meet them, but for those that let light out.
     """
 
     def __init__(
@@ -235,7 +235,8 @@ class MeshPass:
     def _pipeline(self, draw: Draw) -> MeshPipeline:
         # What a pipeline depends on.
         is_cutout = draw.material.alpha_cutoff > 0.0 or draw.material.is_translucent
-        is_culled = self._culls and draw.material.is_culled
+        m = draw.material
+        is_culled = m.is_culled if self._culls else m.lets_light_out
         kind = self.kind if is_cutout else self.opaque
         maps = draw.maps & frozenset(kind.maps)
         has_map_transform = draw.has_map_transform and bool(maps)
