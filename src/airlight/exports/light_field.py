@@ -65,8 +65,9 @@ class LatticeLight:
     def irradiance(self, points: ArrayLike, normals: ArrayLike) -> F64:
         """(n, 3), W m^-2, of indirect light on surfaces at `points` (n, 3), m.
 
-        `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
+        `normals` (n, 3) are unit vectors.
         """
+        # As lattice_irradiance of wgsl/lattice.wgsl does.
         p, n = self._own(points), self._own(normals)
         coordinates = self._bent(p, n)
         uvw = self._eased(self._lookup_coordinates(coordinates, n), _rim_shares(n))
