@@ -26,8 +26,8 @@ NOT_RUN = ("./run", ".ci/run", "pip", "ssh", "sudo", "python", ".venv/bin/python
 """Words that begin a line which is not airlight's, or is a test of its own elsewhere."""
 SLOW_COMMANDS = ("view", "bench", "compare", "sequence", "turntable", "figure --all")
 """Tested elsewhere: they need a screen, a path tracer, or minutes."""
-NEEDS = {".nc": "xarray"}
-"""Endings of files that an extra reads, and a module of it; without it their lines are not run."""
+NEEDS = {".nc": "xarray", "--denoise": "pyoidn"}
+"""Ends of words that need an extra, and a module of it; without it such lines are not run."""
 _BLOCK = re.compile(
     r"(?:<!-- (?P<note>[^>]*?) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
     re.DOTALL | re.MULTILINE,
