@@ -27,6 +27,7 @@ _EXTRA_PURPOSE = {
     "usd": "USD scenes",
     "science": "NetCDF and zarr grids",
     "denoise": "images without noise (Open Image Denoise)",
+    "vtk": "the example with PyVista",
     "video": "videos of sequences",
     "farm": "sequences on several machines",
 }
