@@ -57,6 +57,8 @@ def test_an_image_without_layers_and_with_bad_pixels() -> None:
     assert np.isfinite(made.radiance).all()
     assert np.abs(made.radiance - truth).mean() < 0.5 * np.abs(image.radiance - truth).mean()
     assert made.exposure_stops == 1.5
+    direct = Image(image.layers["direct"], {"direct": image.layers["direct"]})
+    assert direct.denoised() is direct
     black = Image(np.zeros((4, 4, 3), np.float32))
     assert not black.denoised().radiance.any()
 

@@ -30,6 +30,8 @@ def denoised(image: Image) -> Image:
     if "albedo" not in guides:
         guides = {}  # the filter takes normals beside albedo alone
     light = {name: image.layers[name] for name in GATHERED if name in image.layers}
+    if not light and "direct" in image.layers:
+        return image  # nothing was gathered
     if not light:
         return _with(image, _filtered(image.radiance, guides), {})
     made = {name: _filtered(values, guides) for name, values in light.items()}
