@@ -45,10 +45,10 @@ class StoredScene:
 
 def _as_drawn(scene: Scene) -> Scene:
     """`scene` with the background of the stored images: a sky of 64 rows whose horizon blends."""
-    suns = [light for light in scene.lights if isinstance(light, DirectionalLight)]
-    if not suns or scene.environment is None or scene.environment.source != "clear sky":
+    directional = [light for light in scene.lights if isinstance(light, DirectionalLight)]
+    if not directional or scene.environment is None or scene.environment.source != "clear sky":
         return scene
-    sky = clear_sky(suns[0].direction, height_px=_SKY_ROWS)
+    sky = clear_sky(directional[0].direction, height_px=_SKY_ROWS)
     return replace(scene, environment=replace(sky, horizon=False))
 
 
