@@ -58,7 +58,7 @@ def commands(words: list[str]) -> Iterator[list[str]]:
 def parsed(words: list[str], *, values: bool) -> None:
     """Parse an airlight command line; `values`: check those of its options, too."""
     command: click.Command = command_line
-    context = click.Context(command, info_name="airlight")
+    context = click.Context(command, info_name="airlight", **command.context_settings)
     while isinstance(command, click.Group) and words and not words[0].startswith("-"):
         found = command.get_command(context, words[0])
         assert found is not None, f"there is no command '{words[0]}'"
