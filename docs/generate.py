@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import pkgutil
 import re
 import types
 from collections.abc import Callable, Iterable, Mapping
@@ -28,6 +29,8 @@ from airlight.gather.settings import GatherSettings
 from airlight.gpu.lifetime import DeviceLifetime
 from airlight.lighting.kit import SurfaceSettings
 from airlight.media.settings import MediaSettings
+from airlight.reference.metrics import Metrics
+from airlight.reference.mitsuba import render as render_reference
 from airlight.scene.io.toml_page import schema_markdown
 from airlight.scene.lights.light_key import LightKey
 from airlight.scene.lights.light_type import LightType
@@ -301,9 +304,12 @@ def python_page() -> str:
     for title, names in groups.items():
         parts.append(f"## {title}\n")
         parts += [_entry(name, value) for name, value in names.items()]
-    parts.append("## What an exported light is made of\n")
-    parts.append("`LightField.lattices` and `LightField.volumes` are tuples of these.\n")
-    parts += [_class(cls.__name__, cls) for cls in (LatticeLight, VolumeLight)]
+    parts.append("## What functions give back\n")
+    parts.append(
+        "`LightField.lattices` and `LightField.volumes` are tuples of the first two; "
+        "`reference.compare` gives the third.\n"
+    )
+    parts += [_class(cls.__name__, cls) for cls in (LatticeLight, VolumeLight, Metrics)]
     types_table = _table(("type", "is"), TYPES.items())
     parts.append(f"## Types in signatures\n\n{types_table}\n")
     return "\n".join(parts)
@@ -329,17 +335,31 @@ def _by_kind(names: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 def _entry(name: str, value: Any) -> str:
     if isinstance(value, types.ModuleType):
+        public = {key: getattr(value, key) for key in value.__all__}
         functions = [
-            _function(f"{name}.{key}", getattr(value, key), "####")
-            for key in value.__all__
-            if inspect.isfunction(getattr(value, key))
+            _function(f"{name}.{key}", FORWARDED.get(function, function), "####")
+            for key, function in public.items()
+            if inspect.isfunction(function)
         ]
-        return f"### {name}\n\n{_prose(value)}\n\n" + "\n".join(functions)
+        return f"### {name}\n\n{_outside(value)}\n\n" + "\n".join(functions)
     if isinstance(value, type):
         return _class(name, value)
     if inspect.isfunction(value):
         return _function(name, value, "###")
     return f"### {name}\n\n`{_MODULE.sub('', str(value))}`\n"
+
+
+FORWARDED = {airlight.reference.render: render_reference}
+"""Functions that hand all they are given on, and to which: its signature says more."""
+
+
+def _outside(package: types.ModuleType) -> str:
+    """The docstring of a package without the paragraphs that are a map of its modules."""
+    inside = {module.name for module in pkgutil.iter_modules(package.__path__)}
+    hidden = inside - set(package.__all__)
+    paragraphs = (inspect.getdoc(package) or "").split("\n\n")
+    kept = [p for p in paragraphs if len(hidden & set(re.findall(r"\w+", p))) < 2]
+    return "\n\n".join(_paragraph(p) for p in kept)
 
 
 _MODULE = re.compile(r"airlight\.([a-z_]+\.)+")
@@ -435,9 +455,12 @@ def _signature(name: str, value: Any) -> str:
     return f"{name}(\n    " + ",\n    ".join(shown) + f",\n){result}"
 
 
+_STARS = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
+
+
 def _plain(parameter: inspect.Parameter) -> str:
     empty = parameter.empty
-    text = parameter.name
+    text = _STARS.get(parameter.kind, "") + parameter.name
     if parameter.annotation is not empty:
         text += f": {_short(str(parameter.annotation))}"
     if parameter.default is empty:

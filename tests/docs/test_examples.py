@@ -16,11 +16,12 @@ MADE = {
     "dyed_smoke.py": ["dyed_smoke.png"],
     "kilometre_cloud.py": ["kilometre_cloud_below.png", "kilometre_cloud_within.png"],
     "many_puffs.py": ["many_puffs.png"],
+    "pyvista_plume.py": ["pyvista_plume.png", "hill_with_light.vtp"],
     "smoke_in_atrium.py": ["smoke_in_atrium.png"],
     "sun_shafts.py": ["sun_shafts.png", "sun_shafts.exr", "sun_shafts_parts.png"],
     "sweep.py": ["sweep.csv", "sweep.png"],
 }
-NEEDS = {"cloud_from_netcdf.py": ["xarray", "scipy"]}
+NEEDS = {"cloud_from_netcdf.py": ["xarray", "scipy"], "pyvista_plume.py": ["pyvista"]}
 JAVASCRIPT = EXAMPLES / "read_light.mjs"
 NOTEBOOK = EXAMPLES / "compare_techniques.ipynb"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import inspect
+import pkgutil
 import re
 from pathlib import Path
 
@@ -30,6 +31,17 @@ def test_generated_parts_are_up_to_date(generate):
         kept = path.read_text(encoding="utf-8") if path.exists() else ""
         changes = difflib.unified_diff(kept.splitlines(), text.splitlines(), lineterm="", n=0)
         assert kept == text, f"./run docs writes {path.name} again:\n" + "\n".join(changes)
+
+
+def test_the_python_reference_tells_nothing_of_the_inside(generate):
+    page = generate.python_page()
+    told = set(re.findall(r"[\w.]+", page))
+    for package in (airlight.reference, airlight.scenes):
+        hidden = {m.name for m in pkgutil.iter_modules(package.__path__)} - set(package.__all__)
+        assert not {name for name in hidden if "_" in name} & told
+    assert not re.findall(r"airlight\.\w+\.\w+|\w+\.(?:wgsl|py)\b", page)
+    # What is handed on is described where it is called.
+    assert "spp: int = 256" in page and "(name: str, **options: Any)" in page
 
 
 @pytest.mark.parametrize("name", list(TECHNIQUES))

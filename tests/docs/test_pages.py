@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import PIL.Image
 import pytest
 
 from airlight.app import cli
@@ -26,8 +27,8 @@ NOT_RUN = ("./run", ".ci/run", "pip", "ssh", "sudo", "python", ".venv/bin/python
 """Words that begin a line which is not airlight's, or is a test of its own elsewhere."""
 SLOW_COMMANDS = ("view", "bench", "compare", "sequence", "turntable", "figure --all")
 """Tested elsewhere: they need a screen, a path tracer, or minutes."""
-NEEDS = {".nc": "xarray"}
-"""Endings of files that an extra reads, and a module of it; without it their lines are not run."""
+NEEDS = {".nc": "xarray", "--denoise": "pyoidn"}
+"""Ends of words that need an extra, and a module of it; without it such lines are not run."""
 _BLOCK = re.compile(
     r"(?:<!-- (?P<note>[^>]*?) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)^```$",
     re.DOTALL | re.MULTILINE,
@@ -140,3 +141,16 @@ def test_blocks_of_other_languages_are_known():
     known = {*RUN, "text", "toctree"}
     for page in PAGES:
         assert {block.language for block in blocks(page)} <= known, page.name
+
+
+def test_the_gallery_has_small_images_of_one_size():
+    page = REPOSITORY / "docs" / "gallery.md"
+    images = re.findall(r"!\[[^\]]+\]\((images/gallery-[\w-]+\.jpg)\)", page.read_text("utf-8"))
+    assert len(images) >= 10
+    there = {f"images/{path.name}" for path in (page.parent / "images").glob("gallery-*")}
+    assert there == set(images)
+    for name in images:
+        path = page.parent / name
+        assert path.stat().st_size < 100_000, name
+        with PIL.Image.open(path) as image:
+            assert image.size == (640, 360), name

@@ -28,6 +28,7 @@ from airlight.scene import (
     Volume,
 )
 from airlight.scene.io.mitsuba import load_mitsuba
+from airlight.scene.material import SIDES
 from airlight.scene.shapes import box, sphere
 
 
@@ -82,7 +83,8 @@ def test_geometry_and_camera_come_back(tmp_path: Path) -> None:
 
 MATERIALS = {
     "lambert": Material(base_color=(0.1, 0.2, 0.3), specular=0.0),
-    "one-sided": Material(base_color=(0.1, 0.2, 0.3), specular=0.0, two_sided=False),
+    "one-sided": Material(base_color=(0.1, 0.2, 0.3), specular=0.0, **SIDES["front"]),
+    "metal's front": Material(base_color=(0.9, 0.7, 0.3), metallic=1.0, **SIDES["front"]),
     "plastic": Material(base_color=(0.6, 0.5, 0.4), roughness=0.3, specular=0.7),
     "metal": Material(base_color=(0.9, 0.7, 0.3), roughness=0.2, metallic=1.0),
     "dull metal": Material(roughness=0.2, metallic=0.5, specular=0.0),
@@ -98,6 +100,7 @@ def test_materials_come_back(tmp_path: Path, name: str) -> None:
     (mesh,) = read.meshes
     after = mesh.material
     assert after.two_sided == before.two_sided
+    assert after.is_culled is False
     np.testing.assert_allclose(after.base_color, before.base_color, rtol=1e-6)
     np.testing.assert_allclose(after.emission, before.emission, rtol=1e-6)
     for value in ("metallic", "specular"):
@@ -269,8 +272,8 @@ def test_approximations_are_told(tmp_path: Path) -> None:
         "g differs between the channels, written as its mean",
         "material 'wall': vertex colours beside a base-colour texture are replaced by their mean",
         "texture wall.png: clamped along one axis only, written as clamped along both",
-        "one-sided surfaces are black and opaque from behind in Mitsuba, where airlight does not "
-        "draw them",
+        "one-sided surfaces are black from behind in Mitsuba, where airlight's cameras look "
+        "through them",
         "material 'sign': its emission texture repeats or overlaps, each triangle glows in its "
         "mean colour",
         "volume smoke.vol: its procedural detail is left out",

@@ -26,6 +26,8 @@ _EXTRA_PURPOSE = {
     "gltf": "glTF meshes compressed with Draco, KTX 2 images",
     "usd": "USD scenes",
     "science": "NetCDF and zarr grids",
+    "denoise": "images without noise (Open Image Denoise)",
+    "vtk": "the example with PyVista",
     "video": "videos of sequences",
     "farm": "sequences on several machines",
 }

@@ -56,6 +56,11 @@ _STARTED_S = time.perf_counter()
     help="Write device, timings and sizes as JSON.",
 )
 @click.option("--watch", is_flag=True, help="Render again whenever the scene file is saved.")
+@click.option(
+    "--denoise",
+    is_flag=True,
+    help="Remove noise with Open Image Denoise (the extra denoise).",
+)
 @quiet_option()
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render SCENE into an image.
@@ -69,6 +74,10 @@ def command(scene: str, output: Path, **options: Any) -> None:
     reads(scene)
     _check_outputs(output, options["stats"], options["layers"])
     check_settings(options["technique"], options["settings"])
+    if options["denoise"]:
+        from ..scene.denoise import denoiser
+
+        denoiser()
     if options["watch"]:
         watched(scene, lambda: _rendered(scene, output, options))
     else:
@@ -92,6 +101,9 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         finished_s: list[float] = []
         asked = _asked(loaded, options)
         image = displayed(render(loaded, **asked, progress=_stamped(report, finished_s)), options)
+        if options["denoise"]:
+            report("denoising", 0.0)
+            image = image.denoised()
         first_image_s = min([*finished_s, time.perf_counter()]) - _STARTED_S
         report("writing", 0.0)
         image.save(output, layers=options["layers"])

@@ -62,8 +62,9 @@ class LatticeLight:
     def irradiance(self, points: ArrayLike, normals: ArrayLike) -> F64:
         """(n, 3), W m^-2, of indirect light on surfaces at `points` (n, 3), m.
 
-        `normals` (n, 3) are unit vectors. Twin: lattice_irradiance in wgsl/lattice.wgsl.
+        `normals` (n, 3) are unit vectors.
         """
+        # As lattice_irradiance of wgsl/lattice.wgsl does.
         p, n = self._own(points), self._own(normals)
         uvw = Lookup(self).coordinates(p, n)
         here = self._facing(uvw, n)

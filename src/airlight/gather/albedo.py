@@ -22,6 +22,7 @@ F64 = NDArray[np.float64]
 _SIDE = 64  # texels of a map at most
 _READ = 8  # pixels along a side that a texel is the mean of, at most
 MOST_GRAZING = 0.0625
+_BLACK_BACK = 16
 _WRAPS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
 
 
@@ -32,7 +33,7 @@ class AlbedoData(Struct):
     first = u32("texel")
     width = u32("texels")
     height = u32("texels")
-    wrap = u32("of u | of v << 2")
+    wrap = u32("of u | of v << 2 | 16 where its back is black")
 
 
 class Albedos:
@@ -51,7 +52,9 @@ class Albedos:
                     "first": first,
                     "width": found.shape[1],
                     "height": found.shape[0],
-                    "wrap": _WRAPS[wrap[0]] | _WRAPS[wrap[1]] << 2,
+                    "wrap": _WRAPS[wrap[0]]
+                    | _WRAPS[wrap[1]] << 2
+                    | _BLACK_BACK * (not material.two_sided),
                 }
             )
             texels.append(packed(found).ravel())

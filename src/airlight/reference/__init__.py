@@ -13,9 +13,10 @@ quadrature        closed forms and integrals: the first truth for every techniqu
 shdom, flatland   discrete ordinates in a medium; propagation in the plane; harmonics: their bands
 metrics           errors of an image and of its layers; metrics_display: as a display shows them
 stored            references stored with the tests
+All of them import scene and maths only.
 
-Imports scene and maths only. Mitsuba, Numba and FLIP come with the `reference` extra and are
-imported when they are used; without them a ReferenceFailure says what to install.
+Mitsuba, Numba and FLIP come with the `reference` extra and are imported when they are used; without
+them a ReferenceFailure says what to install.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ def render(scene: Scene, **options: Any) -> Image:
 
 
 def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metrics:
-    """Score an image and its layers against a reference: see `metrics.Metrics`.
+    """Score an image and its layers against a reference, as Metrics.
 
     `perceptual`: FLIP, too, where flip-evaluator is installed. Raises ReferenceFailure for images
     of different sizes or with NaN.

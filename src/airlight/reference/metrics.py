@@ -38,7 +38,7 @@ class Metrics(Mapping[str, Any]):
     lit in the image can rule it; `relative_l2`, the root of sum (I - R)^2 over sum R^2, has the
     bright ones rule. `signed_error`: mean of I - R, W m^-2 sr^-1.
     `energy_ratio`: sum of I over sum of R. `psnr_db`, `ssim`, `flip`, `hdr_flip`: of the
-    image on a display at `exposure_stops`, see metrics_display. `noise_floor`, `noise_floor_l2`:
+    image on a display at `exposure_stops`. `noise_floor`, `noise_floor_l2`:
     the relmse and relative_l2 that a perfect image would score because the reference is noisy;
     what is `within_noise` says nothing about the technique. None is a score that could not be
     taken: `omitted` says why.

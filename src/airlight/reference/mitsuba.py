@@ -67,7 +67,8 @@ def render(
     """The scene's image, unbiased, `size` (width, height) pixels, `spp` samples a pixel.
 
     `radiance` is the whole image. layers["variance"] (H, W, 3) is the variance of its mean,
-    from at least 4 independent batches; other `layers` (of LAYERS) are added by name.
+    from at least 4 independent batches; other `layers` are added by name: direct, one_bounce,
+    indirect, and of media single_scatter, multiple_scatter, transmittance. `seed`: of the noise.
     `max_depth` limits a path's edges from emitter to eye: 1 emission, 2 one scattering event;
     None has no limit. `progress` is called with the share done. `variant`: a Mitsuba variant,
     llvm_ad_rgb or scalar_rgb; "auto" takes the first where a libLLVM is found.

@@ -75,10 +75,10 @@ def _material_bsdf(
         both = plugin("bsdf", "twosided")
         both.append(inner)
         inner = both
-    else:
+    elif material.is_culled:
         notes.append(
-            "one-sided surfaces are black and opaque from behind in Mitsuba, where airlight does "
-            "not draw them"
+            "one-sided surfaces are black from behind in Mitsuba, where airlight's cameras look "
+            "through them"
         )
     return _covered(inner, material, geometry, files)
 

@@ -8,7 +8,7 @@ are too small for half floats, their roots are not.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,15 +16,18 @@ import numpy as np
 
 from ..errors import ReferenceFailure
 from ..scene.builtin import builtin_scene
+from ..scene.builtin.sky import clear_sky
 from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.io import exr
 from ..scene.io.writing import whole_file
+from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene
 
 LAYERS = ("direct", "one_bounce", "indirect")
 MEDIUM_LAYERS = ("single_scatter", "multiple_scatter")
 SIZE_PX = (192, 108)
+_SKY_ROWS = 64
 
 
 @dataclass(frozen=True)
@@ -36,8 +39,17 @@ class StoredScene:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def load(self) -> Scene:
-        """The scene itself."""
-        return builtin_scene(self.scene, **self.options)
+        """The scene itself, under the sky that its reference was made with."""
+        return _as_drawn(builtin_scene(self.scene, **self.options))
+
+
+def _as_drawn(scene: Scene) -> Scene:
+    """`scene` with the background of the stored images: a sky of 64 rows whose horizon blends."""
+    directional = [light for light in scene.lights if isinstance(light, DirectionalLight)]
+    if not directional or scene.environment is None or scene.environment.source != "clear sky":
+        return scene
+    sky = clear_sky(directional[0].direction, height_px=_SKY_ROWS)
+    return replace(scene, environment=replace(sky, horizon=False))
 
 
 STORED: dict[str, StoredScene] = {

@@ -6,7 +6,7 @@ mesh         triangles and their transforms   material   how they reflect
 lights       point, spot, directional, area   point_lights   thousands of them in arrays
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
 emission     light that volumes give off themselves
-image        a rendered image                 settings   the settings of techniques
+image, denoise   a rendered image, and without noise    settings   of techniques
 keys, checks, limits   how values are described, checked and bounded; fingerprint tells scenes apart
 shapes, light_shapes   meshes by name; of area lights         coefficients   by voxel
 placing, nearby, along moved by a matrix; to an origin near the camera; boxes along other axes

@@ -83,6 +83,17 @@ class Image:
 
         return replace(self, lut=read_cube(Path(path)))
 
+    def denoised(self) -> Image:
+        """The image without the noise of gathered light, by Intel's Open Image Denoise.
+
+        Its layers `indirect` and `multiple_scatter` are denoised, by its albedo and normals, and
+        the image by as much; one without these layers is denoised as a whole.
+        Raises SettingsError where the extra `denoise` is not installed.
+        """
+        from .denoise import denoised
+
+        return denoised(self)
+
     def _repr_png_(self) -> bytes:
         """What a notebook shows."""
         held = io.BytesIO()

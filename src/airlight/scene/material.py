@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,18 +47,20 @@ class Material:
     """Lambert plus GGX metallic-roughness, as in glTF 2.0. All colours are linear Rec.709.
 
     `base_color` is the diffuse reflectance of a dielectric and the specular one of a metal;
-    textures multiply their factor. `emission` is radiance, W m^-2 sr^-1, to both sides where
-    `two_sided`. A surface with `alpha` (times the base-colour texture's alpha) below `alpha_cutoff`
-    is not there; 0 means opaque everywhere. Where it `is_blended`, `alpha` is the share of the
-    surface that is there, and the rest of the light passes (glTF's BLEND). `transmission`: of the
-    light that a dielectric does not mirror, the share that passes unbent, tinted by `base_color`;
-    the rest is reflected diffusely (KHR_materials_transmission, as thin glass).
-    `base_color_texture` and `emission_texture` are colours; of `metallic_roughness_texture` green
-    is roughness and blue metallic; `normal_texture` has tangent-space normals, whose x and y
-    `normal_scale` multiplies. `name` is for messages and files. `specular` scales the dielectric
-    reflectance of 0.04 (0: a pure Lambert surface). Where it `is_unlit`, cameras see `base_color`
-    itself, as radiance after exposure (KHR_materials_unlit); light meets it as a surface like any
-    other.
+    textures multiply their factor. `emission` is radiance, W m^-2 sr^-1. A surface reflects and
+    emits on both sides where it is `two_sided`, else on its front alone; light does not pass its
+    back. Cameras see that back as black where `has_black_back` (Mitsuba's surfaces without
+    `twosided`), else they see through it (glTF's culling). A surface with `alpha` (times the
+    base-colour texture's alpha) below `alpha_cutoff` is not there; 0 means opaque everywhere. Where
+    it `is_blended`, `alpha` is the share of the surface that is there, and the rest of the light
+    passes (glTF's BLEND). `transmission`: of the light that a dielectric does not mirror, the share
+    that passes unbent, tinted by `base_color`; the rest is reflected diffusely
+    (KHR_materials_transmission, as thin glass). `base_color_texture` and `emission_texture` are
+    colours; of `metallic_roughness_texture` green is roughness and blue metallic; `normal_texture`
+    has tangent-space normals, whose x and y `normal_scale` multiplies. `name` is for messages and
+    files. `specular` scales the dielectric reflectance of 0.04 (0: a pure Lambert surface). Where
+    it `is_unlit`, cameras see `base_color` itself, as radiance after exposure
+    (KHR_materials_unlit); light meets it as a surface like any other.
     """
 
     name: str = ""
@@ -74,6 +77,7 @@ class Material:
     emission: Rgb = (0.0, 0.0, 0.0)
     emission_texture: Texture | None = None
     two_sided: bool = True
+    has_black_back: bool = False
     is_blended: bool = False
     transmission: float = 0.0
     is_unlit: bool = False
@@ -86,14 +90,23 @@ class Material:
         put(self, "alpha_cutoff", checks.number(self.alpha_cutoff, "alpha_cutoff", low=0, high=1))
         put(self, "normal_scale", checks.number(self.normal_scale, "normal_scale"))
         put(self, "emission", checks.rgb(self.emission, "emission"))
-        put(self, "two_sided", checks.boolean(self.two_sided, "two_sided"))
-        for name in ("is_blended", "is_unlit"):
+        for name in ("two_sided", "has_black_back", "is_blended", "is_unlit"):
             put(self, name, checks.boolean(getattr(self, name), name))
 
     @property
     def is_emissive(self) -> bool:
         """Whether the surface gives light of its own."""
         return max(self.emission) > 0.0
+
+    @property
+    def is_culled(self) -> bool:
+        """Whether cameras see through the surface's back."""
+        return not (self.two_sided or self.has_black_back)
+
+    @property
+    def lets_light_out(self) -> bool:
+        """Whether light passes its back: samples of what emits on its front lie behind it."""
+        return self.is_emissive and not self.two_sided
 
     @cached_property
     def is_translucent(self) -> bool:
@@ -106,5 +119,12 @@ class Material:
         is_covered = texture is None or bool((texture.pixels[..., 3] == 255).all())
         return self.is_blended and (self.alpha < 1.0 or not is_covered)
 
+
+SIDES: Mapping[str, dict[str, Any]] = {
+    "both": {"two_sided": True, "has_black_back": False},
+    "front": {"two_sided": False, "has_black_back": True},
+    "culled": {"two_sided": False, "has_black_back": False},
+}
+"""Which sides of a surface reflect, and what cameras see of its back; the fields that say so."""
 
 DEFAULT_MATERIAL: Material = Material(name="default")

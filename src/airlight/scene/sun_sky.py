@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 MAP_HEIGHT = 256
+"""Rows of a sky's map: between two of them a clear sky bends by at most .13 % of its radiance."""
 LEAST_TURBIDITY, MOST_TURBIDITY = 1.0, 10.0
 LOWEST_DEG = -18.0
 """Astronomical twilight ends there: below, the model is night, which has no sunlight."""
@@ -32,7 +33,7 @@ MOST_DISK_RADIANCE = 60_000.0
 
 @dataclass(frozen=True)
 class Sky:
-    """A clear sky (airlight.maths.atmosphere) and its sun.
+    """A clear sky, of light scattered by air, haze and ozone, and its sun.
 
     `elevation_deg` above the horizon, -18 to 90; `azimuth_deg` from north (-Z) by east (+X).
     `turbidity` 1 to 10: 2 is very clear, 3 clear, 6 hazy. `ground`: albedo of what lies below the

@@ -134,7 +134,7 @@ def draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     def key(index: int) -> tuple[Any, ...]:
         m, g = meshes[index].material, meshes[index].geometry
         maps = tuple(map_of(m, name) is not None for name in MAPS)
-        sides = (m.two_sided, is_mirrored(meshes[index]))
+        sides = (not m.is_culled, is_mirrored(meshes[index]))
         kinds = (m.is_translucent, m.alpha_cutoff > 0.0)
         return (kinds, sides, maps, first_use[id(m)], first_use[id(g)])
 

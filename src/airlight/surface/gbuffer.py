@@ -60,8 +60,10 @@ class GBuffer:
     """Whether CPU adapters draw the visibility buffer instead."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self._depth_pass, self._only_pass = MeshPass(gpu, _Depth), MeshPass(gpu, _Cutout)
-        self._pass, self._sized = MeshPass(gpu, _Cutout, opaque=_Opaque), gpu.scope()
+        self._depth_pass = MeshPass(gpu, _Depth, culls=True)
+        self._only_pass = MeshPass(gpu, _Cutout, culls=True)
+        self._pass = MeshPass(gpu, _Cutout, opaque=_Opaque, culls=True)
+        self._sized = gpu.scope()
         self._visibility: VisibilityBuffer | None = None
         if self.has_triangle_ids and uses_visibility_buffer(gpu):
             self._visibility = VisibilityBuffer(gpu, size)

@@ -133,13 +133,19 @@ class DepthPipeline(MeshPipeline):
 class MeshPass:
     """The pipelines of one kind of pass: one per variant of its shader that materials need.
 
-    `opaque`: a simpler pipeline for materials that are whole.
+    `opaque`: a simpler pipeline for materials that are whole. `culls`: whether it looks through
+    culled backs, as cameras do; lights meet them, but for those that let light out.
     """
 
     def __init__(
-        self, gpu: Gpu, kind: type[MeshPipeline], *, opaque: type[MeshPipeline] | None = None
+        self,
+        gpu: Gpu,
+        kind: type[MeshPipeline],
+        *,
+        opaque: type[MeshPipeline] | None = None,
+        culls: bool = False,
     ) -> None:
-        self.gpu, self.kind, self.opaque = gpu, kind, opaque or kind
+        self.gpu, self.kind, self.opaque, self._culls = gpu, kind, opaque or kind, culls
         self._pipelines: dict[tuple[Any, ...], MeshPipeline] = {}
         self._recorded: dict[tuple[int, ...], tuple[Any, tuple[Any, ...]]] = {}
 
@@ -230,13 +236,14 @@ class MeshPass:
     def _pipeline(self, draw: Draw) -> MeshPipeline:
         # What a pipeline depends on.
         is_cutout = draw.material.alpha_cutoff > 0.0 or draw.material.is_translucent
-        two_sided = draw.material.two_sided
+        m = draw.material
+        is_culled = m.is_culled if self._culls else m.lets_light_out
         kind = self.kind if is_cutout else self.opaque
         maps = draw.maps & frozenset(kind.maps)
         has_map_transform = draw.has_map_transform and bool(maps)
-        key = (is_cutout, two_sided, draw.is_mirrored, maps, has_map_transform)
+        key = (is_cutout, is_culled, draw.is_mirrored, maps, has_map_transform)
         if key not in self._pipelines:
-            cull = "none" if two_sided else "back"
+            cull = "back" if is_culled else "none"
             self._pipelines[key] = kind(
                 self.gpu,
                 is_cutout=is_cutout,

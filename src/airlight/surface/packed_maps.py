@@ -18,7 +18,7 @@ from ..gpu.device import Gpu
 from ..maths.colour import srgb_decode
 from ..scene.material import Material, Texture, Wrap
 
-HAS_NORMAL, HAS_ROUGHNESS, HAS_BASE = 1, 2, 4
+HAS_NORMAL, HAS_ROUGHNESS, HAS_BASE, ONE_SIDED = 1, 2, 4, 8
 WRAP_BITS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
 WRAP_U_SHIFT, WRAP_V_SHIFT = 4, 6  # wgsl/packed_maps.wgsl knows these bits
 _MOST_SIDE = 65535

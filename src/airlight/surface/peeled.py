@@ -51,7 +51,7 @@ class PeeledGBuffer(GBuffer):
     has_triangle_ids = False
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self._layer_pass = MeshPass(gpu, _Layer)
+        self._layer_pass = MeshPass(gpu, _Layer, culls=True)
         self._eye = (0.0, 0.0, 0.0)
         super().__init__(gpu, size)
 

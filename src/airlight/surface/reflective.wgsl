@@ -19,6 +19,6 @@ struct ReflectiveOut {
     }
     var out: ReflectiveOut;
     out.normal = vec4f(facing_normal(in, is_front), in.size);
-    out.flux = vec4f(reflected_power(present_albedo(in, base), in.world), 0.0);
+    out.flux = vec4f(reflected_power(present_albedo(in, base, is_front), in.world), 0.0);
     return out;
 }

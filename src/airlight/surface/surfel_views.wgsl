@@ -22,6 +22,6 @@ struct SurfelOut {
     }
     var out: SurfelOut;
     out.normal = vec4f(facing_normal(in, is_front), 0.0);
-    out.reflectance = vec4f(present_albedo(in, base), 1.0);
+    out.reflectance = vec4f(present_albedo(in, base, is_front), 1.0);
     return out;
 }

@@ -17,7 +17,7 @@ from ..gpu.memory import buffer_of
 from ..maths.chunks import chunks
 from ..scene.material import Material
 from ..scene.mesh import Geometry
-from .packed_maps import PackedMaps, metallic_factor
+from .packed_maps import ONE_SIDED, PackedMaps, metallic_factor
 from .provoking import U32, unique_provoking
 from .textures import TextureStore
 
@@ -175,7 +175,7 @@ def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
         m.specular,
         m.roughness,
         m.normal_scale,
-        flags,
+        flags | (0 if m.two_sided else ONE_SIDED),
         levels,
         texels,
         size,

@@ -140,7 +140,7 @@ class VisibilityBuffer:
             if of_lights
             else (_CutoutTriangleIds, _TriangleIds)
         )
-        self._pass = MeshPass(gpu, kinds[0], opaque=kinds[1])
+        self._pass = MeshPass(gpu, kinds[0], opaque=kinds[1], culls=not of_lights)
         self._surfaces: dict[bool, FullscreenPass] = {}
         self._take(size)
 

@@ -25,6 +25,7 @@ struct ReflectiveOut {
     let is_seen = seen.x != 0u;
     var out: ReflectiveOut;
     out.normal = select(vec4f(0.0), vec4f(point.normal, size), is_seen);
-    out.flux = select(vec4f(0.0), vec4f(reflected_power(albedo, point.world), 0.0), is_seen);
+    let power = reflected_power(albedo, point.world);
+    out.flux = select(vec4f(0.0), vec4f(power, 0.0), is_seen && !point.is_black);
     return out;
 }

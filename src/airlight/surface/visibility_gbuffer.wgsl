@@ -25,9 +25,10 @@ struct GBufferOut {
     let gloss = select(1.0, point.texel.surface.w, (m.maps.z & MAPS_ROUGHNESS) != 0u);
     // Zeros where no triangle is seen, as where nothing is drawn.
     let is_seen = seen.x != 0u;
+    let gives_light = is_seen && !point.is_black;
     var out: GBufferOut;
-    out.albedo = select(vec4f(0.0), vec4f(m.color.rgb * point.texel.light, m.color.a), is_seen);
+    out.albedo = select(vec4f(0.0), vec4f(m.color.rgb * point.texel.light, m.color.a), gives_light);
     out.normal = select(vec4f(0.0), vec4f(normal, saturate(m.roughness * gloss)), is_seen);
-    out.emission = select(vec4f(0.0), m.emission, is_seen);
+    out.emission = select(vec4f(0.0), m.emission, gives_light);
     return out;
 }

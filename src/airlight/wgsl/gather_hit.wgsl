@@ -22,7 +22,7 @@ fn gather_hit(origin: vec3f, direction: vec3f) -> GatherHit {
         let smooth_normal = side * surface.shading_normal;
         let flat_normal = side * surface.geometric_normal;
         let normal = select(flat_normal, smooth_normal, dot(smooth_normal, flat_normal) > 0.0);
-        let albedo = hit_albedo(surface.material, surface.uv);
+        let albedo = hit_albedo(surface.material, surface.uv, is_behind);
         found = GatherHit(vec4f(surface.position, hit_code(surface.material, is_behind)),
             vec4f(normal, albedo.a), vec4f(albedo.rgb, 0.0));
     }

@@ -74,9 +74,17 @@ fn is_hole(in: VertexOut, base: vec4f) -> bool {
     return chance(in.clip.xy, dot(in.world, in.normal)) >= 1.0 - mean_channel(passed_head_on(in, base));
 }
 
+// Whether it is the back of what reflects and emits on its front alone.
+fn is_black(in: VertexOut, is_front: bool) -> bool {
+    return !is_front && materials[in.material].is_one_sided != 0u;
+}
+
 // As albedo_at, of a point that is no hole: what a translucent surface reflects, over the chance to be there.
-fn present_albedo(in: VertexOut, base: vec4f) -> vec3f {
+fn present_albedo(in: VertexOut, base: vec4f, is_front: bool) -> vec3f {
     let m = materials[in.material];
+    if (is_black(in, is_front)) {
+        return vec3f(0.0);
+    }
     if (m.is_translucent == 0u) {
         return albedo_at(in, base.rgb);
     }
@@ -116,6 +124,12 @@ fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {
     if (HAS_EMISSION_MAP) {
         let at = map_coordinates(in.uv, m.uv_emission);
         point.emission *= map_at(emission_map, emission_sampler, at.uv, at.dx, at.dy).rgb;
+    }
+    if (is_black(in, is_front)) {
+        point.base_color = vec3f(0.0);
+        point.emission = vec3f(0.0);
+        point.metallic = 0.0;
+        point.specular = 0.0;
     }
     return point;
 }

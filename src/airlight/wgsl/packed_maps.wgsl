@@ -8,6 +8,7 @@
 const MAPS_NORMAL = 1u;
 const MAPS_ROUGHNESS = 2u;
 const MAPS_BASE = 4u;
+const MAPS_ONE_SIDED = 8u;    // of the material: its back is black
 
 struct PackedTexel {
     light: vec3f,   // base colour, linear

@@ -17,6 +17,7 @@ struct VisiblePoint {
     uv_dy: vec2f,
     material: PackedMaterial,
     texel: PackedTexel,
+    is_black: bool,         // the back of what reflects on its front alone
 }
 
 struct Corner {
@@ -145,6 +146,7 @@ fn visible_point(seen: vec2u, position: vec2f) -> VisiblePoint {
     let mirrored = select(1.0, -1.0, dot(columns[0], cofactors[0]) < 0.0);
     let is_front = dot(vec3f(position * pace + vec2f(-1.0, 1.0), 1.0), on.whole) * mirrored < 0.0;
     let turned = select(-mirrored, mirrored, is_front);
+    point.is_black = !is_front && (m.maps.z & MAPS_ONE_SIDED) != 0u;
     point.normal = normalize(cofactors * normals_at(d, e, inside)) * turned;
     return point;
 }

@@ -20,21 +20,21 @@ def row_solid_angles(height: int) -> np.ndarray:
 
 def test_the_sky_gives_open_ground_a_quarter_of_its_light():
     sky = clear_sky(np.array([0.6, 0.8, 0.0]))
-    assert sky.shape == (32, 64, 3)
+    assert sky.shape == (256, 512, 3)
     assert sky.dtype == np.float32
-    v = (np.arange(32) + 0.5) / 32
-    weight = row_solid_angles(32) * np.maximum(np.cos(np.pi * v), 0)
+    v = (np.arange(256) + 0.5) / 256
+    weight = row_solid_angles(256) * np.maximum(np.cos(np.pi * v), 0)
     irradiance = (sky * weight[:, None, None]).sum(axis=(0, 1))
     assert 5 < irradiance.mean() < 11
 
 
 def test_colours_of_the_sky():
     sky = clear_sky(np.array([0.0, 0.8, 0.6]))
-    zenith, horizon, ground = sky[0, 0], sky[14].mean(axis=0), sky[20].mean(axis=0)
+    zenith, horizon, ground = sky[0, 0], sky[112].mean(axis=0), sky[160].mean(axis=0)
     assert zenith[2] > 2 * zenith[0]
     assert horizon.sum() > zenith.sum()
     assert ground.sum() < 0.25 * horizon.sum()
-    above = sky[:16].reshape(-1, 3)
+    above = sky[:128].reshape(-1, 3)
     assert above.min() > 0.8
     assert above.max() < 5
 
@@ -43,10 +43,10 @@ def test_the_glow_is_where_the_sun_is():
     """The map's orientation is Environment's: u = atan2(x, -z) / 2 pi."""
     for towards in ([0.8, 0.6, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.6, 0.8], [0.0, 0.6, -0.8]):
         sky = clear_sky(np.array(towards))
-        red = sky[:14, :, 0]
+        red = sky[:112, :, 0]
         column = int(np.argmax((red - red.min(axis=1, keepdims=True)).sum(axis=0)))
         u = np.arctan2(towards[0], -towards[2]) / (2 * np.pi) % 1
-        assert abs((column + 0.5) / 64 - u + 0.5) % 1 == pytest.approx(0.5, abs=0.02)
+        assert abs((column + 0.5) / 512 - u + 0.5) % 1 == pytest.approx(0.5, abs=0.02)
 
 
 def test_sun_and_sky_belong_together():

@@ -95,6 +95,7 @@ def test_materials_come_back(tmp_path: Path) -> None:
             two_sided=False,
         ),
         Material("glow", emission=(7.0, 5.0, 0.5), emission_texture=colour),
+        Material("front", two_sided=False, has_black_back=True),
         Material("dim", emission=(0.5, 0.25, 0.0)),
     ]
     meshes = tuple(Mesh(quad(), m, name=m.name) for m in materials)

@@ -22,6 +22,7 @@ from airlight.scene import (
 )
 from airlight.scene.io import load, toml_meshes
 from airlight.scene.io.toml_meshes import placed_mesh, rotation_xyz, world_from_mesh
+from airlight.scene.material import SIDES
 from airlight.scene.shapes import quad
 
 
@@ -183,3 +184,13 @@ def test_keyframes_keep_the_file_upright(tmp_path: Path):
 def test_a_shape_has_no_variant(tmp_path: Path):
     with pytest.raises(SceneError, match="has a variant, and a shape has none"):
         placed_mesh({"shape": "box", "variant": "red"}, "[[mesh]] 1", tmp_path)
+
+
+@pytest.mark.parametrize("sides", SIDES)
+def test_sides_are_said_by_the_table(from_file, sides):
+    for before in SIDES.values():
+        quads = Scene(meshes=(Mesh(quad(), Material(roughness=0.3, **before)),))
+        (mesh,) = from_file(quads, sides=sides).meshes
+        found = (mesh.material.two_sided, mesh.material.has_black_back)
+        assert found == tuple(SIDES[sides].values())
+        assert mesh.material.roughness == 0.3

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..checks import F32, F64, Vec3
 from ..environment import Environment
+from ..sun_sky import MAP_HEIGHT
 
 _GRADATION = (-1.0, -0.32)
 _SCATTER = (10.0, -3.0, 0.45)
@@ -19,7 +20,7 @@ _PALE = np.array([1.75, 1.85, 1.95])
 _GROUND = np.array([1.35, 1.15, 0.90])
 
 
-def clear_sky(sun_travel: Vec3, *, height_px: int = 64, scale: float = 1.0) -> Environment:
+def clear_sky(sun_travel: Vec3, *, height_px: int = MAP_HEIGHT, scale: float = 1.0) -> Environment:
     """Radiance of a clear sky, W m^-2 sr^-1, its zenith 0.85/1.55/2.75, for a high sun.
 
     `sun_travel` is the direction in which sunlight travels. The map is 2 `height_px` wide;
@@ -40,10 +41,9 @@ def clear_sky(sun_travel: Vec3, *, height_px: int = 64, scale: float = 1.0) -> E
     blend = np.clip(whiteness, 0.0, 1.0)[..., None]
     hue = _ZENITH / _ZENITH.mean() * (1.0 - blend) + _PALE / _PALE.mean() * blend
     sky = _ZENITH.mean() * (_GLOW * -np.expm1(-luminance / _GLOW))[..., None] * hue
-    # The horizon's row is shared between sky and ground.
-    above = np.clip(0.5 + cos_zenith[..., None] * height_px / np.pi, 0.0, 1.0)
-    pixels = scale * (above * sky + (1.0 - above) * _GROUND)
-    return Environment(map=cast(F32, pixels.astype(np.float32)), source="clear sky")
+    is_above = (cos_zenith > 0.0)[..., None]
+    pixels = scale * np.where(is_above, sky, _GROUND)
+    return Environment(map=cast(F32, pixels.astype(np.float32)), source="clear sky", horizon=True)
 
 
 def _cie_clear(cos_zenith: F64, cos_sun: F64, cos_sun_zenith: float) -> F64:

@@ -12,6 +12,7 @@ from ..camera import Camera
 from ..checks import F32, F64, Rgb
 from ..environment import Environment
 from ..lights import DirectionalLight
+from ..sun_sky import MAP_HEIGHT
 from .framing import view_directions
 from .probe import Probe
 
@@ -34,7 +35,7 @@ def sun_and_sky(towards_sun: F64) -> tuple[DirectionalLight, Environment]:
     return sun, Environment(map=clear_sky(towards_sun), source="default sky", horizon=True)
 
 
-def clear_sky(towards_sun: F64, height: int = 32) -> F32:
+def clear_sky(towards_sun: F64, height: int = MAP_HEIGHT) -> F32:
     """Radiance (height, 2 height, 3) float32 of a clear sky over dull ground.
 
     Blue above, pale at the horizon, a warm glow around (but not of) the sun, which is a

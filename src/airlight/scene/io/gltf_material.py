@@ -23,6 +23,8 @@ from .texture_files import missing_texture
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 CLEAR_ROUGHNESS = 0.25
 """Up to which glass shows what is behind it all but sharp."""
+BLACK_BACK = "airlight_black_back"
+"""In a material's extras: its back is black, and not culled."""
 _UNDERSTOOD = {
     "KHR_materials_emissive_strength": {"emissiveStrength"},
     "KHR_materials_ior": {"ior"},
@@ -83,6 +85,7 @@ class Materials:
         values: dict[str, Any] = {
             "name": item.text("name") or item.place,
             "two_sided": item.flag("doubleSided"),
+            "has_black_back": item.child("extras").flag(BLACK_BACK),
         }
         uses: list[ImageUse] = []
         self._reflection(item, values, uses)

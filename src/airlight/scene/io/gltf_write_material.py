@@ -11,6 +11,7 @@ from PIL import Image
 
 from ...maths.colour import srgb_decode, srgb_encode
 from ..material import Material, Texture
+from .gltf_material import BLACK_BACK
 
 Json = dict[str, Any]
 Pixels = NDArray[np.uint8]
@@ -33,6 +34,8 @@ def material_json(
     made.put(reflection, "baseColorTexture", material.base_color_texture, is_colour=True)
     made.put(reflection, "metallicRoughnessTexture", material.metallic_roughness_texture)
     item: Json = {"pbrMetallicRoughness": reflection, "doubleSided": material.two_sided}
+    if material.has_black_back and not material.two_sided:
+        item["extras"] = {BLACK_BACK: True}
     if material.name:
         item["name"] = material.name
     # Relief and holes.

@@ -11,20 +11,18 @@ Henyey-Greenstein scattering; the sensors perspective and thinlens; <default>, <
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import SceneError
-from ...maths.weld import open_vertices, welded
 from ..camera import Camera
 from ..environment import Environment
 from ..lights import Light
-from ..material import Material
+from ..material import SIDES, Material
 from ..medium import FILL_MARGIN, medium_box
-from ..mesh import Geometry, Mesh
+from ..mesh import Mesh
 from ..scene import Scene
 from .files import naming
 from .mitsuba_camera import camera_of
@@ -54,8 +52,6 @@ _HOW = frozenset(
         "max_value",
     )
 )
-_MOST_NAMED = 5
-_SAME_PLACE = 1e-5  # of a shape's extent
 _HOW_TAGS = ("integrator", "sampler", "film", "rfilter", "scene")
 
 
@@ -65,15 +61,7 @@ class _Found:
     lights: list[Light] = field(default_factory=list)
     environment: Environment | None = None
     held: list[Held] = field(default_factory=list)
-    one_sided: list[str] = field(default_factory=list)
-    rims: dict[int, bool] = field(default_factory=dict)
     groups: dict[int, list[Mesh]] = field(default_factory=dict)
-
-    def is_open(self, geometry: Geometry) -> bool:
-        """`_is_open`, asked once of a geometry that many shapes share; meshes keep it alive."""
-        if id(geometry) not in self.rims:
-            self.rims[id(geometry)] = _is_open(geometry)
-        return self.rims[id(geometry)]
 
 
 def load_mitsuba(path: Path) -> Scene:
@@ -123,7 +111,6 @@ def _scene(tree: Node, source: Source) -> Scene:
         found.environment = replace(found.environment, visible=False)
     # Say what was not read.
     _tell_unread(tree, source)
-    _tell_one_sided(found.one_sided, source)
     scene = Scene(
         meshes=tuple(found.meshes),
         lights=tuple(found.lights),
@@ -177,12 +164,11 @@ def _read_instance(node: Node, found: _Found, source: Source) -> None:
         raise SceneError(f"{node} has no shapegroup inside")
     key = id(group.children)  # which all references to a group share
     if key not in found.groups:
-        own = _Found(rims=found.rims)
+        own = _Found()
         for child in group.all("shape"):
             _read_shape(child, own, source)
         if own.lights or own.held:
             source.note(f"{group}: lights and media in it are left out")
-        found.one_sided += own.one_sided
         found.groups[key] = own.meshes
     to_world = np.asarray(node.get("to_world", np.eye(4)), np.float64)
     for mesh in found.groups[key]:
@@ -212,28 +198,6 @@ def _read_surface(node: Node, found: _Found, source: Source) -> None:
         return
     for part in shape_geometries(node, source):
         found.meshes.append(Mesh(part.geometry, made, part.world_from_object, name=node.id))
-        if not (made.two_sided or made.is_emissive) and found.is_open(part.geometry):
-            found.one_sided.append(str(node))
-
-
-def _is_open(geometry: Geometry) -> bool:
-    """Whether a surface has a rim, so that its back can be seen and lit."""
-    positions = geometry.positions.astype(np.float64)
-    # Seams of round shapes close but for rounding.
-    grain = _SAME_PLACE * max(float(np.abs(positions).max()), 1e-30)
-    corners = welded(np.round(positions / grain) + 0.0)[geometry.indices]
-    return bool(open_vertices(corners).any())
-
-
-def _tell_one_sided(shapes: Sequence[str], source: Source) -> None:
-    """Say which open surfaces reflect on their back, which is black in Mitsuba."""
-    if shapes:
-        more = len(shapes) - _MOST_NAMED
-        named = ", ".join(shapes[:_MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
-        source.note(
-            "open surfaces without 'twosided' are black on their back in Mitsuba, and reflect on "
-            f"both sides here: {named}"
-        )
 
 
 def _glowing(node: Node, made: Material, source: Source) -> Material:
@@ -244,8 +208,8 @@ def _glowing(node: Node, made: Material, source: Source) -> Material:
     if made.two_sided and not node.id.endswith("_front"):
         # Reflecting on both sides and glowing on one cannot be said: the glow decides.
         if max(made.base_color) > 0.0:
-            source.note(f"{node} glows: its back, which reflects in Mitsuba, is not drawn")
-        made = replace(made, two_sided=False)
+            source.note(f"{node} glows: its back, which reflects in Mitsuba, is black")
+        made = replace(made, **SIDES["front"])
     return made
 
 

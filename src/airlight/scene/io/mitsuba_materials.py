@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ..checks import Rgb
-from ..material import Material
+from ..material import SIDES, Material
 from .mitsuba_nodes import Node
 from .mitsuba_textures import Source, bitmap, color_input, scalar_input, triple
 from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
@@ -27,7 +27,7 @@ INDICES = {"air": 1.000277, "vacuum": 1.0, "water": 1.333, "bk7": 1.5046, "acryl
 DEFAULT_INDEX = 1.5046
 DIELECTRIC_REFLECTANCE = 0.04
 
-GREY = Material(name="grey", base_color=(0.5, 0.5, 0.5), specular=0.0, two_sided=False)
+GREY = Material(name="grey", base_color=(0.5, 0.5, 0.5), specular=0.0, **SIDES["front"])
 
 
 class NoSurface(Exception):
@@ -44,7 +44,7 @@ def material(node: Node | None, source: Source) -> Material:
     reader = _READERS.get(node.kind)
     if reader is None:
         source.note(f"{node} is unknown, a mid grey stands in")
-        return replace(GREY, two_sided=True)
+        return replace(GREY, **SIDES["both"])
     return replace(reader(node, source), name=node.id or node.kind)
 
 
@@ -63,7 +63,7 @@ def _diffuse(node: Node, source: Source) -> Material:
 def _twosided(node: Node, source: Source) -> Material:
     if len(node.all("bsdf")) > 1:
         source.note(f"{node}: the BSDF of its back is left out, both sides look alike")
-    return replace(_nested(node, source), two_sided=True)
+    return replace(_nested(node, source), **SIDES["both"])
 
 
 def _mask(node: Node, source: Source) -> Material:
@@ -123,6 +123,7 @@ def _principled(node: Node, source: Source) -> Material:
     source.note("principled: read as Lambert plus GGX; its diffuse part is Burley's in Mitsuba")
     color, texture = color_input(node, "base_color", 0.5, source)
     roughness, rough_texture = scalar_input(node, "roughness", 0.5, source)
+    passed = min(max(float(node.get("spec_trans", 0.0)), 0.0), 1.0)
     metallic, metal_texture = scalar_input(node, "metallic", 0.0, source)
     if "eta" in node.values:
         specular = _specular(float(node.get("eta")), node, source)
@@ -136,8 +137,8 @@ def _principled(node: Node, source: Source) -> Material:
         metallic=min(metallic, 1.0),
         metallic_roughness_texture=packed_roughness_metallic(rough_texture, metal_texture),
         specular=specular if specular > 4e-5 else 0.0,
-        transmission=min(max(float(node.get("spec_trans", 0.0)), 0.0), 1.0),
-        two_sided=False,
+        transmission=passed,
+        **SIDES["both" if passed > 0.0 else "front"],
     )
 
 
@@ -161,7 +162,7 @@ def _conductor(node: Node, source: Source) -> Material:
         base_color_texture=texture,
         roughness=_roughness(node, source),
         metallic=1.0,
-        two_sided=False,
+        **SIDES["front"],
     )
 
 
@@ -176,7 +177,7 @@ def _plastic(node: Node, source: Source) -> Material:
         base_color_texture=texture,
         roughness=_roughness(node, source),
         specular=min(1.0, tint * _specular(index, node, source)),
-        two_sided=False,
+        **SIDES["front"],
     )
 
 

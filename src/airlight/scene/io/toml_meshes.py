@@ -15,7 +15,7 @@ from ...maths.transforms import rotation_xyz
 from ..animation import Animation
 from ..camera import Camera
 from ..checks import F64
-from ..material import Material, Texture
+from ..material import SIDES, Material, Texture
 from ..mesh import Mesh
 from ..placing import moved_camera
 from ..scene import Scene
@@ -131,6 +131,7 @@ def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
     factors = {name: values[name] for name in names if name in values}
     if "opacity" in values:
         factors |= {"alpha": values["opacity"], "is_blended": True}
+    factors |= SIDES[values["sides"]] if "sides" in values else {}
     if not factors:
         return scene
     # Materials once each, so that meshes go on sharing them.

@@ -9,6 +9,7 @@ from __future__ import annotations
 from .. import checks
 from ..keys import Key, one_of
 from ..lights import TYPES
+from ..material import SIDES
 from .toml_keys import ANIMATION, BETWEEN, CLIP_KEYS
 from .toml_media_tables import MEDIUM, VOLUME
 from .toml_schema import COLOUR, PLACEMENT, Table, fraction, unit_rgb
@@ -110,6 +111,14 @@ MESH = Table(
             "number",
             "thin glass: the share of what it does not mirror that passes, tinted by base_color",
             default="the file's, or 0",
+        ),
+        Key(
+            "sides",
+            one_of(*SIDES),
+            '"both", "front" or "culled"',
+            "which sides reflect and emit: both, or the front, whose back is black, or which "
+            "cameras look through from behind",
+            default='the file\'s, or "both"',
         ),
         *CLIP_KEYS,
         BETWEEN,
