@@ -80,7 +80,7 @@ def test_at_rest_frames_converge_to_the_still():
 
 
 def test_a_moving_view_flickers_less():
-    """A view over a floor by whole pixels: what is left of the difference is noise."""
+    """A view over a floor by whole pixels: the rest of the difference is noise."""
     spread = {}
     for history in (0, 16):
         with Renderer(ROOM, "lpv", SIZE, settings={**FRAMES, "gather_history": history}) as r:

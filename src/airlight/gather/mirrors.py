@@ -1,7 +1,7 @@
 """What mirrors and glossy surfaces show, along rays of their pixels.
 
 list -> a ray of each listed pixel -> what it meets, lit as pixels are -> another ray where that is
-metal or a smooth coat -> shared between pixels as far as their lobes are wide -> radiance to the eye
+metal or a smooth coat -> shared between pixels as far as their lobes are wide -> radiance
 """
 
 from __future__ import annotations

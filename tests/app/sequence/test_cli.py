@@ -206,9 +206,11 @@ def test_what_cannot_be_is_refused_before_any_work(scene, tmp_path, capsys, outp
     assert sorted(p.name for p in tmp_path.iterdir()) == ["turn.toml"]
 
 
-@pytest.mark.parametrize("more", [["--resume"], ["--farm", "tcp://127.0.0.1:1"]])
+FARM = pytest.param(["--farm", "tcp://127.0.0.1:1"], marks=pytest.mark.needs("distributed"))
+
+
+@pytest.mark.parametrize("more", [["--resume"], FARM])
 def test_frames_that_go_on_from_others_are_not_made_apart(scene, tmp_path, capsys, more):
-    pytest.importorskip("distributed") if "--farm" in more else None
     known = ["sequence", str(scene), "-o", str(tmp_path / "out"), "-t", "lpv", "--samples", "1"]
     known += ["-D", "gather=always", "-D", "gather_history=8", "-q", *more]
     assert run(known) == 2
