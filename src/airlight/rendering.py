@@ -46,8 +46,9 @@ class Renderer(DeviceLifetime):
 
     The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
     everything that `frame` takes may change from call to call. An image depends on the scene that
-    the renderer was made with and on the scene it shows, not on the images before it. A path or
-    builtin:NAME is loaded. Settings as of `render`. Raises SceneError, SettingsError, DeviceError.
+    the renderer was made with and on the scene it shows, not on the images before it, unless the
+    setting gather_history asks for that. A path or builtin:NAME is loaded. Settings as of `render`.
+    Raises SceneError, SettingsError, DeviceError.
 
     Each thread may have renderers of its own; one renderer serves one thread at a time, any
     thread, and not a forked process: else DeviceError. A frame that an error or Ctrl-C interrupts

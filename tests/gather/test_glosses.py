@@ -7,6 +7,7 @@ import pytest
 
 from airlight.gather.glosses import gloss_row
 from airlight.maths.colour import srgb_decode
+from airlight.maths.reflection import bihemispherical_albedo
 from airlight.scene.material import Material, Texture
 
 
@@ -30,6 +31,16 @@ def test_maps_count_by_their_means():
     assert row["alpha"] == pytest.approx((0.8 * means[1]) ** 2)
     glow = 2.0 * srgb_decode(pixels[..., :3] / 255.0).mean(axis=(0, 1))
     np.testing.assert_allclose(row["glow"], glow)
+
+
+def test_coats_are_those_of_materials():
+    """Without a base colour a dielectric reflects what its coat does."""
+    row = gloss_row(Material(roughness=0.3, specular=0.5))
+    assert row["f0"] == pytest.approx(0.02)
+    assert row["coat"] == pytest.approx(
+        bihemispherical_albedo([[0.0] * 3], [0], [0.3], [0.5])[0, 0]
+    )
+    assert gloss_row(Material(specular=0.0))["coat"] == 0.0
 
 
 def test_mirrors_keep_some_roughness():

@@ -99,6 +99,28 @@ def test_a_mirror_in_a_mirror_shows_what_a_twice_mirrored_camera_sees():
     assert np.sqrt((error**2).sum() / (truth[inside] ** 2).sum()) < 0.15
 
 
+@pytest.mark.parametrize("roughness", [0.1, 0.3])
+def test_a_coat_in_a_mirror_shines_as_it_does_to_a_mirrored_camera(roughness):
+    """A dark floor in a mirror that stands on it, under a uniform sky: its coat grazes the eye.
+
+    As paint it would show a quarter of that.
+    """
+    mirror = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.0)
+    coated = Material(base_color=(0.0, 0.0, 0.0), roughness=roughness)
+    floor = rectangle(-9 * X - 9 * Z, 18 * X, 18 * Z, coated)
+    standing = rectangle(-2 * X + 2 * Y, 4 * X, -2 * Y, mirror)
+    camera = Camera((0.0, 1.0, 3.0), (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 5.0)
+    sky = Environment((1.0, 1.0, 1.0))
+    scene = Scene((floor, standing), (), sky, camera=camera)
+    shown = render(scene, "lpv", SIZE, samples=8, settings=GATHERED).radiance
+    behind = Camera((0.0, 1.0, -3.0), (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 5.0)
+    alone = Scene((floor,), (), sky, camera=behind)
+    truth = render(alone, "lpv", SIZE, samples=8, settings=GATHERED).radiance
+    # .434 for .434, and .276 for .286.
+    assert truth.mean() > 0.15
+    assert shown.mean() == pytest.approx(truth.mean(), rel=0.08)
+
+
 def test_a_panel_is_seen_in_a_mirror_in_a_mirror():
     """The same two mirrors, and nothing but a panel that glows towards them, or away."""
     mirror = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=0.0, two_sided=True)

@@ -18,8 +18,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from airlight.app.compare.judging import render_technique
 from airlight.errors import AirlightError
+from airlight.maths.colour import luminance
 from airlight.reference.metrics import Metrics, compare
 from airlight.reference.stored import STORED, load_stored
 from airlight.scene import Scene
@@ -36,12 +39,16 @@ ALIKE = {"single": "direct", "pop": "direct", "lpv-march": "lpv", "lpv-sum": "lp
 
 @dataclasses.dataclass(frozen=True)
 class Score:
-    """Of one layer: relative L2 and its noise floor, energy ratio, FLIP (of the whole alone)."""
+    """Of one layer: relative L2 and its noise floor, energy ratio, FLIP (of the whole alone).
+
+    `brightest`: its brightest pixel over the truth's 99.9th percentile, in luminance.
+    """
 
     relative_l2: float
     energy_ratio: float
     noise_floor: float
     flip: float | None = None
+    brightest: float = 0.0
 
     @property
     def energy_error(self) -> float:
@@ -63,7 +70,21 @@ def measure(name: str, technique: str, *, perceptual: bool = False) -> dict[str,
     image, _ = render_technique(scene, technique, size, SAMPLES)
     whole = compare(image, reference, perceptual=perceptual)
     scores = {"whole": whole, **whole.layers}
-    return {layer: _score(m) for layer, m in scores.items() if _is_lit(reference, layer)}
+    return {
+        layer: dataclasses.replace(_score(m), brightest=brightest(image, reference, layer))
+        for layer, m in scores.items()
+        if _is_lit(reference, layer)
+    }
+
+
+def brightest(image: Image, reference: Image, layer: str) -> float:
+    """The brightest pixel of a layer over the reference's 99.9th percentile, in luminance.
+
+    A path tracer's own brightest pixels may be noise: the percentile leaves five of 5184 out.
+    """
+    pair = (i.radiance if layer == "whole" else i.layers[layer] for i in (image, reference))
+    ours, theirs = (luminance(pixels) for pixels in pair)
+    return float(ours.max() / max(np.percentile(theirs, 99.9), 1e-9))
 
 
 def _is_lit(reference: Image, layer: str) -> bool:

@@ -9,6 +9,7 @@ paths      what their segments found; air: media along them; beams: light that g
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
 sky        more rays towards what is bright outside
 mirrors    rays of smooth surfaces' pixels, and what they mirror: mirror_passes; glosses: of metal
+history    the light of the frames before, looked up where points were then
 solver     all of it in its order, batch by batch
 filtering  the points' light shared between neighbours
 upsample   and brought to pixels, turned to their own normals and near occluders

@@ -13,6 +13,7 @@ from ..lighting.lighting import RadianceLayers
 from ..surface.hits import Hits
 from .cells import CellPoints, CellSums
 from .filtering import Filtering
+from .history import History
 from .paths import Paths
 from .points import Points
 from .settings import GatherSettings
@@ -48,6 +49,8 @@ class ViewBatches:
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
         self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)
+        most = settings.gather_history
+        self.history = History(gpu, self.points, most) if most else None
 
 
 class CellBatches:

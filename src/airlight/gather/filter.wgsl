@@ -2,10 +2,11 @@
 // than its noise. Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from pass to pass.
 //! use gather
 
-// Luminance of the sky's light in a point's sums, and its variance: of the first pass's sums by their squares.
-fn noisy(light: vec4f) -> vec2f {
+// Luminance of the sky's light in a point's sums, and its variance: of the first pass's sums by their squares, and by
+// the frames before that are in them.
+fn noisy(light: vec4f, frames: f32) -> vec2f {
     let sum = luminance(light.rgb);
-    let found = variance_of_sum(sum, light.w, params.rays + params.sky_rays);
+    let found = variance_of_sum(sum, light.w, params.rays + params.sky_rays) / (1.0 + frames);
     return vec2f(sum, select(light.w, found, params.stride == 1u));
 }
 
@@ -16,7 +17,10 @@ fn noisy(light: vec4f) -> vec2f {
     let place = textureLoad(places, id.xy, 0);
     let n = textureLoad(planes, id.xy, 0).xyz;
     let own = SUMS * (id.y * params.reduced.x + id.x);
-    let own_sky = noisy(before[own + 1u]);
+    let frames = before[own + 3u].w;
+    let own_sky = noisy(before[own + 1u], frames);
+    // As in later samples of a still.
+    let falloff = params.falloff * sqrt(1.0 + frames);
     var surfaces = vec4f(0.0);
     var sky = vec4f(0.0);
     var flux = vec4f(0.0);
@@ -39,7 +43,7 @@ fn noisy(light: vec4f) -> vec2f {
             let its_light = before[index];
             let its_sky = before[index + 1u];
             let inverse_m = 0.5 * (before[own].w + its_light.w) / f32(params.rays);
-            var weight = exp(-params.falloff * f32(dot(offset, offset)));
+            var weight = exp(-falloff * f32(dot(offset, offset)));
             weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
             weight *= closeness(distance(place.xyz, other.xyz), inverse_m, point_m);
             weight = select(0.0, weight, other.w > 0.0);
@@ -47,7 +51,7 @@ fn noisy(light: vec4f) -> vec2f {
             flux += weight * before[index + 2u];
             total += weight;
             // Of the sky, what is no noise but the edge of a shadow stays.
-            let other_sky = noisy(its_sky);
+            let other_sky = noisy(its_sky, before[index + 3u].w);
             weight *= sameness(own_sky.x, other_sky.x, own_sky.y + other_sky.y);
             sky += weight * its_sky;
             sky_flux += weight * before[index + 3u];
@@ -62,5 +66,5 @@ fn noisy(light: vec4f) -> vec2f {
     after[own] = surfaces * inverse;
     after[own + 1u] = vec4f(sky.rgb * sky_inverse, variance * sky_inverse * sky_inverse);
     after[own + 2u] = flux * inverse;
-    after[own + 3u] = sky_flux * sky_inverse;
+    after[own + 3u] = vec4f(sky_flux.xyz * sky_inverse, frames);
 }

@@ -9,6 +9,7 @@ import numpy as np
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
 from ..gpu.memory import buffer_of
+from ..maths.reflection import bihemispherical_albedo
 from ..scene.material import Material
 from ..scene.mesh import Mesh
 from .albedo import reduced
@@ -21,8 +22,8 @@ class GlossData(Struct):
     metallic = f32("0 to 1, the mean of its map")
     alpha = f32("roughness squared")
     two_sided = u32("whether it glows on both sides")
-    pad_0 = u32()
-    pad_1 = u32()
+    f0 = f32("of its coat, what it mirrors of light straight on")
+    coat = f32("of light from all around, what its coat mirrors")
 
 
 class Glosses:
@@ -57,11 +58,12 @@ def gloss_row(material: Material) -> dict[str, object]:
     if material.metallic_roughness_texture is not None:
         gloss = reduced(material.metallic_roughness_texture, (1, 1))[0, 0]
     roughness = material.roughness * float(gloss[1])
+    coat = bihemispherical_albedo(np.zeros((1, 3)), [0.0], [roughness], [material.specular])
     return {
         "glow": tuple(glow),
         "metallic": material.metallic * float(gloss[2]),
         "alpha": max(roughness**2, 0.002),
         "two_sided": int(material.two_sided),
-        "pad_0": 0,
-        "pad_1": 0,
+        "f0": 0.04 * material.specular,
+        "coat": float(coat[0, 0]),
     }

@@ -1,4 +1,4 @@
-// One more ray from each metal that a mirrored ray has met; writes the surface that this one meets.
+// One more ray from each metal or smooth coat that a mirrored ray has met; writes the surface that this one meets.
 //! use gather
 //! use gather_hit
 //! use ggx_sampling
@@ -14,12 +14,12 @@
     var start = vec4f(0.0);
     if (source.w > 0.0 && place.w > 0.0) {
         let gloss = glosses[hit_material(place.w)];
-        if (gloss.metallic > 0.0) {
+        let n = normalize(textureLoad(met_normals, id.xy, 0).xyz);
+        let frame = orthonormal_frame(n);
+        var v = normalize(source.xyz - place.xyz) * frame;
+        v.z = max(v.z, 1e-4);
+        if (gloss.metallic > 0.0 || coat_share(gloss.f0, gloss.alpha, v.z) > 0.0) {
             let pixel = vec2u(listed[row] & 0xffffu, listed[row] >> 16u);
-            let n = normalize(textureLoad(met_normals, id.xy, 0).xyz);
-            let frame = orthonormal_frame(n);
-            var v = normalize(source.xyz - place.xyz) * frame;
-            v.z = max(v.z, 1e-4);
             let numbers = later_numbers(pixel.x, pixel.y, params.sample, params.segment);
             let mirrored = reflect(-v, visible_normal(v, gloss.alpha, numbers));
             if (mirrored.z > 0.0) {

@@ -1,5 +1,7 @@
 // What listed pixels' rays found, and its light: two rows for each, to which later segments add theirs.
 //! use hit_code
+//! use surface_reflection
+//! use specular_cosine
 //! needs fn air_of(row: u32) -> Air
 
 const SHARP = 0.01;         // of alpha: smoother metals show lights as rays meet them
@@ -29,10 +31,20 @@ fn shown(at: vec2u, hit: vec4f, seen_glow: f32) -> Shown {
     let all_around = albedo / max(towards_lights, vec3f(1e-4)) * textureLoad(indirect_light, at, 0).rgb;
     // No ray meets a single light, and rough metal spreads its highlight: that stays as it is on matt surfaces.
     let lights = textureLoad(lit, at, 0).rgb;
-    let share = select(0.0, gloss.metallic, params.goes_on != 0u);
+    let goes_on = f32(params.goes_on != 0u);
+    let share = goes_on * gloss.metallic;
     out.glow = 1.0 - smoothstep(SHARP, BLURRED, gloss.alpha);
-    out.light = (1.0 - share * out.glow) * lights + (1.0 - share) * (direct - lights + all_around);
-    out.onwards = share * albedo;
+    // What the next ray shows of a coat is no paint, and neither is the light that the coat keeps from what lies under it.
+    let v = normalize(textureLoad(starts, at, 0).xyz - hit.xyz);
+    let n_v = max(dot(normalize(textureLoad(hit_normals, at, 0).xyz), v), 1e-4);
+    let albedos = specular_cosine(n_v, gloss.alpha).albedos;
+    let coat = gloss.f0 * albedos.x + saturate(50.0 * gloss.f0) * albedos.y;
+    let coat_seen = goes_on * (1.0 - gloss.metallic) * coat_share(gloss.f0, gloss.alpha, n_v);
+    let under = max(albedo - coat_seen * gloss.coat, vec3f(0.0)) / max(albedo, vec3f(1e-4));
+    let paint = under * (1.0 - coat_seen * coat) / (1.0 - coat_seen * gloss.coat);
+    out.light = (1.0 - share * out.glow) * mix(vec3f(1.0), paint, out.glow) * lights
+        + (1.0 - share) * paint * (direct - lights + all_around);
+    out.onwards = share * albedo + coat_seen * coat;
     if (!is_hit_behind(hit.w) || gloss.two_sided != 0u) {
         out.light += seen_glow * gloss.glow;
     }

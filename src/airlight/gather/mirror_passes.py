@@ -112,6 +112,7 @@ class MirrorLight(ComputePass):
             storage("found", "u32"),
             *((storage("air", "vec4f"),) if has_air else ()),
             storage("glosses", GlossData),
+            storage("cosines", "vec4f"),
             storage("ways", "vec4f", "read_write"),
             storage("mirrored", "vec4f", "read_write"),
         )

@@ -1,7 +1,7 @@
 """What mirrors and glossy surfaces show, along rays of their pixels.
 
 list -> a ray of each listed pixel -> what it meets, lit as pixels are -> another ray where that is
-metal -> shared between pixels as far as their lobes are wide -> radiance towards the eye
+metal or a smooth coat -> shared between pixels as far as their lobes are wide -> radiance
 """
 
 from __future__ import annotations
@@ -182,6 +182,7 @@ class Mirrors:
                 found=sized.found,
                 **air,
                 glosses=self._glosses.rows,
+                cosines=self._cosines,
                 ways=sized.ways,
                 mirrored=sized.mirrored,
             )

@@ -25,6 +25,13 @@ class GatherSettings:
     gather_bounces: int = setting(
         2, "bounces that they follow before the lattice is asked", low=1, high=16
     )
+    gather_history: int = setting(
+        0,
+        "frames before a moving one whose gathered light it goes on from, where gather is always; "
+        "0: a frame depends on no other",
+        low=0,
+        high=1024,
+    )
     gather_air: int = setting(
         8,
         "rays that each cell of a lattice of media sends in a sample of a gathered image, for the "

@@ -24,6 +24,7 @@ from .air import Air, light_in
 from .albedo import Albedos
 from .batches import CellBatches, ViewBatches
 from .beams import Beams
+from .history import lit_alike
 from .mirrors import Mirrors
 from .settings import GatherSettings
 from .sky import SkyRays
@@ -60,7 +61,7 @@ class GatherSolver(Solver):
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
         self._trace: Trace | None = None
         self._albedos: Albedos | None = None
-        self._scene = kit.context.scene
+        self._scene, self._is_changing = kit.context.scene, False
         # What smooth surfaces mirror is lit apart: images of another size.
         self._mirrors: Mirrors | None = None
         materials = (mesh.material for mesh in self._scene.meshes)
@@ -70,6 +71,7 @@ class GatherSolver(Solver):
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Nothing that does not depend on a view."""
+        self._is_changing |= not lit_alike(frame.scene, self._scene)
         self._scene = frame.scene
         self._cells.take(frame.scene.environment)
         return fields
@@ -80,8 +82,11 @@ class GatherSolver(Solver):
         if not self._gathers(view):
             return fields
         self._make(commands)
-        fields = self._gathered_air(commands, view, fields)
         sized = self._fitted(view.size)
+        # A moving frame may go on from the light of those before it: its rays go on from theirs.
+        history = None if view.is_still or view.sample else sized.history
+        number = history.number if history else view.sample
+        fields = self._gathered_air(commands, view, fields)
         # What the rays start from, and what lights the surfaces that they meet.
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, kit.meshes, view.clip_from_world)
@@ -97,18 +102,21 @@ class GatherSolver(Solver):
                 kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
         # Batches of paths: traced, lit segment by segment, added up.
         rays = self.settings.gather_rays
-        sample = range(view.sample * rays, (view.sample + 1) * rays)
+        sample = range(number * rays, (number + 1) * rays)
         for first in range(sample.start, sample.stop, sized.batch):
             numbers = range(first, min(first + sized.batch, sample.stop))
             self._follow(commands, sized, numbers, fields)
             with commands.stage("gather lighting"):
                 sized.sums.encode(commands, sized.paths.buffer, numbers, sample)
         with commands.stage("gather sky"):
-            self._sky_rays.encode(commands, sized.points, sized.sums, rays, view.sample)
+            self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
+        sums = sized.sums.buffer
+        if history:
+            with commands.stage("gather history"):
+                sums = history.encode(commands, view, sums, is_changing=self._is_changing)
+            self._is_changing = False
         with commands.stage("gather filter"):
-            sums = sized.filtering.encode(
-                commands, view, sized.sums.buffer, self._cells.count(rays)
-            )
+            sums = sized.filtering.encode(commands, view, sums, self._cells.count(rays))
         # What no ray meets is not noisy: its edges need no filter.
         if self._beams is not None and fields.air and fields.air.forward:
             with commands.stage("gather lighting"):

@@ -42,7 +42,7 @@ class Sums:
     inverses, m^-1. The second: that of the environment, and the sum of its luminance squared. The
     third: where the first's light comes from, as the sum of `maths.gather.flux_along` times its
     luminance, and the share of the hemisphere that near occluders leave. The fourth: where the
-    second's comes from.
+    second's comes from, and how many frames before are in the means of `History`.
     """
 
     def __init__(self, gpu: Gpu, points: Points) -> None:

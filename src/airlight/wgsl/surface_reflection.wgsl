@@ -62,3 +62,9 @@ fn glossy_share(specular_albedo: vec3f, roughness: f32) -> f32 {
     let gain = max(specular_albedo.x, max(specular_albedo.y, specular_albedo.z));
     return smoothstep(0.03, 0.08, gain * (1.0 - roughness));
 }
+
+// Of a coat alone, seen at a cosine to its normal.
+fn coat_share(f0: f32, alpha: f32, n_v: f32) -> f32 {
+    let coat = Reflector(vec3f(0.0), vec3f(f0), alpha);
+    return glossy_share(specular_albedo(coat, max(n_v, 1e-4)), sqrt(alpha));
+}

@@ -207,6 +207,19 @@ def test_what_cannot_be_is_refused_before_any_work(scene, tmp_path, capsys, outp
     assert sorted(p.name for p in tmp_path.iterdir()) == ["turn.toml"]
 
 
+FARM = pytest.param(["--farm", "tcp://127.0.0.1:1"], marks=pytest.mark.needs("distributed"))
+
+
+@pytest.mark.parametrize("more", [["--resume"], FARM])
+def test_frames_that_go_on_from_others_are_not_made_apart(scene, tmp_path, capsys, more):
+    known = ["sequence", str(scene), "-o", str(tmp_path / "out"), "-t", "lpv", "--samples", "1"]
+    known += ["-D", "gather=always", "-D", "gather_history=8", "-q", *more]
+    assert run(known) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") <= 2 and "gather_history is 8" in said and "gather_history=0" in said
+    assert not (tmp_path / "out").exists()
+
+
 def test_scenes_that_do_not_move_are_refused(tmp_path, capsys):
     assert run(["sequence", "builtin:cornell", "-o", str(tmp_path / "out"), *SMALL]) == 2
     assert "nothing moves in 'cornell'" in capsys.readouterr().err

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from ...scene import Scene
 
 
+_APART = ("resume", "farm")
+"""Options by which frames are made without those before them."""
 FRAME_OPTIONS = together(
     output_option("DIR|FILE.mp4", "A folder for frames, or a video."),
     solving_options(),
@@ -91,7 +93,8 @@ def make_sequence(plan: Plan, loaded: Scene, output: Path, options: Mapping[str,
     if is_video:
         check_writable(output)
     show_warnings(loaded)
-    checked_settings(plan.technique, loaded, plan.settings)
+    made = checked_settings(plan.technique, loaded, plan.settings)
+    _check_alone(plan, made, options)
     asked = plan.asked(loaded)
     comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
     folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
@@ -106,6 +109,17 @@ def make_sequence(plan: Plan, loaded: Scene, output: Path, options: Mapping[str,
     if is_video and not options["keep_frames"]:
         folder.clear()
     click.echo(str(output))
+
+
+def _check_alone(plan: Plan, made: Any, options: Mapping[str, Any]) -> None:
+    """Refuse to make frames that go on from others apart from those; `made`: the settings."""
+    count, asked = getattr(made, "gather_history", 0), [n for n in _APART if options[n]]
+    if count and made.gather == "always" and plan.samples == 1 and asked:
+        raise SettingsError(
+            f"frames depend on those before them, as gather_history is {count}: --{asked[0]} would "
+            "make others",
+            remedy=f"Leave out --{asked[0]}, or set gather_history=0 or --samples 2.",
+        )
 
 
 def _encode(plan: Plan, folder: FrameFolder, output: Path, comment: str, *, quiet: bool) -> None:

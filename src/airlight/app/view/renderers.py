@@ -22,6 +22,8 @@ from .state import ViewState, structure
 COARSER_SAMPLES = 16
 """Of a still view, before a finer image is begun."""
 PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
+GATHER_HISTORY = 16
+"""Frames that those of a moving view go on from where they gather."""
 PREVIEW = ("preview",)
 """The structure of what is seen until the technique's first image is there."""
 PREVIEW_TECHNIQUE = "direct"
@@ -91,7 +93,7 @@ class Renderers(Document):
         if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
             self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
         else:
-            make, free = self._maker(size, state.technique), self.controls.free
+            make, free = self._maker(size, state.technique, self._moving()), self.controls.free
 
             def made() -> Renderer:
                 if free is not None:  # the first drag asks for it
@@ -135,6 +137,17 @@ class Renderers(Document):
     def _say_made(self) -> None:
         if self.state.notice in (PREPARING, REBUILDING):
             self.state.notice = ""
+
+    def _moving(self) -> dict[str, Any]:
+        """What frames of a view that moves have beside the settings.
+
+        Where they gather, they go on from those before them, unless someone says otherwise.
+        """
+        state = self.state
+        now = checked_settings(state.technique, state.scene, state.chosen_settings)
+        told = {**state.scene.settings.get(state.technique, {}), **state.chosen_settings}
+        gathers = getattr(now, "gather", "") == "always" and "gather_history" not in told
+        return {"gather_history": GATHER_HISTORY} if gathers else {}
 
     def _finer(self) -> dict[str, Any]:
         """What would make the image of a still view finer."""

@@ -1,0 +1,121 @@
+"""The light of gather points from the frames before: temporal reprojection, where it is wanted.
+
+Off unless `gather_history` asks for it: a frame then depends on the frames before it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gpu.commands import Commands
+from ..gpu.compute import ComputePass
+from ..gpu.device import Gpu
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u
+from ..gpu.memory import Buffer
+from ..gpu.slots import storage, texture, uniform
+from ..lighting.view import View
+from ..maths.transforms import F64
+from ..scene.scene import Scene
+from .points import Points
+from .sums import NBYTES
+
+MOST_NUMBERS = 1 << 16
+"""Frames after which rays take the numbers of the first once more."""
+_PLACE_NBYTES = 32
+
+
+class HistoryParams(Struct):
+    """The cameras of this frame and of the one before, and how the image is reduced."""
+
+    clip_from_world = mat4x4f()
+    before_from_world = mat4x4f("clip space of the frame before")
+    size = vec2f("px")
+    reduced = vec2u("texels")
+    scale = u32("pixels along a side of a texel")
+    texel = f32("m, how wide a texel is one metre away")
+    most = f32("frames before that count; 0 in the first")
+    is_changing = u32("whether light may have changed since")
+
+
+class _Reproject(ComputePass):
+    slots = (
+        uniform("params", HistoryParams),
+        texture("places", "2d", "unfilterable-float"),
+        texture("planes", "2d", "unfilterable-float"),
+        storage("sums", "vec4f"),
+        storage("sums_before", "vec4f"),
+        storage("places_before", "vec4f"),
+        storage("sums_after", "vec4f", "read_write"),
+        storage("places_after", "vec4f", "read_write"),
+    )
+    workgroup = (8, 8, 1)
+    file = "history.wgsl"
+
+
+class History:
+    """Sums of a view's points -> their mean over frames.
+
+    Of each point it keeps the sums, as `Sums` has them, and two vec4f: its place, m, with the
+    number of frames that are in its mean (0 where there is no surface), and the normal of its
+    plane. The w of the last of its sums says for how many frames what was found before counts.
+    """
+
+    def __init__(self, gpu: Gpu, points: Points, most: int) -> None:
+        """`most`: frames before one that count for it."""
+        self._points, self._most, self._pass = points, most, _Reproject(gpu)
+        self._kept = [
+            (
+                Buffer(gpu, f"sums of frames {i}", NBYTES * points.count),
+                Buffer(gpu, f"places of frames {i}", _PLACE_NBYTES * points.count),
+            )
+            for i in range(2)
+        ]
+        self._before: F64 | None = None
+        self.number = 0
+        """Of the frame: its rays take the numbers of that sample of a still."""
+
+    def encode(self, commands: Commands, view: View, sums: Buffer, *, is_changing: bool) -> Buffer:
+        """The `sums` of a view's points with those of the frames before it.
+
+        `is_changing`: anything but the camera may have changed since the last of them.
+        """
+        points = self._points
+        before, after = self._kept[self.number % 2], self._kept[1 - self.number % 2]
+        is_first = self._before is None
+        self._pass.dispatch(
+            commands,
+            points.reduced,
+            params=HistoryParams(
+                clip_from_world=view.clip_from_world,
+                before_from_world=view.clip_from_world if self._before is None else self._before,
+                size=points.size,
+                reduced=points.reduced,
+                scale=points.scale,
+                texel=points.texel_m(view),
+                most=0.0 if is_first else self._most,
+                is_changing=int(is_changing),
+            ),
+            places=points.places,
+            planes=points.planes,
+            sums=sums,
+            sums_before=before[0],
+            places_before=before[1],
+            sums_after=after[0],
+            places_after=after[1],
+        )
+        self._before = np.array(view.clip_from_world)
+        self.number = (self.number + 1) % MOST_NUMBERS
+        return after[0]
+
+
+def lit_alike(one: Scene, other: Scene) -> bool:
+    """Whether what lights two scenes' surfaces is the same; parts of frames that rest are."""
+    single = ("environment", "medium")
+    several = ("lights", "light_groups", "meshes", "volumes")
+    pairs = [(getattr(one, name), getattr(other, name)) for name in single]
+    for name in several:
+        ours, theirs = getattr(one, name), getattr(other, name)
+        if len(ours) != len(theirs):
+            return False
+        pairs += zip(ours, theirs, strict=True)
+    return all(a is b for a, b in pairs)

@@ -1,0 +1,154 @@
+// The light of gather points with what they found in the frames before: looked up where the camera saw their places
+// then, where the same surface was there. Source: Schied2017 (temporal accumulation by moments of its length), at points.
+//! use gather
+//! use gather_history
+
+const PLACES = 2u;          // vec4f of a point, see gather/history.py
+
+// A place in the image of a camera, in texels from the middle of the first; w: whether it is before the eye.
+fn texel_of(clip_from_world: mat4x4f, place: vec3f) -> vec3f {
+    let clip = clip_from_world * vec4f(place, 1.0);
+    let ndc = clip.xy / max(clip.w, 1e-9);
+    let pixel = vec2f(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * params.size;
+    return vec3f(pixel / f32(params.scale) - 0.5, f32(clip.w > 0.0));
+}
+
+// What was found before, and for how many frames it counts.
+struct Before {
+    sums: array<vec4f, SUMS>,
+    frames: f32,
+}
+
+fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
+    var out: Before;
+    let then = texel_of(params.before_from_world, place.xyz);
+    // Points lie anywhere in their blocks, but stand for all of them.
+    let within = texel_of(params.clip_from_world, place.xyz).xy - vec2f(texel);
+    let at = then.xy - within;
+    let last = vec2i(params.reduced) - 1;
+    let texel_m = params.texel * place.w;
+    var total = 0.0;
+    var best = 0.0;
+    var k = 0;
+    loop {
+        if (then.z <= 0.0) { break; }
+        let other = vec2i(round(at)) + vec2i(k % 3, k / 3) - 1;
+        if (all(other >= vec2i(0)) && all(other <= last)) {
+            let index = u32(other.y) * params.reduced.x + u32(other.x);
+            let its = places_before[PLACES * index];
+            var like = likeness(place.xyz, n, its.xyz, places_before[PLACES * index + 1u].xyz, texel_m);
+            like = select(0.0, like, its.w > 0.0);
+            let weight = like * nearness(vec2f(other) - at);
+            for (var i = 0u; i < SUMS; i++) {
+                out.sums[i] += weight * sums_before[SUMS * index + i];
+            }
+            out.frames += weight * its.w;
+            total += weight;
+            best = max(best, like);
+        }
+        k++;
+        if (k > 8) { break; }
+    }
+    let inverse = select(0.0, 1.0 / total, total > 1e-9);
+    for (var i = 0u; i < SUMS; i++) {
+        out.sums[i] *= inverse;
+    }
+    out.frames = frames_kept(out.frames * inverse, best, params.most);
+    return out;
+}
+
+// This frame's light around a point: the mean and the variance of that mean, of channels and of their luminance.
+struct Around {
+    surfaces: vec3f,
+    sky: vec3f,
+    light: f32,
+    surfaces_variance: vec3f,
+    sky_variance: vec3f,
+    light_variance: f32,
+}
+
+fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
+    var out: Around;
+    let last = vec2i(params.reduced) - 1;
+    let texel_m = params.texel * place.w;
+    var total = 0.0;
+    var squared = 0.0;
+    var k = 0;
+    loop {
+        let other = vec2i(texel) + vec2i(k % 5, k / 5) - 2;
+        if (all(other >= vec2i(0)) && all(other <= last)) {
+            let its = textureLoad(places, other, 0);
+            let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, other, 0).xyz, texel_m);
+            let weight = select(0.0, like, its.w > 0.0);
+            let index = SUMS * (u32(other.y) * params.reduced.x + u32(other.x));
+            let surfaces = sums[index].rgb;
+            let sky = sums[index + 1u].rgb;
+            let light = luminance(surfaces + sky);
+            out.surfaces += weight * surfaces;
+            out.sky += weight * sky;
+            out.light += weight * light;
+            out.surfaces_variance += weight * surfaces * surfaces;
+            out.sky_variance += weight * sky * sky;
+            out.light_variance += weight * light * light;
+            total += weight;
+            squared += weight * weight;
+        }
+        k++;
+        if (k > 24) { break; }
+    }
+    let inverse = 1.0 / max(total, 1e-9);
+    let of_mean = squared * inverse * inverse;
+    out.surfaces *= inverse;
+    out.sky *= inverse;
+    out.light *= inverse;
+    out.surfaces_variance = of_mean * (inverse * out.surfaces_variance - out.surfaces * out.surfaces);
+    out.sky_variance = of_mean * (inverse * out.sky_variance - out.sky * out.sky);
+    out.light_variance = of_mean * (inverse * out.light_variance - out.light * out.light);
+    return out;
+}
+
+fn all_followed(before: vec3f, mean: vec3f, variance: vec3f) -> vec3f {
+    return vec3f(followed(before.r, mean.r, variance.r), followed(before.g, mean.g, variance.g),
+        followed(before.b, mean.b, variance.b));
+}
+
+// `before`, brought as near to this frame's light as its noise says, and for fewer frames.
+fn following(before: Before, around: Around) -> Before {
+    var out = before;
+    let surfaces = all_followed(before.sums[0].rgb, around.surfaces, around.surfaces_variance);
+    let sky = all_followed(before.sums[1].rgb, around.sky, around.sky_variance);
+    let ratio = luminance(surfaces) / max(luminance(before.sums[0].rgb), 1e-20);
+    let sky_ratio = luminance(sky) / max(luminance(before.sums[1].rgb), 1e-20);
+    out.sums[0] = vec4f(surfaces, before.sums[0].w);
+    out.sums[1] = vec4f(sky, sky_ratio * sky_ratio * before.sums[1].w);
+    out.sums[2] = vec4f(ratio * before.sums[2].xyz, before.sums[2].w);
+    out.sums[3] *= sky_ratio;
+    let light = luminance(before.sums[0].rgb + before.sums[1].rgb);
+    out.frames = frames_believed(before.frames, light, around.light, around.light_variance);
+    return out;
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id.xy >= params.reduced)) {
+        return;
+    }
+    let place = textureLoad(places, id.xy, 0);
+    let n = textureLoad(planes, id.xy, 0).xyz;
+    let index = id.y * params.reduced.x + id.x;
+    var before: Before;
+    if (place.w > 0.0 && params.most > 0.0) {
+        before = found_before(id.xy, place, n);
+        if (params.is_changing != 0u) {
+            before = following(before, light_around(id.xy, place, n));
+        }
+    }
+    let share = 1.0 / (before.frames + 1.0);
+    for (var i = 0u; i < SUMS; i++) {
+        sums_after[SUMS * index + i] = mix(before.sums[i], sums[SUMS * index + i], share);
+    }
+    // Filters narrow as frames add up, as they do in later samples of a still.
+    sums_after[SUMS * index + 3u].w = before.frames;
+    let frames = select(0.0, before.frames + 1.0, place.w > 0.0);
+    places_after[PLACES * index] = vec4f(place.xyz, frames);
+    places_after[PLACES * index + 1u] = vec4f(n, 0.0);
+}
