@@ -16,6 +16,7 @@ from ..area.lighting import AreaShadows
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.lanes import has_row_lanes
+from ..gpu.shared import Shared
 from ..lattice.blockers import Blockers
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
@@ -126,6 +127,8 @@ class Kit:
         scene = self.emitters.of(context.scene)
         self.context, self.settings = replace(context, gpu=gpu, scene=scene), settings
         self.meshes = context.meshes
+        self.shared = Shared()
+        """What solvers share by key."""
         self.box: tuple[F64, F64] = (np.zeros(3), np.ones(3))
         """What lights saw last, metres."""
         # Samples of lights with extent cast shadows into media alone.
