@@ -133,7 +133,7 @@ def works(count: int, technique: str) -> dict[str, Count]:
         renderer.frame()
         return {
             "view": work(renderer, camera=dataclasses.replace(scene.camera, fov_y_deg=40)),
-            "dimmed": work(renderer, lights=(dataclasses.replace(sun, irradiance=(1,) * 3), *rest)),
+            "weaker": work(renderer, lights=(dataclasses.replace(sun, irradiance=(1,) * 3), *rest)),
             "lit": work(renderer, lights=(turned, *rest)),
             "moved": work(renderer, volumes=(moved, *scene.volumes[1:])),
         }
@@ -147,7 +147,7 @@ def test_work_is_linear_in_the_number_of_volumes() -> None:
     assert few["moved"].invocations == many["moved"].invocations
     assert many["moved"].invocations == pytest.approx(many["lit"].invocations / 40, rel=0.01)
     # Columns know where lights are, neither how bright they are nor who looks.
-    assert many["view"] == many["dimmed"] == Count()
+    assert many["view"] == many["weaker"] == Count()
 
 
 def test_tables_of_media_share_columns() -> None:

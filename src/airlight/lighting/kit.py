@@ -126,9 +126,7 @@ class Kit:
         )
         scene = self.emitters.of(context.scene)
         self.context, self.settings = replace(context, gpu=gpu, scene=scene), settings
-        self.meshes = context.meshes
-        self.shared = Shared()
-        """What solvers share by key."""
+        self.meshes, self.shared = context.meshes, Shared()
         self.box: tuple[F64, F64] = (np.zeros(3), np.ones(3))
         """What lights saw last, metres."""
         # Samples of lights with extent cast shadows into media alone.

@@ -28,7 +28,7 @@ from ..scene.volume import Volume
 from .density_grids import ColumnPlan, density_atlas, light_columns
 from .detail import detail_bias, detail_periods, detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, brightest_emission, glows, has_emission
-from .light_columns import LightColumns, side_lengths
+from .light_columns import side_lengths
 from .media_slots import (
     MediumData,
     column_slots,
@@ -101,18 +101,14 @@ class GpuMedia:
         has_detail = self._noise is not None
         self._repeat = linear_sampler(gpu, "media detail", wrap="repeat")
         self.medium_slots = medium_slots(grids, has_detail=has_detail)
+        self.medium_slots += emission_slots(has_grids=has_glow)
         self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
-        self.medium_slots += emission_slots(has_grids=self._emission is not None)
-        self.medium_wgsl += emission_wgsl(
-            has_emission=self.has_emission, has_grids=self._emission is not None
-        )
+        self.medium_wgsl += emission_wgsl(has_emission=self.has_emission, has_grids=has_glow)
         # A pass that needs no columns binds none, whatever lights the scene has.
         read = grids if light_count else 0
+        self.columns = light_columns(gpu, gridded, light_count, columns, shared) if read else None
         self.slots = self.medium_slots + column_slots(read)
         self.wgsl = self.medium_wgsl + column_wgsl(read, light_count)
-        self.columns: LightColumns | None = None
-        if read:
-            self.columns = light_columns(gpu, gridded, light_count, columns, shared)
         self._lights: tuple[Light, ...] | None = None  # that columns were last asked for
 
     @property
