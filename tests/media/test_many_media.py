@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from airlight import Renderer
+from airlight.gpu.tally import Count, Tally
 from airlight.media import media_slots, media_tree
 from airlight.scene import Camera, DirectionalLight, Geometry, Material, Mesh, PointLight, Scene
 from airlight.scene.volume import Volume
@@ -98,3 +99,57 @@ def test_moved_volumes_are_where_they_are(monkeypatch) -> None:
     with Renderer(dataclasses.replace(scene, volumes=tuple(moved)), "single", SIZE) as renderer:
         fresh = renderer.frame()
     np.testing.assert_array_equal(after.radiance, fresh.radiance)
+
+
+def grids(count: int) -> Scene:
+    """Density grids in a row, apart from each other and all alike in size."""
+    scene, rng = puffs(0), np.random.default_rng(3)
+    density = rng.uniform(0, 1.5, (12, 12, 12)).astype(np.float32)
+    volumes = []
+    for i in range(count):
+        to_world = np.diag([0.1, 0.1, 0.1, 1.0])
+        to_world[:3, 3] = (0.25 * i - 0.125 * count, 0.5, 0.0)
+        volumes.append(Volume((3, 3, 3), density=density, world_from_volume=to_world))
+    return dataclasses.replace(scene, volumes=tuple(volumes))
+
+
+def work(renderer: Renderer, **changes) -> Count:
+    """The passes that bring media and their columns up to date in a frame of `changes`."""
+    tally = renderer.commands.tally = Tally()
+    renderer.frame(**changes)
+    return tally.stages.get("air", Count())
+
+
+def works(count: int, technique: str) -> dict[str, Count]:
+    """The same after each of some changes to so many grids."""
+    scene = grids(count)
+    sun, *rest = scene.lights
+    turned = dataclasses.replace(sun, direction=(0.4, -1, -0.4))
+    to_world = scene.volumes[0].world_from_volume.copy()
+    to_world[1, 3] += 0.1
+    moved = dataclasses.replace(scene.volumes[0], world_from_volume=to_world)
+    settings = {k: v for k, v in SMALL.items() if technique != "single" or k != "resolution"}
+    with Renderer(scene, technique, SIZE, settings=settings) as renderer:
+        renderer.frame()
+        return {
+            "view": work(renderer, camera=dataclasses.replace(scene.camera, fov_y_deg=40)),
+            "weaker": work(renderer, lights=(dataclasses.replace(sun, irradiance=(1,) * 3), *rest)),
+            "lit": work(renderer, lights=(turned, *rest)),
+            "moved": work(renderer, volumes=(moved, *scene.volumes[1:])),
+        }
+
+
+def test_work_is_linear_in_the_number_of_volumes() -> None:
+    """A new light finds the columns of all in as many passes; a move those of the moved one."""
+    few, many = works(10, "single"), works(40, "single")
+    assert many["lit"].invocations == pytest.approx(4 * few["lit"].invocations, rel=0.01)
+    assert many["lit"].passes == few["lit"].passes
+    assert few["moved"].invocations == many["moved"].invocations
+    assert many["moved"].invocations == pytest.approx(many["lit"].invocations / 40, rel=0.01)
+    # Columns know where lights are, neither how bright they are nor who looks.
+    assert many["view"] == many["weaker"] == Count()
+
+
+def test_tables_of_media_share_columns() -> None:
+    """A lattice of reduced media finds none of its own beside those of the image."""
+    assert works(10, "lpv-scatter")["lit"].invocations == works(10, "single")["lit"].invocations

@@ -73,5 +73,5 @@ def test_fog_and_a_volume_are_solved_apart(gpu):
     scene = Scene(medium=fog, volumes=(small,), environment=WHITE, camera=CAMERA)
     scattered, through = images(gpu, scene)
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.06)
-    with pytest.raises(SceneError, match="the scene has 5 media, at most 4 can be drawn"):
+    with pytest.raises(SceneError, match="the scene has 5 media, pop draws at most 4"):
         images(gpu, Scene(medium=fog, volumes=(small,) * 4, environment=WHITE))

@@ -1,7 +1,7 @@
 """The device and how to talk to it; the only importer of wgpu.
 
 device (asked, code_paths)   which adapter, its limits and features, the paths that suit it
-scope, memory                who releases what; textures and buffers
+scope, memory, shared        who releases what; textures and buffers; what parts have in common
 layout, slots, source        structs declared once, bindings, WGSL files and `//! use`
    -> compute, raster        passes: one class beside its WGSL; bindings, pipelines: cached
    -> commands, recorded     what a frame encodes; what stays the same is replayed

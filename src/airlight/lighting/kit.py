@@ -16,6 +16,7 @@ from ..area.lighting import AreaShadows
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.lanes import has_row_lanes
+from ..gpu.shared import Shared
 from ..lattice.blockers import Blockers
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
@@ -125,7 +126,7 @@ class Kit:
         )
         scene = self.emitters.of(context.scene)
         self.context, self.settings = replace(context, gpu=gpu, scene=scene), settings
-        self.meshes = context.meshes
+        self.meshes, self.shared = context.meshes, Shared()
         self.box: tuple[F64, F64] = (np.zeros(3), np.ones(3))
         """What lights saw last, metres."""
         # Samples of lights with extent cast shadows into media alone.

@@ -70,6 +70,8 @@ class DensityAtlas:
 
     def __init__(self, gpu: Gpu, densities: Sequence[F32]) -> None:
         self._gpu = gpu
+        self.version = 0
+        """Raised whenever a grid was uploaded."""
         self._make(densities)
 
     def _make(self, densities: Sequence[F32]) -> None:
@@ -81,6 +83,8 @@ class DensityAtlas:
         boxes, size = packed(counts, self._gpu.limits[LIMIT])
         self.texture = Texture(self._gpu, "density", size, "r16float", dimension="3d")
         self._boxes, self._arrays = boxes, list(arrays)
+        self.version += 1
+        self._filled = [self.version] * len(boxes)
         for box, array in zip(boxes, arrays, strict=True):
             _fill(self.texture, box, array)
 
@@ -90,12 +94,17 @@ class DensityAtlas:
         return [self._boxes[box] for box in self._box_of]
 
     @property
+    def versions(self) -> list[int]:
+        """By grid: the version in which its densities became what they are."""
+        return [self._filled[box] for box in self._box_of]
+
+    @property
     def is_alone(self) -> bool:
         """Whether the texture holds one volume's grid and nothing else."""
         return len(self._box_of) == 1
 
-    def update(self, densities: Sequence[F32]) -> bool:
-        """Upload the grids that are not the last ones; returns whether there were any.
+    def update(self, densities: Sequence[F32]) -> None:
+        """Upload the grids that are not the last ones.
 
         Raises SceneError where a grid has another number of cells.
         """
@@ -111,12 +120,13 @@ class DensityAtlas:
                 # Grids that were one and are no longer: each gets a box of its own.
                 self.texture.release()
                 self._make(densities)
-                return True
+                return
         changed = [box for box, density in wanted.items() if density is not self._arrays[box]]
         for box in changed:
             _fill(self.texture, self._boxes[box], wanted[box])
             self._arrays[box] = wanted[box]
-        return bool(changed)
+            self._filled[box] = self.version + 1
+        self.version += bool(changed)
 
 
 def _fill(texture: Texture, box: Region, density: NDArray[Any]) -> None:

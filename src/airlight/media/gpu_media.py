@@ -19,14 +19,16 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, linear_sampler
+from ..gpu.shared import Shared
 from ..maths.transforms import F64
+from ..scene.lights import Light
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .atlas import DensityAtlas
+from .density_grids import ColumnPlan, density_atlas, light_columns
 from .detail import detail_bias, detail_periods, detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, brightest_emission, glows, has_emission
-from .light_columns import LightColumns
+from .light_columns import side_lengths
 from .media_slots import (
     MediumData,
     column_slots,
@@ -38,6 +40,7 @@ from .media_slots import (
 )
 from .media_tree import media_nodes
 
+_OWN_COLUMNS = ColumnPlan()
 MAX_MEDIA = 256
 """A ray's list of media and their intervals are private to a shader, which WebGPU gives 8 KiB."""
 BOX, ELLIPSOID, GRID = 0, 1, 2
@@ -58,11 +61,11 @@ class GpuMedia:
         scene: Scene,
         *,
         light_count: int,
-        column_resolution: int = 48,
+        columns: ColumnPlan = _OWN_COLUMNS,
         solved: Sequence[Medium | Volume] = (),
         solved_shafts: int = NO_SHAFTS,
     ) -> None:
-        """`light_count`: lights with columns through grids, 0 or all of them.
+        """`light_count`: lights with columns through grids, 0 or all of them; `columns`: which.
 
         `solved` media have single scattering in their source; they have `solved_shafts`.
         """
@@ -80,8 +83,9 @@ class GpuMedia:
             )
         # Media as rows of a table, their densities as boxes of a texture.
         self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
-        densities = [v.density for v in scene.volumes if v.density is not None]
-        self.atlas = DensityAtlas(gpu, densities) if densities else None
+        gridded, shared = _gridded(scene), columns.shared or Shared()
+        self.atlas = density_atlas(gpu, gridded, shared) if gridded else None
+        self._densities_seen = -1
         self._linear = linear_sampler(gpu, "media")
         self.rows: list[dict[str, Any]] = []
         self._written = b""
@@ -90,23 +94,22 @@ class GpuMedia:
         self._box: tuple[float, ...] = ()
         self.version = 0
         self.has_emission = has_emission(scene)
-        gridded = [v for v in scene.volumes if glows(v)]
-        self._emission = EmissionGrids(gpu, scene.volumes) if gridded else None
+        has_glow = any(map(glows, scene.volumes))
+        self._emission = EmissionGrids(gpu, scene.volumes) if has_glow else None
         # What passes bind, and the WGSL that reads it: media alone, or with columns towards lights.
         self._noise = detail_texture(gpu) if _has_detail(scene) else None
         has_detail = self._noise is not None
         self._repeat = linear_sampler(gpu, "media detail", wrap="repeat")
         self.medium_slots = medium_slots(grids, has_detail=has_detail)
+        self.medium_slots += emission_slots(has_grids=has_glow)
         self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
-        self.medium_slots += emission_slots(has_grids=self._emission is not None)
-        self.medium_wgsl += emission_wgsl(
-            has_emission=self.has_emission, has_grids=self._emission is not None
-        )
+        self.medium_wgsl += emission_wgsl(has_emission=self.has_emission, has_grids=has_glow)
         # A pass that needs no columns binds none, whatever lights the scene has.
-        columns = grids if light_count else 0
-        self.slots = self.medium_slots + column_slots(columns)
-        self.wgsl = self.medium_wgsl + column_wgsl(columns, light_count)
-        self.columns = self._columns(scene, light_count, column_resolution) if columns else None
+        read = grids if light_count else 0
+        self.columns = light_columns(gpu, gridded, light_count, columns, shared) if read else None
+        self.slots = self.medium_slots + column_slots(read)
+        self.wgsl = self.medium_wgsl + column_wgsl(read, light_count)
+        self._lights: tuple[Light, ...] | None = None  # that columns were last asked for
 
     @property
     def has_grids(self) -> bool:
@@ -131,8 +134,10 @@ class GpuMedia:
         """
         changed = self._take_media(scene, low, high)
         self.version += int(changed)
-        if self.columns is not None:
-            self.columns.encode(commands, scene.lights, self.medium_bound, changed=changed)
+        if self.columns is not None and (changed or scene.lights != self._lights):
+            self._lights = scene.lights
+            gridded = [row for row in self.rows if row["kind"] == GRID]
+            self.columns.encode(commands, scene.lights, gridded)
 
     def _take_media(self, scene: Scene, low: F64, high: F64) -> bool:
         """Bring the table and the grids up to date; returns whether anything changed."""
@@ -147,8 +152,11 @@ class GpuMedia:
         if _kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.
-        densities = [v.density for v in scene.volumes if v.density is not None]
-        changed = self.atlas is not None and self.atlas.update(densities)
+        changed = False
+        if self.atlas is not None:
+            self.atlas.update([v.density for v in scene.volumes if v.density is not None])
+            changed = self.atlas.version != self._densities_seen
+            self._densities_seen = self.atlas.version
         self.rows = self._rows(scene, low, high)
         packed = pack_array(MediumData, self.rows)
         packed["nodes"] = media_nodes(self.rows, len(packed))
@@ -177,14 +185,6 @@ class GpuMedia:
         """By slot name, for passes made with `slots`."""
         return self.medium_bound | (self.columns.bound if self.columns else {})
 
-    def _columns(self, scene: Scene, light_count: int, resolution: int) -> LightColumns:
-        assert self.atlas is not None
-        rows = [i for i, kind in enumerate(self._kinds) if kind == GRID]
-        grids = {row: box.count for row, box in zip(rows, self.atlas.regions, strict=True)}
-        return LightColumns(
-            self.gpu, self.medium_slots, self.medium_wgsl, grids, light_count, resolution
-        )
-
     def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
         # The scene's own medium comes first, then its volumes in their order.
         rows = []
@@ -193,6 +193,7 @@ class GpuMedia:
             shafts = self._solved_shafts if self._is_own_solved else SHAFTS_OF_ALL
             rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), shafts=shafts))
         grids = iter(self.atlas.regions if self.atlas is not None else ())
+        columns = iter(self.columns.regions if self.columns is not None else ())
         # Its box in the world, its coefficients and where its grids lie.
         for index, volume in enumerate(scene.volumes):
             kind = _kind(volume)
@@ -210,8 +211,11 @@ class GpuMedia:
                     "voxel": voxel_m(volume),
                 }
                 if self.columns is not None:
-                    columns = self.columns.regions[len(rows)]
-                    row |= {"columns_first": columns.first, "columns_count": columns.count}
+                    place_of = next(columns)
+                    row |= {
+                        "columns_first": place_of.first,
+                        "columns_count": place_of.count,
+                    }
                 if self._noise is not None and volume.detail > 0.0:
                     row |= _detail_fields(volume)
             rows.append(row)
@@ -223,13 +227,15 @@ class GpuMedia:
 def voxel_m(volume: Volume) -> float:
     """The shortest side of a grid's cells in the world, metres."""
     assert volume.density is not None
-    extent = np.subtract(volume.bounds[1], volume.bounds[0])
-    sides = np.linalg.norm(np.asarray(volume.world_from_volume)[:3, :3], axis=0) * extent
-    return float((sides / np.array(volume.density.shape[::-1])).min())
+    return float((side_lengths(volume) / np.array(volume.density.shape[::-1])).min())
 
 
 def _kind(volume: Volume) -> int:
     return {"grid": GRID, "box": BOX, "sphere": ELLIPSOID}[volume.shape]
+
+
+def _gridded(scene: Scene) -> list[Volume]:
+    return [v for v in scene.volumes if v.density is not None]
 
 
 def _kinds(scene: Scene) -> tuple[int, ...]:

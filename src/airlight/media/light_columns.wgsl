@@ -1,48 +1,50 @@
-// The mean densities of a grid towards four lights.
-//! use media
-//! use lights
+// The mean densities of grids towards four lights, at all texels; those of planes are known.
+//! use column_paths
 
-// The mean density from a point of the box to the light, or to where its path enters the box.
-fn mean_density_towards(light: LightData, p: vec3f) -> f32 {
-    var towards = -light.direction;
-    var reach = MEDIUM_FAR;
-    if (light.kind != LIGHT_DIRECTIONAL) {
-        let delta = light.position - p;
-        reach = length(delta);
-        towards = delta / max(reach, 1e-12);
+fn mean_at(grid: ColumnGrid, texel: vec3f, path: ColumnPath, slot: u32) -> f32 {
+    let count = vec3f(grid.count);
+    let depth = depth_of(path, texel, count);
+    let plane = floor(depth / path.thickness);
+    if (depth + 1.0 == (plane + 1.0) * path.thickness && depth < dot(abs(path.facing), count) - 1.0) {
+        let at = in_plane(path, texel);
+        return planes[plane_first(slot, plane) + u32(at.y * in_plane(path, count).x + at.x)];
     }
-    // On the border the path may have no length: then the density there is the mean.
-    let shortest = 0.01 * media[params.medium].voxel;
-    let end = max(min(medium_interval(params.medium, p, towards).y, reach), shortest);
-    return medium_column(params.medium, p, towards, 0.0, end) / end;
+    return mean_towards(grid, path, texel, slot);
 }
+
+// Of some texels along z, towards four lights.
+var<private> means: array<vec4f, RUN>;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let slabs = (params.light_count + 3u) / 4u;
-    if (any(id >= vec3u(params.count.xy, params.count.z * slabs))) {
+    // Grids lie behind one another, in each the slabs of texels for four lights.
+    let groups = (params.lights + 3u) / 4u;
+    let place = id.z / (params.runs * groups);
+    let group = id.z / params.runs % groups;
+    if (place >= params.grids) {
         return;
     }
-    // The columns' box is the unit cube of the volume's own space; texels reach from border to border.
-    let inside = vec3f(vec3u(id.xy, id.z % params.count.z)) / vec3f(params.count - 1u);
-    let world = world_from_volume(inside);
-    // A slab of texels for four lights.
-    let first = 4u * (id.z / params.count.z);
-    var means = vec4f(0.0);
+    let g = listed[params.first + place];
+    let grid = grids[g];
+    let apart = (grid.count.z + RUN - 1u) / RUN;
+    let first = vec3u(id.xy, id.z % params.runs);
+    if (any(first >= vec3u(grid.count.xy, apart))) {
+        return;
+    }
+    // Texels of one light after the other, as far apart as leaves every invocation the same number.
     for (var k = 0u; k < 4u; k++) {
-        if (first + k < params.light_count) {
-            means[k] = mean_density_towards(lights[first + k], world);
+        let light = 4u * group + k;
+        if (light >= params.lights) { break; }
+        let path = paths[g * params.lights + light];
+        for (var i = 0u; i < RUN; i++) {
+            let z = first.z + i * apart;
+            if (z >= grid.count.z) { break; }
+            let texel = vec3f(vec3u(first.xy, z));
+            means[i][k] = mean_at(grid, texel, path, place * params.lights + light);
         }
     }
-    textureStore(columns, params.first + id, means);
-}
-
-// The inverse of the affine volume_from_world, by cofactors.
-fn world_from_volume(p: vec3f) -> vec3f {
-    let m = media[params.medium].volume_from_world;
-    let a = m[0].xyz;
-    let b = m[1].xyz;
-    let c = m[2].xyz;
-    let q = p - m[3].xyz;
-    return vec3f(dot(q, cross(b, c)), dot(q, cross(c, a)), dot(q, cross(a, b)))
-        / dot(a, cross(b, c));
+    for (var i = 0u; i < RUN; i++) {
+        let z = first.z + i * apart;
+        if (z >= grid.count.z) { break; }
+        textureStore(columns, grid.first + vec3u(first.xy, z + group * grid.count.z), means[i]);
+    }
 }

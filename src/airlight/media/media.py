@@ -18,6 +18,7 @@ from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..scene.medium import Medium, medium_box
 from ..scene.volume import Volume
+from .density_grids import sky_columns
 from .gpu_media import GpuMedia
 from .march.half_space import HalfSpace
 from .march.marched_light import MarchedLight
@@ -68,13 +69,19 @@ class Media(Solver):
             kit.context.size,
             kit.lights,
             settings,
-            Expected(sources, is_lattice_marched, has_sky, *solved),
+            Expected(sources, is_lattice_marched, has_sky, *solved, kit.shared),
         )
         # The environment's light, through media in the cells of the lattices.
         self.sky: SkyInMedia | None = None
         if has_sky and self.on_device.count:
             self.sky = SkyInMedia(
-                kit.gpu, scene, sky, kit.placement, kit.lattices.texture_size, solved=solved.media
+                kit.gpu,
+                scene,
+                sky,
+                kit.placement,
+                kit.lattices.texture_size,
+                columns=sky_columns(kit.lattices.placements[0].cell, kit.shared),
+                solved=solved.media,
             )
         is_endless = scene.medium is not None and scene.medium.endless
         self._half_space = HalfSpace(kit.gpu) if is_endless else None

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
+from ..gpu.shared import Shared
 from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..maths.transforms import F64
@@ -23,6 +24,7 @@ from .compositing.finish import Finish, Listing, MediaLayers, Reduced, can_finis
 from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
+from .density_grids import ColumnPlan
 from .gpu_media import NO_SHAFTS, SHAFTS_OF_LOCAL, GpuMedia
 from .image_textures import Drawn, ImageTextures
 from .march.march import March, MarchTargets, Steps
@@ -39,7 +41,7 @@ class Expected:
     """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
 
     `solved`: volumes whose sources bring their single scattering, of local lights unless
-    `has_local_shafts`; see `GpuMedia`.
+    `has_local_shafts`; see `GpuMedia`. `shared`: where density grids are kept.
     """
 
     sources: int = 0
@@ -47,6 +49,7 @@ class Expected:
     has_sky: bool = False
     solved: Sequence[Medium | Volume] = ()
     has_local_shafts: bool = False
+    shared: Shared | None = None
 
 
 class MediaImage:
@@ -71,7 +74,7 @@ class MediaImage:
             light_count=lights.count,
             solved=e.solved,
             solved_shafts=SHAFTS_OF_LOCAL if e.has_local_shafts else NO_SHAFTS,
-            column_resolution=s.column_resolution,
+            columns=ColumnPlan(s.column_resolution, shared=e.shared),
         )
         # Shafts and marching take the same rays where both are reduced alike.
         march_rays = shaft_rays = Rays(gpu, size, RESOLUTIONS[s.march_resolution])

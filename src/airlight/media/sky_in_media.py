@@ -32,10 +32,9 @@ from ..scene.volume import Volume
 from ..surface.light_table import LightData, packed_lights
 from ..surface.light_views import LightViewData
 from ..surface.shadow import comparison_sampler
+from .density_grids import ColumnPlan
 from .gpu_media import GpuMedia
 
-COLUMN_TEXELS = 16
-"""Texels along the columns of a density grid towards each light of the sky."""
 _LIMIT = "max-storage-textures-per-shader-stage"
 
 
@@ -92,9 +91,10 @@ class SkyInMedia:
         placement: Placement,
         size: tuple[int, int, int] | None = None,
         *,
+        columns: ColumnPlan,
         solved: Sequence[Medium | Volume] = (),
     ) -> None:
-        """`solved` volumes as for GpuMedia: their source includes single scattering.
+        """`solved` volumes and `columns` as for GpuMedia: their source includes single scattering.
 
         `size`: cells of the textures, which nested lattices share.
         """
@@ -105,7 +105,7 @@ class SkyInMedia:
             gpu,
             _under(scene, sky),
             light_count=max(len(sky.lights), sky.maps.layers),
-            column_resolution=COLUMN_TEXELS,
+            columns=columns,
             solved=solved,
         )
         self.scale = 1.0

@@ -60,8 +60,8 @@ class PopMedia(Solver):
         volumes = grouped(self._media_of(self._scene))
         if len(volumes) > MAX_SOURCES:
             raise SceneError(
-                f"the scene has {len(volumes)} media, at most {MAX_SOURCES} can be drawn",
-                remedy="Leave some out.",
+                f"the scene has {len(volumes)} media, pop draws at most {MAX_SOURCES}",
+                remedy="Use technique auto or lpv-scatter, which draw many, or leave some out",
             )
         _check_levels(settings, volumes)
         self._first_row = media.count - sum(map(len, volumes))

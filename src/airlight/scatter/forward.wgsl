@@ -78,11 +78,16 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
     // What shines straight onto the part, as the true medium attenuates it.
     var p = unwarped_point(lattice, id, half);
+    let own = incoming(light, p);
+    var lit = lit_point(light, own.to_light, p);
+    // In the shade nothing arrives, and the way through the media need not be known.
+    if (params.is_blurred == 0u && lit <= 0.0) {
+        return Part(vec3f(0.0), vec3f(0.0), 0.0);
+    }
     var depths = depths_towards(light, i, p);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
-    let own = incoming(light, p);
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
-    let seen = Part(straight * lit_point(light, own.to_light, p), vec3f(0.0), depth);
+    let seen = Part(straight * lit, vec3f(0.0), depth);
     // What was deflected has come along beams beside it; it is looked up where they come from.
     let radius = depths.deviation / lattice.cell;
     if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
@@ -98,6 +103,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
         let there = vec3u(clamp(vec3i(floor(moved)), vec3i(0), vec3i(lattice.count) - 1));
         p = unwarped_point(lattice, there, moved - vec3f(there));
         depths = depths_towards(light, i, p);
+        lit = lit_point(light, own.to_light, p);
     }
     // A local light may be in the cell, so its mean over the part is taken.
     let in = incoming(light, p);
@@ -111,7 +117,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     }
     // The reduced medium transmits more than the true one: that is what was deflected once.
     let gained = exp(-depths.reduced) * (1.0 - exp(-depths.forward));
-    return Part(seen.straight, lit_point(light, in.to_light, p) * irradiance * gained, depth);
+    return Part(seen.straight, lit * irradiance * gained, depth);
 }
 
 // The direction in which light travels at the cell's centre.

@@ -10,14 +10,13 @@ import dataclasses
 from ..fields import Frame
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
+from ..media.density_grids import ColumnPlan, sky_columns
 from ..media.gpu_media import GpuMedia
 from ..scene.checks import Rgb
 from ..scene.scene import Scene
 from .reduced import is_forward, reduced_scene
 from .settings import densest_medium
 from .surface_light import NO_MEDIUM
-
-_SKY_COLUMNS = 16  # texels along a density grid's columns towards each sky light
 
 
 class ReducedMedia:
@@ -27,12 +26,17 @@ class ReducedMedia:
         self._kit = kit
         # Light is attenuated towards the scene's lights and towards those that stand for the sky.
         reduced = reduced_scene(scene)
-        self.lights = GpuMedia(kit.gpu, reduced, light_count=kit.lights.count)
+        self.lights = GpuMedia(
+            kit.gpu,
+            reduced,
+            light_count=kit.lights.count,
+            columns=ColumnPlan(shared=kit.shared),
+        )
         self.sky = GpuMedia(
             kit.gpu,
             self._under_sky(reduced),
             light_count=sky_capacity(kit),
-            column_resolution=_SKY_COLUMNS,
+            columns=sky_columns(kit.lattices.placements[0].cell, kit.shared),
         )
         self.has_forward = self.is_reduced = False
         self.sigma_s: Rgb = NO_MEDIUM.sigma_s

@@ -24,6 +24,7 @@ from ..lattice.lookup import LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.solver import LpvSolver
 from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
+from ..media.density_grids import ColumnPlan
 from ..media.gpu_media import GpuMedia
 from ..media.volume_blockers import VolumeBlockers
 from ..scatter.cell_lights import CellLights
@@ -55,7 +56,12 @@ class LatticeVolumes:
         ]
         self._blocked_versions: list[tuple[Any, ...]] = [()] * len(solver.cascades)
         # What reduced isotropic volumes scatter once, and the lattices that it enters.
-        self.isotropic = GpuMedia(gpu, _reduced_isotropic(scene), light_count=kit.lights.count)
+        self.isotropic = GpuMedia(
+            gpu,
+            _reduced_isotropic(scene),
+            light_count=kit.lights.count,
+            columns=ColumnPlan(shared=kit.shared),
+        )
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         self._inject, self._resolve = InjectSingle(gpu, self.isotropic), Resolve(gpu)
         self._levels = [_Level(gpu, part) for part in solver.cascades]
