@@ -15,7 +15,7 @@ RADII = (1, 2, 4, 8, 16)
 """Voxels; whether anything is within them is what is known of an empty voxel."""
 REACH = 2.25
 """Voxels less than the interpolated distance are free around a point: one because interpolation
-averages voxels up to one voxel away, one that the matter reaches, the rest for filters of 8 bits."""
+averages voxels up to one away, one that the matter reaches, the rest for filters of 8 bits."""
 
 
 def empty_distances(density: NDArray[Any]) -> NDArray[np.float16]:

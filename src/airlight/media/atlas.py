@@ -24,7 +24,7 @@ from ..scene.checks import F32
 Size = tuple[int, int, int]
 LIMIT = "max-texture-dimension-3d"
 MOST_WITH_DISTANCES = 1 << 24
-"""Texels of an atlas; larger ones hold densities alone, half the bytes, and nothing is stepped over."""
+"""Texels of an atlas; larger ones hold densities alone, half the bytes: nothing is stepped over."""
 
 
 @dataclass(frozen=True)
