@@ -1,9 +1,9 @@
 """Light of cells on cells half as wide.
 
-Each takes a cubic spline through the 64 cells around it (Catmull and Rom 1974), which follows the
-curve of light that falls off exponentially where trilinear interpolation cuts it short: chords of a
-convex curve lie above it. Cells that hold no light do not count, and no value leaves the range of
-the eight cells around it.
+Each takes a cubic spline through the 64 cells around it (of Catmull and Rom: Barry1988). It follows
+the curve of light that falls off exponentially, of which trilinear interpolation takes chords, and
+chords of a convex curve lie above it. Cells that hold no light do not count, and no value leaves
+the range of the eight cells around it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 LEAST_TOTAL = 0.1
-"""Weights of cells without light are missing; what is left counts as at least so much."""
+"""Weights of cells without light are missing; the rest counts as at least so much."""
 
 
 def halved_cells(values: ArrayLike, known: ArrayLike) -> NDArray[np.float64]:

@@ -49,5 +49,5 @@ fn spline(t: f32) -> vec4f {
     textureStore(halved, id, vec4f(clamp(sum / max(total, LEAST_TOTAL), least, most), 1.0));
 }
 
-// Weights of cells without light are missing; what is left counts as at least so much.
+// Weights of cells without light are missing; the rest counts as at least so much.
 const LEAST_TOTAL = 0.1;
