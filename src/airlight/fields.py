@@ -42,8 +42,8 @@ class Source:
     W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
     of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
     one volume's, at the density's own resolution. `whole`: the same with what shafts draw in the
-    eye's rays; `texture` if not given. `fade`, in shares of its box: where it is a
-    finer grid inside the next source, which takes over there.
+    eye's rays; `texture` if not given. `texels`: of the texture along a solved cell. `fade`, in
+    shares of its box: where it is a finer grid inside the next source, which takes over there.
     """
 
     texture: Texture
@@ -53,12 +53,13 @@ class Source:
     parts: int = 1
     whole: Texture | None = None
     fade: Fade | None = None
+    texels: int = 1
 
     @property
     def cell_m(self) -> float:
         """The shortest side of its cells, metres."""
         lengths = np.linalg.norm(np.linalg.inv(self.uvw_from_world)[:3, :3], axis=0)
-        return float((lengths / np.array(self.texture.size)).min())
+        return self.texels * float((lengths / np.array(self.texture.size)).min())
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,8 @@ def grid(*shape: int) -> np.ndarray:
 
 def read(atlas: DensityAtlas, region: Region) -> np.ndarray:
     (x, y, z), (nx, ny, nz) = region.first, region.count
-    return atlas.texture.read().reshape(atlas.texture.size[::-1])[
-        z : z + nz, y : y + ny, x : x + nx
+    return atlas.texture.read().reshape(*atlas.texture.size[::-1], 2)[
+        z : z + nz, y : y + ny, x : x + nx, 0
     ]
 
 

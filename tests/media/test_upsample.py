@@ -45,9 +45,15 @@ def test_a_depth_edge_stays_sharp(
     np.testing.assert_allclose(full, expected, rtol=0.03)
 
 
-def test_one_surface_is_bilinear(gpu: Gpu, look: Any, square: Callable[..., Mesh]) -> None:
+@pytest.mark.parametrize("scale", [2, 4])
+def test_one_surface_is_bilinear(
+    gpu: Gpu, look: Any, square: Callable[..., Mesh], scale: int
+) -> None:
+    """A ramp along x comes out as it went in: each texel counts where its ray goes."""
     wall = square((0, 0, -6), (40, 0, 0), (0, 40, 0))
     seen = look(Scene(meshes=(wall,), camera=Camera((0, 0, 0), (0, 0, -1), fov_y_deg=40)), SIZE)
-    full = upsampled(gpu, seen, 2, lambda _, x: x.astype(float))
-    expected = np.broadcast_to((np.arange(SIZE[0]) + 0.5) / 2 - 0.5, (SIZE[1], SIZE[0]))
-    np.testing.assert_allclose(full[:, 2:-2], expected[:, 2:-2], atol=0.05)
+    # Texels take the ray of the middle pixel of their blocks.
+    full = upsampled(gpu, seen, scale, lambda _, x: scale * x + scale // 2 + 0.5)
+    expected = np.broadcast_to(np.arange(SIZE[0]) + 0.5, (SIZE[1], SIZE[0]))
+    edge = 2 * scale
+    np.testing.assert_allclose(full[:, edge:-edge], expected[:, edge:-edge], atol=0.05 * scale)

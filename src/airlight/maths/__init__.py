@@ -6,9 +6,9 @@
    lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels (Billeter2012)
    ordinates   ordinates, view_ordinates, view_importance: which; ordinate_grid, ordinate_hops,
                radial_grid: propagation; delta_beam, point_light_beam, diffusion: beams (Elek2014);
-               nested_diffusion: on finer grids
-   media       medium, mixtures, voxels, solid_voxels, half_space, forward_phase, sky_phase,
-               beam_phase
+               nested_diffusion: on finer grids; halved_cells: light between cells
+   media       medium, mixtures, voxels, empty_voxels, solid_voxels, half_space, forward_phase,
+               sky_phase, beam_phase
    space       transforms, octahedron, latlong, weld, keyframes; rays, box_tree
    numbers     colour, tone, lut, half, chunks
 

@@ -1,7 +1,8 @@
 """Boxes of texels in one 3D texture: WebGPU binds few textures, and a shader cannot index them.
 
 Density grids lie in one atlas, and so do their columns towards the lights. A box is filtered within
-itself: coordinates are clamped to the centres of its outer texels, so that boxes may touch.
+itself: coordinates are clamped to the centres of its outer texels, so that boxes may touch. Beside
+the density a texel holds how far it is to the next that is not empty, which marching steps over.
 """
 
 from __future__ import annotations
@@ -16,11 +17,14 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
+from ..maths.empty_voxels import empty_distances
 from ..maths.half import half_floats
 from ..scene.checks import F32
 
 Size = tuple[int, int, int]
 LIMIT = "max-texture-dimension-3d"
+MOST_WITH_DISTANCES = 1 << 24
+"""Texels of an atlas; larger ones hold densities alone, half the bytes: nothing is stepped over."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,9 @@ class DensityAtlas:
         arrays = [densities[self._box_of.index(box)] for box in range(len(own))]
         counts = [(a.shape[2], a.shape[1], a.shape[0]) for a in arrays]
         boxes, size = packed(counts, self._gpu.limits[LIMIT])
-        self.texture = Texture(self._gpu, "density", size, "r16float", dimension="3d")
+        has_distances = size[0] * size[1] * size[2] <= MOST_WITH_DISTANCES
+        texels = "rg16float" if has_distances else "r16float"
+        self.texture = Texture(self._gpu, "density", size, texels, dimension="3d")
         self._boxes, self._arrays = boxes, list(arrays)
         self.version += 1
         self._filled = [self.version] * len(boxes)
@@ -131,4 +137,7 @@ class DensityAtlas:
 
 def _fill(texture: Texture, box: Region, density: NDArray[Any]) -> None:
     x, y, z = box.first
-    texture.write(half_floats(density), layer=z, row=y, column=x)
+    texels = half_floats(density)
+    if texture.format == "rg16float":
+        texels = np.stack([texels, empty_distances(texels)], axis=-1)
+    texture.write(texels, layer=z, row=y, column=x)

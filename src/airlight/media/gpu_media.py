@@ -117,6 +117,12 @@ class GpuMedia:
         return self.atlas is not None
 
     @property
+    def has_shafts(self) -> bool:
+        """Whether shafts draw single scattering of any medium."""
+        solved = len(self._solved) + int(self._is_own_solved)
+        return self.count > solved or self._solved_shafts != NO_SHAFTS
+
+    @property
     def is_one_box(self) -> bool:
         """Whether the only medium is one homogeneous box."""
         return self._kinds == (BOX,)

@@ -83,7 +83,7 @@ class MediaImage:
         self.march_rays, self.shaft_rays = march_rays, shaft_rays
         # What is drawn of the media: shafts of lights, and what is marched.
         self.shafts: ShaftImage | None = None
-        if s.shafts != "off" and lights.count and self.media.count:
+        if s.shafts != "off" and lights.count and self.media.has_shafts:
             self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
         self.has_sky = e.has_sky and bool(self.media.count) and s.shafts != "off"
         wanted = e.sources or e.has_lattice or self.has_sky or self.media.has_grids

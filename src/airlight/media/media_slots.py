@@ -60,7 +60,7 @@ def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
         f"const HAS_MEDIA_TREE = {str(has_tree).lower()};\nconst MEDIA_NODES = {nodes}u;\n"
         f"const COPIED_MEDIA = {1 if has_tree else max(1, count)}u;\n"
         f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
-        f"fn densities_texel(at: vec3f) -> f32 {{ return {density}.x; }}\n"
+        f"fn densities_texel(at: vec3f) -> vec2f {{ return {density}.xy; }}\n"
         f"fn densities_size() -> vec3f {{ return {size}; }}\n"
     )
 

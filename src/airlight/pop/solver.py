@@ -248,8 +248,7 @@ class PopSolver:
         is_new_view = is_new_medium or lit.eye.tobytes() != self._view_key
         if not (is_new_view or is_new_light):
             return
-        self._view_key = lit.eye.tobytes()
-        medium = self.medium
+        medium, self._view_key = self.medium, lit.eye.tobytes()
         eye = medium.placement.point(lit.eye)
         # Corrections for which a white medium under a uniform sky scatters exactly its radiance.
         if is_new_view and self._furnace is not None:
@@ -263,6 +262,7 @@ class PopSolver:
                 self._indirect.encode(commands, uniform, eye, lit.reflected, self.scale, target)
         # Light of the ordinates, scattered once and more often, and all of it together.
         self.transport.encode_view(commands, medium.params, eye, self.emission)
+        self.emission.smooth.encode(commands, medium.params, self.emission.texture)
 
     @property
     def scale(self) -> float:
@@ -276,12 +276,13 @@ class PopSolver:
         """
         own = self.medium
         source = Source(
-            self.emission.texture,
+            self.emission.smooth.texture,
             own.placement.uvw_from_world,
             scale=self.scale,
             medium=medium,
             parts=len(own.parts),
             whole=self.emission.whole,
+            texels=self.emission.smooth.TEXELS,
             fade=own.grid.shares if isinstance(own, FinerMedium) else None,
         )
         return [*(self.finer.sources(medium) if self.finer else ()), source]

@@ -5,7 +5,7 @@
 //! use media_tree
 //! use phase
 //! needs fn media_emission_texel(at: vec3f) -> vec3f
-//! needs fn densities_texel(at: vec3f) -> f32
+//! needs fn densities_texel(at: vec3f) -> vec2f
 //! needs fn densities_size() -> vec3f
 //! needs fn medium_noise(at: vec3f) -> f32
 
@@ -21,10 +21,15 @@ fn medium_coordinates(m: u32, p: vec3f) -> vec3f {
     return (media[m].volume_from_world * vec4f(p, 1.0)).xyz;
 }
 
+// A direction in the medium's own box, per metre.
+fn volume_direction(m: u32, direction: vec3f) -> vec3f {
+    return (media[m].volume_from_world * vec4f(direction, 0.0)).xyz;
+}
+
 // The ray parameters between which a ray is inside medium m; a miss has x > y.
 fn medium_interval(m: u32, origin: vec3f, direction: vec3f) -> vec2f {
     let o = medium_coordinates(m, origin);
-    let d = (media[m].volume_from_world * vec4f(direction, 0.0)).xyz;
+    let d = volume_direction(m, direction);
     if (media[m].kind == MEDIUM_ELLIPSOID) {
         let scale = length(d);
         return ray_sphere_interval(o, d / scale, vec3f(0.5), 0.5) / scale;
@@ -45,8 +50,9 @@ fn medium_detail(m: u32, uvw: vec3f) -> f32 {
     return exp(media[m].detail * medium_noise(at) + media[m].detail_bias);
 }
 
-// Voxels of medium m, trilinear. Grids lie in one texture: each is filtered within its own box.
-fn medium_grid_density(m: u32, uvw: vec3f) -> f32 {
+// Voxels of medium m, trilinear: density, and the distance to the next that are not empty (maths/empty_voxels.py).
+// Grids lie in one texture: each is filtered within its own box.
+fn medium_voxels(m: u32, uvw: vec3f) -> vec2f {
     if (GRID_COUNT <= 1u) {
         return densities_texel(uvw);
     }
@@ -55,14 +61,23 @@ fn medium_grid_density(m: u32, uvw: vec3f) -> f32 {
     return densities_texel(at / densities_size());
 }
 
+// Density of a grid at a point, 0 outside its box, and the distance as of `medium_voxels`.
+fn medium_grid_matter(m: u32, p: vec3f) -> vec2f {
+    let uvw = medium_coordinates(m, p);
+    if (any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0))) {
+        return vec2f(0.0);
+    }
+    return medium_voxels(m, uvw) * vec2f(medium_detail(m, uvw), 1.0);
+}
+
 // Density of medium m at a point, dimensionless; 0 outside the medium.
 fn medium_density(m: u32, p: vec3f) -> f32 {
+    if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
+        return medium_grid_matter(m, p).x;
+    }
     let uvw = medium_coordinates(m, p);
     if (any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0))) {
         return 0.0;
-    }
-    if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
-        return medium_grid_density(m, uvw) * medium_detail(m, uvw);
     }
     let off = uvw - 0.5;
     return select(1.0, 0.0, media[m].kind == MEDIUM_ELLIPSOID && dot(off, off) > 0.25);
@@ -133,7 +148,7 @@ fn medium_column(m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> f
     var sum = 0.0;
     for (var i = 0.5; i < steps; i += 1.0) {
         let p = origin + (t0 + i * dt) * direction;
-        sum += medium_grid_density(m, medium_coordinates(m, p));
+        sum += medium_voxels(m, medium_coordinates(m, p)).x;
     }
     return sum * dt;
 }

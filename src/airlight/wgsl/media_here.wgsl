@@ -97,7 +97,7 @@ fn densities_at(p: vec3f, t: f32) {
             continue;
         }
         if (GRID_COUNT > 0u && is_grid(ray_medium(k))) {
-            media_density_here[k] = medium_density(ray_medium(k), p);
+            media_density_here[k] = grid_density_on_ray(k, p, t);
         }
         if (HAS_EMISSION && is_in) {
             let m = ray_medium(k);

@@ -6,6 +6,13 @@
 var<private> medium_intervals: array<vec2f, MEDIA_COUNT>;
 var<private> listed_media: array<u32, MEDIA_COUNT>;
 var<private> listed_count: u32;
+// Of grids, how many voxels a metre of the ray crosses, along the axis where those are most; and to where on the
+// ray the density that was looked up last is known to be 0.
+var<private> voxels_per_m: array<f32, MEDIA_COUNT>;
+var<private> empty_until: array<f32, MEDIA_COUNT>;
+
+// What is free around a point is less by so many voxels than the distance there; see maths/empty_voxels.py.
+const EMPTY_REACH = 2.25;
 
 fn ray_media() -> u32 {
     if (!HAS_MEDIA_TREE) {
@@ -37,6 +44,13 @@ fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
         let span = medium_interval(m, origin, direction);
         let held = vec2f(max(span.x, 0.0), min(span.y, reach));
         medium_intervals[k] = select(vec2f(MEDIUM_FAR, -MEDIUM_FAR), held, held.x < held.y);
+        if (GRID_COUNT > 0u) {
+            let crossed = abs(volume_direction(m, direction)) * media[m].grid_count;
+            // A grid that glows may do so where it holds nothing.
+            voxels_per_m[k] = select(max(max(crossed.x, crossed.y), crossed.z), MEDIUM_FAR,
+                media[m].emission_count.x > 0.0);
+            empty_until[k] = 0.0;
+        }
         hull = vec2f(min(hull.x, medium_intervals[k].x), max(hull.y, medium_intervals[k].y));
         if (HAS_MEDIA_TREE) {
             listed_media[k] = m;
@@ -45,6 +59,13 @@ fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
     }
     listed_count = k;
     return hull;
+}
+
+// The density of the ray's k-th medium, a grid, at p, t of the ray.
+fn grid_density_on_ray(k: u32, p: vec3f, t: f32) -> f32 {
+    let matter = medium_grid_matter(ray_medium(k), p);
+    empty_until[k] = t + max(matter.y - EMPTY_REACH, 0.0) / voxels_per_m[k];
+    return matter.x;
 }
 
 // Optical depth of the media without grids on t0..t1 of the entered ray, exact.
@@ -67,7 +88,7 @@ fn grids_extinction(p: vec3f, t: f32) -> vec3f {
         for (var k = 0u; k < ray_media(); k++) {
             let m = ray_medium(k);
             if (media[m].kind == MEDIUM_GRID && is_inside(k, t)) {
-                sum += medium_density(m, p) * media[m].sigma_t;
+                sum += grid_density_on_ray(k, p, t) * media[m].sigma_t;
             }
         }
     }
@@ -79,21 +100,28 @@ fn is_inside(k: u32, t: f32) -> bool {
     return medium_intervals[k].x <= t && t < medium_intervals[k].y;
 }
 
-// The next border of a medium beyond t, and the longest step that the grids around t allow.
+// How long a step from t on may be: to the next border of a medium, as short as the grids around t want it, and no
+// longer than `step` where there is anything; what is known to be empty is one step.
 fn media_step_limit(t: f32, step: f32) -> f32 {
     if (MEDIA_COUNT == 1u && GRID_COUNT == 0u) {
         return step;
     }
-    var limit = step;
+    var limit = MEDIUM_FAR;
+    var is_empty = true;
     for (var k = 0u; k < ray_media(); k++) {
         let span = medium_intervals[k];
         let in_reach = span.x <= t && t < span.y;
         let m = ray_medium(k);
         if (in_reach && media[m].kind == MEDIUM_GRID) {
-            limit = min(limit, max(media[m].voxel, (span.y - span.x) / MAX_COLUMN_STEPS));
+            let voxel = max(media[m].voxel, (span.y - span.x) / MAX_COLUMN_STEPS);
+            let free = empty_until[k] - t;
+            limit = min(limit, max(voxel, free));
+            is_empty = is_empty && free > voxel;
+        } else {
+            is_empty = is_empty && !in_reach;
         }
         if (span.x > t) { limit = min(limit, span.x - t); }
         if (in_reach) { limit = min(limit, span.y - t); }
     }
-    return max(limit, 2e-7 * t + 1e-7);
+    return max(select(min(limit, step), limit, is_empty), 2e-7 * t + 1e-7);
 }

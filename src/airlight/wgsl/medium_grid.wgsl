@@ -5,6 +5,10 @@ fn cell_of(index: u32) -> vec3u {
     return vec3u(index % n.x, (index / n.x) % n.y, index / (n.x * n.y));
 }
 
+fn cell_index(cell: vec3u) -> u32 {
+    return (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+}
+
 // How far apart in memory neighbours along an axis are.
 fn cell_stride(axis: u32) -> u32 {
     let n = params.count;

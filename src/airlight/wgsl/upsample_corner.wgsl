@@ -25,9 +25,9 @@ struct Corner {
     share: f32,     // bilinear
 }
 
-// The k-th of four texels around a pixel.
+// The k-th of four texels around a pixel. A texel's ray is that of the middle pixel of its block (media/rays.wgsl).
 fn corner_of(position: vec2f, k: u32) -> Corner {
-    let at = position / f32(rays.scale) - 0.5;
+    let at = (position - 0.5 - f32(rays.scale / 2u)) / f32(rays.scale);
     let last = vec2i(rays.reduced) - 1;
     // Four different texels even at the image's edge, so that both of a block's sides are there.
     let base = clamp(floor(at), vec2f(0.0), vec2f(max(last - 1, vec2i(0))));

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
-from airlight.scene.builtin.cloud import cloud, cumulus_density
+from airlight.scene.builtin.cloud import PER_M, cloud, cumulus_density
 from airlight.scene.builtin.milk import knot, milk
 from airlight.scene.builtin.smoke import SHAPE, plume_density, smoke
 
@@ -45,14 +45,14 @@ def test_plume_moves_smoothly_upwards() -> None:
 def test_cloud_is_a_heap_with_a_flat_base_inside_its_box() -> None:
     (volume,) = cloud().volumes
     density = volume.density
-    assert density.shape == (64, 40, 64) and volume.g[0] == 0.85
+    assert density.shape == (128, 80, 128) and volume.g[0] == 0.85
     assert density.max() == pytest.approx(1.0, abs=1e-3) and 0.05 < density.mean() < 0.3
     for axis in range(3):
         borders = np.take(density, [0, -1], axis)
         assert borders.max() < 0.05
     covered = (density > 0.3).sum(axis=(0, 2))
-    base = int(np.argmax(covered > 50))
-    assert covered[base + 4] > 0.6 * covered.max()
+    base = int(np.argmax(covered > 50 * PER_M**2))  # 50 m^2
+    assert covered[base + 4 * PER_M] > 0.6 * covered.max()
     assert not np.array_equal(density, cumulus_density(6))
 
 

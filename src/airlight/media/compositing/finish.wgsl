@@ -54,8 +54,8 @@ fn transmittance_to(seen: Seen, reach: f32, own: f32) -> vec3f {
     let shown = textureSampleLevel(depth, nearest, seen.position.xy * seen.per_texel.zw, 0);
     let own = select(min(reach * seen.grid.w / max(shown, 1e-30), EYE_RAY_FAR), EYE_RAY_FAR,
         shown <= 0.0);
-    // The four texels around the pixel.
-    let at = seen.position.xy / seen.grid.x - 0.5;
+    // The four texels around the pixel, whose rays are those of the middle pixels of their blocks.
+    let at = (seen.position.xy - 0.5 - floor(0.5 * seen.grid.x)) / seen.grid.x;
     let last = seen.grid.yz;
     // Four different texels even at the edge of the image, so that both sides of a block are there.
     let base = clamp(floor(at), vec2f(0.0), max(last - 1.0, vec2f(0.0)));

@@ -16,6 +16,7 @@ from ..light.table import OrdinateData, OrdinateTable
 from ..medium.grid_medium import GridMedium
 from ..medium.mixture import Mixture
 from ..medium.placement import MediumParams
+from .smooth import SmoothEmission
 
 
 class ViewParams(Struct):
@@ -71,7 +72,8 @@ class Emission:
     """Fills `texture`: in-scattered radiance per unit scattering coefficient.
 
     `whole` is that with what local lights scatter once, which `texture` leaves to shafts if they
-    draw it. The unit is the scale of the ordinates: times `OrdinateTable.scale`, W m^-2 sr^-1.
+    draw it; `smooth` is the `texture` between its cells, for marching. The unit is the scale of the
+    ordinates: times `OrdinateTable.scale`, W m^-2 sr^-1.
     `corrections`, vec4 per cell: factors of multiple scattering, see `encode_furnace`. `indirect`,
     vec4 per cell: indirect light of surfaces, in the same unit.
     """
@@ -89,6 +91,7 @@ class Emission:
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
         )
+        self.smooth = SmoothEmission(medium)
         # Nothing is written to a second texture that would be the same.
         count = medium.placement.count if has_local_shafts else (1, 1, 1)
         self._other = Texture(

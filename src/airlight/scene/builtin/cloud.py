@@ -14,8 +14,11 @@ from ..volume import Volume
 from .noise import fractal_noise, smoothstep
 from .sky import clear_sky
 
-SHAPE = (64, 40, 64)
-"""Cells of the density grid, (z, y, x), 1 m each."""
+PER_M = 2
+"""Cells of the density grid along a metre."""
+
+SHAPE = (64 * PER_M, 40 * PER_M, 64 * PER_M)
+"""Cells of the density grid, (z, y, x)."""
 
 BOUNDS: Bounds = ((-32.0, 30.0, -32.0), (32.0, 70.0, 32.0))
 
@@ -26,7 +29,7 @@ def cloud(*, seed: int = 5) -> Scene:
     """A small cumulus, 50 m wide with a flat base, alone in sun and sky.
 
     Seen from the ground, the sun to the right behind it.
-    One grid of 64 x 40 x 64 over 64 x 40 x 64 m; extinction 0.6 per metre at density 1,
+    One grid of 128 x 80 x 128 over 64 x 40 x 64 m; extinction 0.6 per metre at density 1,
     albedo 0.999, g 0.85.
     """
     volume = Volume(
@@ -49,7 +52,7 @@ def cloud(*, seed: int = 5) -> Scene:
 def cumulus_density(seed: int) -> F32:
     """Density (z, y, x) in [0, 1]: a heap of balls with a flat base, its rim eroded by billows."""
     rng = np.random.default_rng(seed)
-    z, y, x = np.meshgrid(*(np.arange(n) + 0.5 for n in SHAPE), indexing="ij")
+    z, y, x = np.meshgrid(*((np.arange(n) + 0.5) / PER_M for n in SHAPE), indexing="ij")
     centred = np.stack([x - 32.0, y - 7.0, z - 32.0])
     depth = np.full(SHAPE, -np.inf)
     for cx, cy, cz, radius in _heap(rng):
@@ -58,11 +61,11 @@ def cumulus_density(seed: int) -> F32:
         )
         depth = np.maximum(depth, radius - away)
     # Billows and wisps move the rim of the heap; below a height it ends, as clouds do.
-    billow = np.abs(fractal_noise(SHAPE, (8, 5, 8), rng, octaves=3, gain=0.6))
-    wisp = fractal_noise(SHAPE, (16, 10, 16), rng, octaves=2, gain=0.6)
-    rim = depth.astype(np.float32) + 2.6 * (1.0 - 1.3 * billow) + 0.7 * wisp
-    density = smoothstep(-0.4, 2.6, rim) * smoothstep(2.5, 6.5, (y + 0.8 * wisp).astype(np.float32))
-    edge = np.minimum.reduce([_inside(i, n) for i, n in ((z, 64), (y, 40), (x, 64))])
+    billow = np.abs(fractal_noise(SHAPE, (8, 5, 8), rng, octaves=4, gain=0.6))
+    wisp = fractal_noise(SHAPE, (16, 10, 16), rng, octaves=3, gain=0.6)
+    rim = depth.astype(np.float32) + 3.4 * (0.8 - 1.3 * billow) + 0.5 * wisp
+    density = smoothstep(-0.2, 1.3, rim) * smoothstep(2.5, 6.5, (y + 0.8 * wisp).astype(np.float32))
+    edge = np.minimum.reduce([_inside(i, n / PER_M) for i, n in zip((z, y, x), SHAPE, strict=True)])
     return cast(F32, np.clip(density * smoothstep(0.5, 3.0, edge), 0.0, 1.0))
 
 
@@ -79,6 +82,6 @@ def _heap(rng: np.random.Generator) -> F64:
     return np.concatenate([core, balls])
 
 
-def _inside(index: F64, count: int) -> F32:
-    """Cells between here and the grid's nearer border."""
-    return cast(F32, np.minimum(index, count - index).astype(np.float32))
+def _inside(at: F64, extent: float) -> F32:
+    """Metres between here and the grid's nearer border."""
+    return cast(F32, np.minimum(at, extent - at).astype(np.float32))
