@@ -29,15 +29,19 @@ def solved(cells: int) -> list[tuple[int, int, db.Solution]]:
 
 @pytest.mark.parametrize("cells", [8, 16])
 def test_seven_cubes_have_the_brightness_and_fluence_of_monte_carlo(cells):
-    """Mean |log| over side, forward, back views: measured .138 at 8^3, .133 at 16^3."""
+    """Mean |log| over side, forward, back views: measured .069 at 8^3, .070 at 16^3.
+
+    The largest, .53, is what a fortieth of the light does behind a cube 30 deep; .15 elsewhere.
+    """
     logs, fluence = [], []
     for cube, channel, solution in solved(cells):
         seen = [intensity(solution.medium, solution.emission(np.array(v)), v) for v in VIEWS]
         logs.append(np.log(np.array(seen)[:, channel] / CUBES[cube].intensity))
         mean = solution.scattered_fluence()[..., channel].mean()
         fluence.append(mean / CUBES[cube].fluence)
-    assert np.abs(logs).mean() < 0.142
-    assert np.abs(logs).max() < np.log(1.7)
+    assert np.abs(logs).mean() < 0.075
+    assert np.sort(np.abs(logs).ravel())[-1] < 0.54
+    assert np.sort(np.abs(logs).ravel())[-2] < 0.16
     np.testing.assert_allclose(fluence, 1.0, atol=0.1)
 
 
