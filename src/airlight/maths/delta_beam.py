@@ -91,9 +91,9 @@ def unturned(medium: MediumGrid, largest: float, mean_density: float | None = No
 
     Light that would be turned anywhere in an endless medium leaves this one before it is with
     exp(-x^2): x is one and a half radii (three times the `largest` diffusivity, m) in units of the
-    transport mean free path at `mean_density` (else the mean over the mass). Measured in cubes, g of
-    .5 to .96 and x of .2 to 4: media of x below .3 want all of it, of .5 to .7 three quarters, of
-    1.2 a fifth, from 2.5 nothing.
+    transport mean free path at `mean_density` (else the mean over the mass). Measured in cubes, g
+    of .5 to .96 and x of .2 to 4: media of x below .3 want all of it, of .5 to .7 three quarters,
+    of 1.2 a fifth, from 2.5 nothing.
     """
     if mean_density is None:
         mean_density = float((medium.density**2).sum()) / max(float(medium.density.sum()), 1e-30)

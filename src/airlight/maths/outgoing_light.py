@@ -11,15 +11,13 @@ Source: the delta-Eddington phase function (Joseph1976).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .phase import ISOTROPIC, henyey_greenstein
+from .phase import henyey_greenstein
 
 F64 = NDArray[np.float64]
-Coefficient = Callable[[F64], F64]
 
 LEAST_TRANSMITTANCE = 0.005
 """Along a way, below which the rest of it counts for nothing."""
@@ -53,7 +51,7 @@ def leaving_lobe(mu: ArrayLike, g: ArrayLike, sharpness: ArrayLike, unturned: Ar
 
 
 def first_directions(power: F64, forward: F64, g1: F64) -> tuple[F64, F64]:
-    """(d, c): the mean direction (3, ...) of the beams that left `power`, and its mean cosine (...).
+    """(d, c): mean direction (3, ...) and mean cosine (...) of the beams that left `power`.
 
     `forward` (3, ...) is what of `power` (...) keeps its direction; `g1` broadcasts to them.
     """
@@ -89,7 +87,7 @@ def arriving(source: F64, extinction: F64, towards: F64, cell: F64) -> F64:
     light = source * (1.0 - through)
     for n in range(1, _steps(shape, cell)):
         place = np.floor(at - towards * (n * step / cell)).astype(np.int64)[..., ::-1]
-        inside = ((place >= 0) & (place < shape)).all(axis=-1)[..., None]
+        inside = np.all((place >= 0) & (place < shape), axis=-1, keepdims=True)
         inside = inside & (through.max(axis=-1, keepdims=True) > LEAST_TRANSMITTANCE)
         k, j, i = np.moveaxis(np.clip(place, 0, np.array(shape) - 1), -1, 0)
         passed = np.where(inside, np.exp(-step * extinction[k, j, i]), 1.0)
