@@ -46,7 +46,7 @@ def test_mean_directions_are_those_of_the_beams():
 
 
 @pytest.mark.parametrize("towards", [(0.0, 0.0, 1.0), (0.48, -0.64, 0.6)])
-def test_light_arrives_through_even_air_as_the_exponential_says(towards):
+def test_light_arrives_through_a_homogeneous_medium_as_the_exponential_says(towards):
     """Source S everywhere in a box: S (1 - exp(-k s)) of the way s from its far side."""
     shape, cell, k = (12, 10, 14), np.array([0.1, 0.12, 0.09]), 3.0
     source, extinction = np.full((*shape, 1), 2.0), np.full((*shape, 1), k)
