@@ -126,8 +126,8 @@ LEAST_OF_CLOSED_ROOM = 0.95
 LEAST_OF_ROUND_ROOM = 0.62
 """Share of the light that a closed room keeps; 1 is right, and these may only rise.
 
-Measured on 16 cells: a box of walls, lpv .987, lpv-scatter .964 (2026-11-26); a round room, lpv .64, lpv-scatter .64 (walls across the
-cells leak).
+Measured on 16 cells: a box of walls, lpv .987, lpv-scatter .964 (2026-11-26); a
+round room, lpv .64, lpv-scatter .64 (walls across the cells leak).
 """
 MOST_OF_ROOM = 1.05
 
