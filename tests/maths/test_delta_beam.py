@@ -8,6 +8,7 @@ import pytest
 from airlight.maths import delta_beam as db
 from airlight.maths.medium import ray_box_interval
 from airlight.maths.ordinates import uniform_sky
+from airlight.maths.outgoing_light import forward_share
 from airlight.maths.phase import henyey_greenstein
 from airlight.maths.sampling import fibonacci_sphere, orthonormal_frame
 
@@ -29,15 +30,19 @@ def solved(cells: int) -> list[tuple[int, int, db.Solution]]:
 
 @pytest.mark.parametrize("cells", [8, 16])
 def test_seven_cubes_have_the_brightness_and_fluence_of_monte_carlo(cells):
-    """Mean |log| over side, forward, back views: measured .138 at 8^3, .133 at 16^3."""
+    """Mean |log| over side, forward, back views: measured .069 at 8^3, .070 at 16^3.
+
+    The largest, .53, is what a fortieth of the light does behind a cube 30 deep; .15 elsewhere.
+    """
     logs, fluence = [], []
     for cube, channel, solution in solved(cells):
         seen = [intensity(solution.medium, solution.emission(np.array(v)), v) for v in VIEWS]
         logs.append(np.log(np.array(seen)[:, channel] / CUBES[cube].intensity))
         mean = solution.scattered_fluence()[..., channel].mean()
         fluence.append(mean / CUBES[cube].fluence)
-    assert np.abs(logs).mean() < 0.142
-    assert np.abs(logs).max() < np.log(1.7)
+    assert np.abs(logs).mean() < 0.075
+    assert np.sort(np.abs(logs).ravel())[-1] < 0.54
+    assert np.sort(np.abs(logs).ravel())[-2] < 0.16
     np.testing.assert_allclose(fluence, 1.0, atol=0.1)
 
 
@@ -175,9 +180,7 @@ def test_backward_scattering_and_empty_air():
 
 def test_quasi_forward_light_is_continuous_where_its_series_takes_over():
     g = np.array([0.3, 0.8, 0.99])
-    around = [
-        db.quasi_forward_anisotropy(g, 1.0, t / db.forward_share(g)) for t in (0.00999, 0.01001)
-    ]
+    around = [db.quasi_forward_anisotropy(g, 1.0, t / forward_share(g)) for t in (0.00999, 0.01001)]
     np.testing.assert_allclose(around[0], around[1], rtol=1e-4)
     np.testing.assert_allclose(db.quasi_forward_anisotropy(g, 1.0, 0.0), (1 + 2 * g) / 3)
 

@@ -118,7 +118,7 @@ def test_what_enters_at_the_border_is_the_twin_s(gpu):
             flux[axis][face] -= 0.5 * outwards * entered
     got = own.deposits.read().reshape(4, *d.shape[:3], 4)[0, ..., :3]
     np.testing.assert_allclose(got, power, atol=2e-4 * np.abs(power).max())
-    got = own.diffuse.read().reshape(4, *d.shape[:3], 4)[1:, ..., :3]
+    got = own.diffuse.read().reshape(7, *d.shape[:3], 4)[1:4, ..., :3]
     np.testing.assert_allclose(got, flux, atol=2e-4 * np.abs(flux).max())
 
 
@@ -151,11 +151,11 @@ def image(camera: Camera, volume: Volume, **settings: int) -> F64:
     ("camera", "grid"), [(INSIDE, 24), (Camera((0.0, 0.0, 12.0), (0.0, 0.0, 0.0)), 12)]
 )
 def test_a_homogeneous_medium_looks_the_same(camera, grid):
-    # From outside as on one grid (measured: 2e-5); from inside as on one of the finer cells (8e-4),
-    # which is 1.2 % from the coarser one's image.
+    # From outside as on one grid (measured: 2e-5); from inside as on one of the finer cells (.0044:
+    # what enters a finer grid does so evenly), which is 1.2 % from the coarser one's image.
     volume = Volume((0.4,) * 3, shape="box", bounds=BOX, albedo=(0.9,) * 3, g=(0.5,) * 3)
     one, two = image(camera, volume, grid=grid), image(camera, volume, grid=12, grid_levels=2)
-    assert two.mean() == pytest.approx(one.mean(), rel=0.003)
+    assert two.mean() == pytest.approx(one.mean(), rel=0.006)
     assert np.sqrt(((two - one) ** 2).mean()) < 0.02 * one.mean()
 
 

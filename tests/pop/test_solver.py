@@ -128,9 +128,9 @@ def test_deposits_are_left(solved, truth):
 
 
 def test_light_diffuses(solved, truth):
-    got = of_cells(solved, solved.transport.diffuse.diffuse.read(), 4)
+    got = of_cells(solved, solved.transport.diffuse.diffuse.read(), 7)
     assert_close(got[0], truth.solution.fluence, 3e-3)
-    assert_close(got[1:], truth.solution.flux, 3e-3)
+    assert_close(got[1:4], truth.solution.flux, 3e-3)
     residual = of_cells(solved, solved.transport.diffuse.residual.read(), 1)
     power, _ = db.deposit(truth.medium, truth.solution.beams)
     source = power / np.prod(truth.medium.cell)
@@ -254,7 +254,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
         around = near_fluence(air, one, distance, mean, radius, width.density)
         near = near + beside[..., None] * around
     solution = db.light(air, beams, SETTINGS.solver_steps, width.diffusivity)
-    got = of_cells(solver, solver.transport.diffuse.diffuse.read(), 4)
+    got = of_cells(solver, solver.transport.diffuse.diffuse.read(), 7)
     assert_close(got[0], np.maximum(solution.fluence + near, 0.0), 5e-3)
-    assert_close(got[1:], solution.flux, 5e-3)
+    assert_close(got[1:4], solution.flux, 5e-3)
     assert np.isfinite(solver.emission.texture.read()).all()

@@ -16,6 +16,9 @@ MU_BINS, PHI_BINS, FINER = 5, 36, 3
 SLICE = CELLS // 2
 SHOWN = (1, 4, 8, 11, 14)  # cells of a row and of a column that are plotted
 
+# Light of a cell whose flux nears its fluence is a beam; its lobe is drawn a little wider.
+_STRONGEST_FLUX = 0.95
+
 
 @dataclass(frozen=True, eq=False)
 class Angular:
@@ -104,7 +107,7 @@ def by_beams(g: float, steps: int = 60) -> Angular:
     flux, phi = done.flux[:, :, SLICE, :, 0], np.maximum(done.fluence[:, SLICE, :, 0], 0.0)
     size = np.maximum(np.linalg.norm(flux, axis=0), 1e-30)
     mu = np.clip(np.einsum("mpfa,azx->mpfzx", d, flux / size), -1.0, 1.0)
-    strength = np.minimum(db.STRONGEST_FLUX, size / np.maximum(phi, 1e-30))
+    strength = np.minimum(_STRONGEST_FLUX, size / np.maximum(phi, 1e-30))
     return Angular(_binned(forward + phi * henyey_greenstein(mu, strength)))
 
 

@@ -5,8 +5,8 @@
    sky         sun_position, sunlight, atmosphere; blackbody, observer: spectra as colours
    lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels (Billeter2012)
    ordinates   ordinates, view_ordinates, view_importance: which; ordinate_grid, ordinate_hops,
-               radial_grid: propagation; delta_beam, point_light_beam, diffusion: beams (Elek2014);
-               nested_diffusion: on finer grids; halved_cells: light between cells
+               radial_grid: propagation; delta_beam, outgoing_light, point_light_beam, diffusion:
+               beams (Elek2014); nested_diffusion: on finer grids; halved_cells: light between cells
    media       medium, mixtures, voxels, empty_voxels, solid_voxels, half_space, forward_phase,
                sky_phase, beam_phase
    space       transforms, octahedron, latlong, weld, keyframes; rays, box_tree

@@ -14,7 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .delta_beam import Beam, MediumGrid, beam_loss, forward_share
+from .delta_beam import Beam, MediumGrid, beam_loss
+from .outgoing_light import forward_share
 from .voxels import density_behind
 
 F64 = NDArray[np.float64]

@@ -49,7 +49,7 @@ class Furnace:
     def encode_view(self, commands: Commands, eye: F64, emission: Emission) -> None:
         """Fill the corrections of `emission` for an eye (3,), m in the frame of the medium."""
         beams = self._beams
-        emission.encode_furnace(commands, self._params, eye, beams.light, beams.diffuse.diffuse)
+        emission.encode_furnace(commands, self._params, eye, beams.light, beams.diffuse)
 
     @property
     def _params(self) -> MediumParams:

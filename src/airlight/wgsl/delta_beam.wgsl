@@ -27,9 +27,11 @@ fn forward_cosine(m: vec3f, cosine: vec3f) -> vec3f {
     return select(exact, cosine * (1.0 - 0.5 * m * (1.0 - cosine)), small);
 }
 
-// Of diffuse light, what leaves the medium before it is turned; see maths/delta_beam.py, unturned.
-fn unturned_share(turning: vec3f, largest_diffusivity: f32) -> vec3f {
-    return saturate(1.0 - 4.5 * largest_diffusivity * turning);
+// Of diffuse light, what leaves the medium or is absorbed before it is turned; see maths/delta_beam.py, unturned.
+// `turning`: scattering that turns, `either`: that and absorption, in the mean; m^-1.
+fn unturned_share(turning: vec3f, either: vec3f, largest_diffusivity: f32) -> vec3f {
+    let depth = 4.5 * largest_diffusivity * either;
+    return 1.0 - turning / max(either, vec3f(1e-30)) * (1.0 - exp(-depth * depth));
 }
 
 const RIPPLE = 0.05;

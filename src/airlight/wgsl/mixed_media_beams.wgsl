@@ -66,15 +66,6 @@ fn mean_loss() -> vec3f {
     return sum;
 }
 
-fn unturned() -> vec3f {
-    var turning = vec3f(0.0);
-    for (var m = 0u; m < MEDIA; m++) {
-        let one = media[m].sigma_t * (1.0 - media[m].albedo * media[m].g);
-        turning += one * media[m].mean_density * media[m].overlap;
-    }
-    return unturned_share(turning, params.largest_diffusivity);
-}
-
 fn scattering_near(n: u32, cell: u32, r: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {

@@ -2,6 +2,7 @@
 // including pass binds `params` (MediumParams), `media` (MixedData, its own first) and `density`
 // (array<f32>, [medium][cell], cell means). See wgsl/one_medium_cells.wgsl.
 //! use delta_beam
+//! use outgoing_light
 
 fn absorbing(cell: u32) -> vec3f {
     var sum = vec3f(0.0);
@@ -55,6 +56,35 @@ fn leaving_forward(cell: u32) -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
         sum += leaving_of(m, cell) * deposited_anisotropy(media[m].g);
+    }
+    return sum;
+}
+
+fn unturned() -> vec3f {
+    var turning = vec3f(0.0);
+    var either = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        let sigma = media[m].sigma_t * media[m].mean_density * media[m].overlap;
+        turning += sigma * media[m].albedo * (1.0 - media[m].g);
+        either += sigma * (1.0 - media[m].albedo * media[m].g);
+    }
+    return unturned_share(turning, either, params.largest_diffusivity);
+}
+
+fn leaving_phase(cell: u32, mu: vec3f, sharpness: vec3f) -> vec3f {
+    let share = unturned();
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        sum += leaving_of(m, cell) * leaving_lobe(mu, media[m].g, sharpness, share);
+    }
+    return sum / max(leaving_beams(cell), vec3f(1e-30));
+}
+
+fn smooth_light(cell: u32, fluence: vec3f, x: vec3f, y: vec3f, z: vec3f, travel: vec3f) -> vec3f {
+    let share = unturned();
+    var sum = vec3f(0.0);
+    for (var m = 0u; m < MEDIA; m++) {
+        sum += leaving_of(m, cell) * smooth_scattering(fluence, x, y, z, travel, media[m].g, share);
     }
     return sum;
 }

@@ -26,12 +26,6 @@ fn mean_loss() -> vec3f {
     return params.sigma_t * beam_loss(params.g, params.albedo) * params.mean_density;
 }
 
-// Of diffuse light, what leaves the medium before it is turned.
-fn unturned() -> vec3f {
-    let turning = params.sigma_t * (1.0 - params.albedo * params.g) * params.mean_density;
-    return unturned_share(turning, params.largest_diffusivity);
-}
-
 // Scattering out of beams on the path from a local light at distance r, m^-1, as far as the path is filled.
 fn scattering_near(n: u32, cell: u32, r: f32) -> vec3f {
     let filled = passed[n * params.cells + cell] / r;

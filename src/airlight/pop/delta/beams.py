@@ -165,4 +165,4 @@ class DeltaBeams:
         if self._virtual_grids is not None and eye.tobytes() != self._propagated_for:
             self._propagate_virtual(commands, params, eye)
         with commands.stage("pop emission"):
-            emission.encode(commands, params, eye, self.light, self.diffuse.diffuse)
+            emission.encode(commands, params, eye, self.light, self.diffuse)

@@ -19,6 +19,7 @@ from ..medium.mixture import Mixture
 from ..medium.placement import PARTIAL_SUM_GROUP, MediumParams, MediumPlacement
 
 _VECTORS = 4  # deposits and diffuse light: [P, Bx, By, Bz], [Phi, Jx, Jy, Jz]
+_OUTGOING = 3  # what of diffuse light goes towards the eye, see `outgoing`
 
 
 class StepParams(Struct):
@@ -120,14 +121,14 @@ class Diffuse:
     """The diffuse light of one medium.
 
     In: `deposits`, vec4 [P, Bx, By, Bz][z][y][x], W. Out: `diffuse`, vec4 [Phi, Jx, Jy,
-    Jz][z][y][x], W m^-2; both rgb.
+    Jz][z][y][x], W m^-2; both rgb. For an eye `outgoing` adds to the latter what goes there.
     """
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement, mixture: Mixture) -> None:
         self.cells, self._mixture = placement.cells, mixture
         nbytes = 16 * self.cells
         self.deposits = Buffer(gpu, "deposits", _VECTORS * nbytes)
-        self.diffuse = Buffer(gpu, "diffuse light", _VECTORS * nbytes)
+        self.diffuse = Buffer(gpu, "diffuse light", (_VECTORS + _OUTGOING) * nbytes)
         names = ("phi", "residual", "z", "search 0", "search 1", "product")
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
         self._links = Buffer(gpu, "diffusion links", _VECTORS * nbytes)

@@ -16,6 +16,8 @@ from ..light.table import OrdinateData, OrdinateTable
 from ..medium.grid_medium import GridMedium
 from ..medium.mixture import Mixture
 from ..medium.placement import MediumParams
+from .diffuse import Diffuse
+from .outgoing import Outgoing
 from .smooth import SmoothEmission
 
 
@@ -103,6 +105,7 @@ class Emission:
         self._refined = Buffer(gpu, "furnace corrections and indirect light", 2 * nbytes)
         self.corrections = BufferPart(self._refined, 0, 16 * medium.cells)
         self.indirect = BufferPart(self._refined, nbytes, 16 * medium.cells)
+        self._outgoing = Outgoing(medium)
         self._emission = _Emission(gpu, mixture, has_blocks=True)
         self._furnace = _Furnace(gpu, mixture, has_blocks=False)
 
@@ -112,9 +115,10 @@ class Emission:
         params: MediumParams,
         eye: F64,
         light: IncidentLight,
-        diffuse: Buffer,
+        diffuse: Diffuse,
     ) -> None:
         """Fill `texture` for an eye at `eye` (3,), m in the frame of the medium."""
+        self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._emission.dispatch(
             commands,
             (self._medium.cells,),
@@ -143,12 +147,13 @@ class Emission:
         params: MediumParams,
         eye: F64,
         light: IncidentLight,
-        diffuse: Buffer,
+        diffuse: Diffuse,
     ) -> None:
         """Fill `corrections` from the medium without absorption under a uniform sky of radiance 1.
 
         `light` and `diffuse` are those of that medium.
         """
+        self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._furnace.dispatch(
             commands,
             (self._medium.cells,),
@@ -158,12 +163,12 @@ class Emission:
             corrections=self.corrections,
         )
 
-    def _bound(self, light: IncidentLight, diffuse: Buffer) -> dict[str, Any]:
+    def _bound(self, light: IncidentLight, diffuse: Diffuse) -> dict[str, Any]:
         """What both passes read of the cells, by slot name."""
         return {
             "passed": light.passed,
             **light.mixture.beam_bound,
-            "diffuse": diffuse,
+            "diffuse": diffuse.diffuse,
             "reach": self._medium.density.reach,
         }
 

@@ -17,7 +17,7 @@
     let point = cell_centre(cell);
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);
-    var scattered = light.quasi_forward + diffuse_emission(id.x, travel, light);
+    var scattered = light.quasi_forward + diffuse_emission(id.x, travel);
     if (view.correction > 0.0) {
         scattered *= pow(refined[id.x].rgb, vec3f(view.correction));
     }

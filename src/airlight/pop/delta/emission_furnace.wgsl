@@ -11,7 +11,7 @@
     let point = cell_centre(cell_of(id.x));
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);
-    let multiple = light.quasi_forward + diffuse_emission(id.x, travel, light);
+    let multiple = light.quasi_forward + diffuse_emission(id.x, travel);
     let once = light.sky * sky_correction_towards(travel);
     let c = (1.0 - once) / max(multiple, vec3f(1e-6));
     corrections[id.x] = vec4f(clamp(c, vec3f(0.5), vec3f(2.0)), 0.0);

@@ -12,7 +12,8 @@ from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, uniform
-from ...maths.delta_beam import beam_loss, forward_share
+from ...maths.delta_beam import beam_loss
+from ...maths.outgoing_light import forward_share
 from ...maths.point_light_beam import NEAR_TABLE, near_table
 from ..light.incident import IncidentLight
 from ..medium.grid_medium import GridMedium
