@@ -111,6 +111,12 @@ def kinds(emitters: Sequence[Emitter]) -> dict[str, bool]:
         "HAS_SAMPLES_ALONE": Kind.SAMPLES in found,
         "HAS_CUBES": any(s.is_cube for emitter in emitters for s in emitter.samples),
         "ARE_FLAT": all(is_flat(emitter) for emitter in emitters),
+        "HAS_SEGMENTS": any(
+            sample.segment is not None
+            for emitter in emitters
+            if emitter.shape.kind == Kind.SAMPLES
+            for sample in emitter.samples
+        ),
         "HAS_SPOTS": any(emitter.spot is not None for emitter in emitters),
     }
 

@@ -15,6 +15,7 @@ override HAS_POLYGONS: bool = true;
 override HAS_SPHERES: bool = true;
 override HAS_SAMPLES_ALONE: bool = true;
 override HAS_CUBES: bool = true;
+override HAS_SEGMENTS: bool = true;     // of samples that are all there is of an emitter
 override HAS_SPOTS: bool = true;
 override HAS_GLOSS: bool = true;
 override ARE_FLAT: bool = false;    // all emitters, and none of their samples a cube
@@ -118,7 +119,44 @@ fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
     return Viewed(own, n, s.v * axes, abs(n.x) + abs(n.y) + abs(n.z));
 }
 
-fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
+// What a segment of radiance 1 over its length sends to the eye: irradiance and the share of the lobe
+// as of a strip that faces the point; `at`: before the views of its sample.
+fn segment_light(sample: SampleData, turned: mat3x3f, at: Viewed, s: Seen, frame: mat3x3f, lobe: SpecularCosine,
+    is_glossy: bool) -> vec3f {
+    let a = sample.middle - sample.half - at.own;
+    let b = sample.middle + sample.half - at.own;
+    let found = segment_irradiance(a, b, at.n, sample.width);
+    let towards = normalize(sample.middle - at.own);
+    // What it sends across: by the cosine about its normal, and evenly as a thin cylinder does.
+    let along = normalize(sample.half);
+    let normal = sample.normal * turned;
+    let across = normalize(normal - dot(normal, along) * along + vec3f(1e-12));
+    let apart = -a + dot(a, along) * along;
+    let front = dot(across, apart) * inverseSqrt(max(dot(apart, apart), 1e-12));
+    let sent = vec2f(sample.front * max(front, 0.0) + sample.even * sample.tube * (4.0 / PI),
+        sample.even * (1.0 - sample.tube)) / (2.0 * length(sample.half));
+    let irradiance = dot(found, sent);
+    if (!HAS_GLOSS) {
+        return s.r.diffuse * (irradiance / PI);
+    }
+    let f = fresnel(s.r.f0, saturate(dot(at.v, normalize(at.v + towards))));
+    var light = (vec3f(1.0) - f) * s.r.diffuse * (irradiance / PI);
+    if (is_glossy) {
+        let side = normalize(cross(a, b) + vec3f(1e-20)) * sample.width;
+        let into = lobe.inverse * transpose(frame) * turned;
+        var gloss = outline_from(into * (a - side));
+        gloss = outline_to(gloss, into * (b - side));
+        gloss = outline_to(gloss, into * (b + side));
+        gloss = outline_to(gloss, into * (a + side));
+        gloss = outline_to(gloss, into * (a - side));
+        let f90 = saturate(max(s.r.f0.x, max(s.r.f0.y, s.r.f0.z)) * 50.0);
+        light += (s.r.f0 * lobe.albedos.x + vec3f(f90 * lobe.albedos.y))
+            * (outline_irradiance(gloss) / PI * (sent.x + sent.y) / (2.0 * sample.width));
+    }
+    return light;
+}
+
+fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glossy: bool) -> Sum {
     var sum = Sum(vec2f(0.0), vec2f(0.0), vec3f(0.0));
     let n_v = max(dot(s.n, s.v), 1e-4);
     // Samples of flat emitters share all but place and brightness: CPU adapters read lane by lane.
@@ -154,7 +192,18 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
             sent = (sample.front * back * inverse + sample.even) * rise * inverse / squared;
         }
         let weight = sent * sample.brightness;
-        if (weight > 0.0) {
+        var reflected = vec3f(0.0);
+        if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
+            let is_long = HAS_SEGMENTS && sample.width > 0.0;
+            if (is_long) {
+                reflected = segment_light(sample, mat3x3f(sample.x, sample.y, sample.z), at, s, frame, lobe, is_glossy);
+            } else if (HAS_GLOSS) {
+                reflected = sent * reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
+            } else {
+                reflected = sent / PI * s.r.diffuse;
+            }
+        }
+        if (max(weight, max(reflected.x, max(reflected.y, reflected.z))) > 0.0) {
             var open = sample_visibility(first_view, is_cube, depth, at);
             if (HAS_SPOTS && e.cos_outer > -1.0) {
                 let away = normalize(s.p - sample.position);
@@ -171,13 +220,7 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
                     * smith_visibility(rise * inverse, n_v, alpha);
                 sum.gloss += gloss * vec2f(1.0, open);
             }
-            if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
-                var reflected = s.r.diffuse / PI;
-                if (HAS_GLOSS) {
-                    reflected = reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
-                }
-                sum.light += sample.color * (sent * open) * reflected;
-            }
+            sum.light += open * sample.color * reflected;
         }
         k++;
         if (k >= e.sample_count) { break; }
@@ -193,13 +236,13 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     }
     let passed = media_passed(e.row, e.row_count, s.p);
     if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
-        return passed * summed(e, s, false).light;
+        return passed * summed(e, s, frame, lobe, is_glossy).light;
     }
     let found = analytic(i, e, s, frame, lobe.inverse, is_glossy);
     if (max(found.x, found.y) <= 0.0) {
         return vec3f(0.0);
     }
-    let seen = summed(e, s, is_glossy);
+    let seen = summed(e, s, frame, lobe, is_glossy);
     let open = select(1.0, seen.matt.y / max(seen.matt.x, 1e-30), seen.matt.x > 0.0);
     if (!HAS_GLOSS) {
         return e.radiance * passed * s.r.diffuse * (found.x * open / PI);
