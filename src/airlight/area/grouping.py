@@ -115,12 +115,14 @@ class Grouping:
 
     def shape(self, rows: I64) -> Shape:
         """What a group of pieces is in closed form, as far as it is."""
-        is_one = bool((self.cut.part[rows] == self.cut.part[rows[0]]).all())
-        return fitted(self.found.taken(rows), is_one=is_one)
+        return fitted(self.found.taken(rows), is_one=self._is_one(rows))
+
+    def _is_one(self, rows: I64) -> bool:
+        return bool((self.cut.part[rows] == self.cut.part[rows[0]]).all())
 
     def _strata(self, rows: I64, count: int) -> list[I64]:
-        """A group in strata of equal power; one without an analytic shape in straight stretches."""
-        if self.shape(rows).kind == Kind.SAMPLES:
+        """A group in strata of equal power; one surface of no closed form in straight stretches."""
+        if self._is_one(rows) and self.shape(rows).kind == Kind.SAMPLES:
             parts = stretches(self.found.corners[rows], self.weights[rows], count)
         else:
             parts = strata(self._own_features(rows), self.weights[rows], count)

@@ -1,4 +1,6 @@
 //! use area_light
+//! use area_shadow
+//! use segment_light
 //! use specular_cosine
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
@@ -72,41 +74,6 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
     return vec2f(irradiance, share);
 }
 
-// A point before the views of a sample: in the sample's axes, its normal too.
-struct Viewed {
-    own: vec3f,         // from the sample, m
-    n: vec3f,
-    v: vec3f,           // towards the eye
-    slope: f32,         // the sum of the normal's coordinates, without signs
-}
-
-// How much of a point a sample sees; `depth`: as `EmitterData.depth`. Twin: area/table.py.
-fn sample_visibility(first_view: u32, is_cube: bool, depth: vec2f, at: Viewed) -> f32 {
-    // The axis that the point lies nearest to; the other two follow in turn.
-    let size = select(at.own, abs(at.own), is_cube);
-    let is_y = size.y > size.x && size.y >= size.z;
-    let is_z = size.z > size.x && !is_y;
-    let along = select(select(at.own.x, at.own.y, is_y), at.own.z, is_z);
-    let ahead = select(1.0, sign(along), is_cube);
-    // The point is moved along its normal so far that its own plane lies behind it in all four texels
-    // that are compared: by what the plane rises towards the light over a texel along both sides.
-    let texel_m = select(3.0, 2.0, is_cube) * params.texel * max(abs(along), 0.0);
-    let steepness = at.slope - abs(select(select(at.n.x, at.n.y, is_y), at.n.z, is_z));
-    let raised = at.own + at.n * (texel_m * (1.05 * steepness + 0.1));
-    let moved = select(select(raised, raised.yzx, is_y), raised.zxy, is_z);
-    let inverse = 1.0 / max(moved.x * ahead, 1e-9);
-    let plane = vec2f(moved.z * ahead, moved.y) * inverse;
-    let uv = select(vec2f(1.0, -1.0) / 3.0 * plane + vec2f(2.0, 1.0) / 3.0,
-        vec2f(0.5, -0.5) * plane + 0.5, is_cube);
-    let z = depth.x - depth.y * inverse;
-    if (z <= 0.0 || z >= 1.0) {
-        return 1.0;
-    }
-    let layer = first_view + select(select(0u, 1u, is_y), 2u, is_z)
-        + select(0u, 3u, ahead < 0.0);
-    return textureSampleCompareLevel(area_shadows, shadow_compare, uv, layer, z);
-}
-
 // Light of the samples alone, where they are all there is of an emitter; and what of it is seen.
 struct Sum {
     matt: vec2f,        // weights, and those that are seen
@@ -117,43 +84,6 @@ struct Sum {
 fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
     let n = s.n * axes;
     return Viewed(own, n, s.v * axes, abs(n.x) + abs(n.y) + abs(n.z));
-}
-
-// What a segment of radiance 1 over its length sends to the eye: irradiance and the share of the lobe
-// as of a strip that faces the point; `at`: before the views of its sample.
-fn segment_light(sample: SampleData, turned: mat3x3f, at: Viewed, s: Seen, frame: mat3x3f, lobe: SpecularCosine,
-    is_glossy: bool) -> vec3f {
-    let a = sample.middle - sample.half - at.own;
-    let b = sample.middle + sample.half - at.own;
-    let found = segment_irradiance(a, b, at.n, sample.width);
-    let towards = normalize(sample.middle - at.own);
-    // What it sends across: by the cosine about its normal, and evenly as a thin cylinder does.
-    let along = normalize(sample.half);
-    let normal = sample.normal * turned;
-    let across = normalize(normal - dot(normal, along) * along + vec3f(1e-12));
-    let apart = -a + dot(a, along) * along;
-    let front = dot(across, apart) * inverseSqrt(max(dot(apart, apart), 1e-12));
-    let sent = vec2f(sample.front * max(front, 0.0) + sample.even * sample.tube * (4.0 / PI),
-        sample.even * (1.0 - sample.tube)) / (2.0 * length(sample.half));
-    let irradiance = dot(found, sent);
-    if (!HAS_GLOSS) {
-        return s.r.diffuse * (irradiance / PI);
-    }
-    let f = fresnel(s.r.f0, saturate(dot(at.v, normalize(at.v + towards))));
-    var light = (vec3f(1.0) - f) * s.r.diffuse * (irradiance / PI);
-    if (is_glossy) {
-        let side = normalize(cross(a, b) + vec3f(1e-20)) * sample.width;
-        let into = lobe.inverse * transpose(frame) * turned;
-        var gloss = outline_from(into * (a - side));
-        gloss = outline_to(gloss, into * (b - side));
-        gloss = outline_to(gloss, into * (b + side));
-        gloss = outline_to(gloss, into * (a + side));
-        gloss = outline_to(gloss, into * (a - side));
-        let f90 = saturate(max(s.r.f0.x, max(s.r.f0.y, s.r.f0.z)) * 50.0);
-        light += (s.r.f0 * lobe.albedos.x + vec3f(f90 * lobe.albedos.y))
-            * (outline_irradiance(gloss) / PI * (sent.x + sent.y) / (2.0 * sample.width));
-    }
-    return light;
 }
 
 fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glossy: bool) -> Sum {
@@ -196,7 +126,9 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
         if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
             let is_long = HAS_SEGMENTS && sample.width > 0.0;
             if (is_long) {
-                reflected = segment_light(sample, mat3x3f(sample.x, sample.y, sample.z), at, s, frame, lobe, is_glossy);
+                let turned = mat3x3f(sample.x, sample.y, sample.z);
+                let into = lobe.inverse * transpose(frame) * turned;
+                reflected = segment_light(sample, sample.normal * turned, at, s.r, into, lobe.albedos, is_glossy);
             } else if (HAS_GLOSS) {
                 reflected = sent * reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
             } else {

@@ -132,7 +132,7 @@ def _parts_of(geometry: Geometry) -> I64:
 
 
 def smooth_parts(geometry: Geometry) -> I64:
-    """(T,): numbers of the parts of a mesh whose triangles join without a fold; threads are whole."""
+    """(T,): numbers of the parts of a mesh that join without a fold; threads are whole."""
     corners = welded(snapped(geometry).positions)[geometry.indices]
     points = geometry.positions.astype(np.float64)[geometry.indices]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])

@@ -10,10 +10,13 @@ from ..scene.checks import F64
 from .pieces import Pieces
 from .stretches import LONG, principal
 
+_BEADS = 0.5
+"""Below so much of a tube, a row of beads is no segment: light would come from the gaps."""
+
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """`middle` (3,), m; `half` (3,), m, from there to an end; `width`, m, half of what it is across.
+    """`middle` (3,), m; `half` (3,), m, from there to an end; `width`, m, half of it across.
 
     `tube`: how much of what it sends to all sides goes as a cylinder sends it, by the sine of the
     angle from its axis; the rest goes evenly, as from beads.
@@ -38,4 +41,6 @@ def long_part(found: Pieces) -> Segment | None:
     # Normals of a tube stand across it, those of beads everywhere: their squares are a third then.
     ahead = float((light / light.sum()) @ (found.normals @ axes[:, 2]) ** 2)
     tube = min(max(1.0 - 3.0 * ahead, 0.0), 1.0)
+    if tube < _BEADS:
+        return None
     return Segment(middle, half * axes[:, 2], max(width, 1e-4 * half), tube)

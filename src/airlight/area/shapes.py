@@ -47,8 +47,8 @@ class Shape:
 def fitted(group: Pieces, *, is_one: bool = False) -> Shape:
     """The shape of a group: flat ones are the convex polygon around them, at most of 12 corners.
 
-    Where the polygon is larger than the pieces (windows in a wall) it glows as much less; where they
-    are one surface (`is_one`), a ring or a bent strip, it is no polygon.
+    Where the polygon is larger than the pieces (windows in a wall) it glows as much less; one
+    surface (`is_one`) that fills so little of it, a ring or a bent strip, is no polygon.
     """
     light = (group.areas[:, None] * group.radiance).sum(axis=0)  # W m^-2 sr^-1 times m^2
     weight = np.maximum(group.power, 1e-30)[:, None]

@@ -12,11 +12,11 @@ from ..scene.checks import F64
 
 I64 = NDArray[np.int64]
 LONG = 2.0
-"""Half lengths over the spread across from which on a part is long: a ball has 1.2, a square 1.7."""
+"""Half lengths over the spread across from which on a part is long (a ball: 1.2, a square: 1.7)."""
 _CANDIDATES = 24  # places along an axis where a stretch may be divided
 _LENGTH = 0.05
-"""Of the variance along a stretch that counts as much as what lies off it: straight ones are divided
-evenly where there may be more of them, for their shadows."""
+"""Of the variance along a stretch, so much counts as what lies off it does: straight ones are
+divided evenly where there may be more of them, for their shadows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ _Division = tuple[float, int, I64, tuple[I64, ...]]
 
 
 def _division(moments: Moments, rows: I64, first: int) -> _Division:
-    """What dividing these rows brings, below 0; their first, they, their halves: one row has none."""
+    """What dividing rows brings, below 0; their first, they, and their halves: one row has none."""
     own = moments.taken(rows)
     whole = own.taken(np.zeros(1, np.int64)) if len(rows) == 1 else _total(own)
     if len(rows) < 2:

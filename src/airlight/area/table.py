@@ -140,7 +140,7 @@ def sample_views(sample: Sample, near: float, far: float) -> list[LightView]:
 
 
 def _clip(near: float, far: float, *, is_cube: bool) -> F64:
-    """Clip space of (right, up, forward); twin: `view_texel` of wgsl/area_shadow.wgsl."""
+    """Clip space of (right, up, forward); twin: `sample_visibility` of wgsl/area_shadow.wgsl."""
     scale, shift = (1.0, 0.0) if is_cube else (1.0 / 1.5, 0.5 / 1.5)
     gain = far / (far - near)
     return np.array(

@@ -49,7 +49,9 @@ def _is_thread(corners: F64, areas: F64) -> bool:
     count = 1
     while count <= _MOST_BENDS:
         parts = stretches(corners, areas, count)
-        off = [float(areas[rows].sum()) for rows in parts if not is_long(corners[rows], areas[rows])]
+        off = [
+            float(areas[rows].sum()) for rows in parts if not is_long(corners[rows], areas[rows])
+        ]
         if sum(off) <= _MOST_OFF * float(areas.sum()):
             return True
         count *= 2
