@@ -37,6 +37,9 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
     var axes = mat3x3f();
     var count = e.corner_count;
     if (HAS_SPHERES && e.kind == SPHERE) {
+        if (!HAS_GLOSS || !is_glossy) {
+            return vec2f(sphere_irradiance(centre, e.radius), 0.0);
+        }
         round = sphere_disk(centre, e.radius);
         axes = orthonormal_frame(round.xyz);
         count = RIM_CORNERS;
@@ -94,6 +97,8 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
     let axes = mat3x3f(first.x, first.y, first.z);
     let from_first = (s.p - first.position) * axes;
     var at = viewed(from_first, axes, s);
+    // Where half of many samples see all, or nothing, so do the others, but for thin things in between.
+    let enough = select(0u, e.sample_count / 2u, e.sample_count >= params.many && e.kind != SAMPLES);
     var k = 0u;
     loop {
         let sample = samples[e.first_sample + k];
@@ -156,6 +161,7 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
         }
         k++;
         if (k >= e.sample_count) { break; }
+        if (k == enough && (sum.matt.y == sum.matt.x || sum.matt.y == 0.0)) { break; }
     }
     return sum;
 }

@@ -5,11 +5,13 @@
 const RIM_CORNERS = 12u;
 const RIM_SCALE = 1.0233267;
 
-// The angle between unit vectors times the z of the unit normal of their plane.
+// The angle between unit vectors times the z of the unit normal of their plane; the angle over its sine is a quotient
+// of polynomials of the cosine, 1.5e-6 off at most (Heitz2016, in the code with it).
 fn edge_integral(a: vec3f, b: vec3f) -> f32 {
-    let normal = cross(a, b);
-    let sine = length(normal);
-    return normal.z * atan2(sine, dot(a, b)) / max(sine, 1e-20);
+    let cosine = dot(a, b);
+    let x = abs(cosine);
+    let v = 6.2831853 * (0.8543985 + (0.4965155 + 0.0145206 * x) * x) / (3.4175940 + (4.1616724 + x) * x);
+    return cross(a, b).z * select(PI * inverseSqrt(max(1.0 - x * x, 1e-7)) - v, v, cosine > 0.0);
 }
 
 // A convex polygon corner by corner: the sum over the edges of its part above z = 0.
