@@ -166,7 +166,7 @@ def test_samples_that_all_agree_are_half_as_many_in_frames(monkeypatch) -> None:
     monkeypatch.setattr("airlight.area.lighting.MANY", 1000)
     whole = drawn(RECTANGLE, meshes=(ball,)).layers["direct"]
     off = np.abs(half - whole).max(axis=2)
-    # Where half of them disagree all are asked; the rims of the penumbra are steps of a few samples.
+    # Where half of them disagree all are asked; rims of the penumbra are a few samples.
     assert 0 < (off > 0).sum() < 0.1 * off.size
     assert np.linalg.norm(half - whole) < 0.02 * np.linalg.norm(whole)
 

@@ -212,8 +212,8 @@ class AreaLighting:
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
-        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights. `is_still`:
-        all samples of emitters are asked; else only half, where those see all of it or nothing.
+        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights. In
+        frames (not `is_still`) half of an emitter's samples do where they see all of it or nothing.
         """
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
             self._lit = Texture(self.gpu, "area light", gbuffer.size, "rgba32float", target=True)

@@ -101,10 +101,10 @@ _Division = tuple[float, int, I64, tuple[I64, ...]]
 
 def _division(moments: Moments, rows: I64, first: int) -> _Division:
     """What dividing rows brings, below 0; their first, they, and their halves: one row has none."""
-    own = moments.taken(rows)
-    whole = own.taken(np.zeros(1, np.int64)) if len(rows) == 1 else _total(own)
     if len(rows) < 2:
         return (0.0, first, rows, ())
+    own = moments.taken(rows)
+    whole = _total(own)
     # Lights that change their form keep the number of their stretches: there is always a division.
     best = (-1e-300, first, rows, (rows[: len(rows) // 2], rows[len(rows) // 2 :]))
     before = float(whole.off()[0])
