@@ -53,6 +53,16 @@ def test_a_panel_is_one_polygon_with_its_power() -> None:
         assert len(np.unique(np.round(places[:, axis], 6))) == 4
 
 
+def test_half_of_a_panels_samples_know_all_of_it() -> None:
+    (panel,) = emitters(Mesh(quad(), GLOW)).list
+    places = np.array([s.light.position for s in panel.samples])[:8, [0, 2]]
+    # As on a chessboard: two in each row, in each column and in each quarter.
+    for axis in (0, 1):
+        _, counts = np.unique(np.round(places[:, axis], 6), return_counts=True)
+        assert (counts == 2).all()
+    assert (np.unique(places > 0.0, axis=0, return_counts=True)[1] == 2).all()
+
+
 def test_both_sides_of_a_sheet_are_lights_and_the_outside_of_a_body() -> None:
     both = replace(GLOW, two_sided=True)
     sheet = emitters(Mesh(quad(), both))

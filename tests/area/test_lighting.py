@@ -21,7 +21,7 @@ from airlight.scene import (
     Scene,
     SpotLight,
 )
-from airlight.scene.shapes import quad
+from airlight.scene.shapes import quad, sphere
 
 SIZE = (32, 24)
 SMALL = {"resolution": 8, "surfels": 100, "lamp_resolution": 128}
@@ -153,6 +153,22 @@ def test_soft_shadows_against_quadrature(samples: int, camera_rays) -> None:
     relative = np.linalg.norm(difference) / np.linalg.norm(expected[seen_floor])
     assert relative < (0.05 if samples == 16 else 0.03)
     assert found[seen_floor].sum() == pytest.approx(expected[seen_floor].sum(), rel=0.02)
+
+
+def test_samples_that_all_agree_are_half_as_many_in_frames(monkeypatch) -> None:
+    # Over the floor a ball: most of the floor sees all of the light, some nothing.
+    ball = Mesh(
+        sphere(),
+        MATT,
+        np.array([[0.5, 0, 0, 0.3], [0, 0.5, 0, 0.6], [0, 0, 0.5, -0.4], [0, 0, 0, 1]]),
+    )
+    half = drawn(RECTANGLE, meshes=(ball,)).layers["direct"]
+    monkeypatch.setattr("airlight.area.lighting.MANY", 1000)
+    whole = drawn(RECTANGLE, meshes=(ball,)).layers["direct"]
+    off = np.abs(half - whole).max(axis=2)
+    # Where half of them disagree all are asked; rims of the penumbra are a few samples.
+    assert 0 < (off > 0).sum() < 0.1 * off.size
+    assert np.linalg.norm(half - whole) < 0.02 * np.linalg.norm(whole)
 
 
 def test_a_small_radius_changes_nothing_but_the_edge_of_shadows() -> None:

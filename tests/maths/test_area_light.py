@@ -89,6 +89,40 @@ def test_all_around_the_lobe_is_whole() -> None:
     assert share == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_lines_also_where_the_horizon_cuts_them(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    a, b, normal = rng.normal(size=(3, 3), loc=(0, 0, 0.4))
+    normal /= np.linalg.norm(normal)
+    at = (np.arange(20000)[:, None] + 0.5) / 20000
+    points, length = a + at * (b - a), float(np.linalg.norm(b - a))
+    distance = np.linalg.norm(points, axis=1)
+    even = np.maximum(points @ normal, 0.0) / distance**3
+    sine = np.linalg.norm(np.cross(points, (b - a) / length), axis=1) / distance
+    found = area_light.segment_irradiance(a, b, normal, 1e-6)
+    expected = (length * (sine * even).mean(), length * even.mean())
+    # Middles of 20,000 parts: an edge of the horizon is off by half of one.
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-6)
+
+
+def test_a_thin_cylinder_is_the_panel_that_faces_the_receiver() -> None:
+    a, b, radius = np.array((-0.4, 0.3, 0.9)), np.array((0.8, 0.3, 0.7)), 0.004
+    normal = np.array((0.0, 0.0, 1.0))
+    side = radius * np.cross(a, b) / np.linalg.norm(np.cross(a, b))
+    panel = np.array([a - side, b - side, b + side, a + side])
+    cylinder, _ = area_light.segment_irradiance(a, b, normal, radius)
+    expected = area_light.polygon_irradiance(panel)
+    assert 2.0 * radius * cylinder == pytest.approx(expected, rel=1e-4)
+
+
+def test_lines_are_no_closer_than_their_width() -> None:
+    a, b, normal = np.array((-1.0, 0, 1e-9)), np.array((1.0, 0, 1e-9)), np.array((0.0, 0, 1))
+    near = area_light.segment_irradiance(a, b, normal, 0.1)
+    far = area_light.segment_irradiance(a + 0.1 * normal, b + 0.1 * normal, normal, 0.1)
+    assert near[0] < far[0]
+    assert near[1] < far[1]
+
+
 def test_what_leaves_the_gap_above_a_panel() -> None:
     # Two disks of radius 1: all light leaves where they are far apart, h / R where they are close.
     up = np.array((0.0, 0.0, 1.0))
@@ -121,6 +155,11 @@ def test_twins(wgsl: Evaluate) -> None:
     found = wgsl("leaving_share", "leaving_share", away, a, body, gap)
     expected = [area_light.leaving_share(*row) for row in zip(away, a, body, gap, strict=True)]
     np.testing.assert_allclose(found, expected, rtol=2e-4, atol=1e-6)
+    ends = RNG.normal(size=(2, 200, 3))
+    found = wgsl("area_light", "segment_irradiance", *ends, a, 0.1 * radius, returns="vec2f")
+    rows = zip(*ends, a, 0.1 * radius, strict=True)
+    expected = [area_light.segment_irradiance(*row) for row in rows]
+    np.testing.assert_allclose(found, expected, rtol=2e-3, atol=5e-4)
     found = wgsl("area_light", "sphere_disk", centre, radius, returns="vec4f")
     disks = [area_light.sphere_disk(*each) for each in zip(centre, radius, strict=True)]
     expected = np.array([(*normal, wide) for normal, wide in disks])

@@ -2,8 +2,11 @@
 
 glowing   media that give off light, as samples alone
 sources   a scene's area lights and emissive meshes, one side each
--> pieces -> grouping, strata   small triangles; groups of equal power, a sample for each stratum
--> shapes, emitters   a polygon or sphere for each group; samples with shadow maps (emitter)
+-> pieces, threads   small triangles, of smooth parts; tubes of few sides are one
+-> grouping, strata, stretches   groups of equal power, a sample for each stratum; bent ones in
+               straight stretches
+-> shapes, emitters   a polygon or sphere for each group; samples with shadow maps (emitter),
+               segments where a part is long and thin
 -> table  emitters and samples on the device
 -> lighting  analytic irradiance and GGX times the visibility of samples; attenuation: by media
 """

@@ -5,16 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..scene.lights import LightSample, SpotLight
+from .segments import Segment
 from .shapes import Shape
 
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """One point of an emitter. `near`, m: what is nearer does not shadow it."""
+    """One point of an emitter. `near`, m: what is nearer does not shadow it.
+
+    `segment`: what its part of the surface is as long as, where that is long and thin.
+    """
 
     light: LightSample
     near: float
     is_cube: bool
+    segment: Segment | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from ..scene.scene import Scene
 from .emitter import Emitter, Sample
 from .glowing import GlowingMedia
 from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
-from .shapes import fitted
+from .segments import long_part
 from .sources import has_extent
 
 _OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
@@ -150,7 +150,7 @@ class Emitters:
         return np.asarray(np.where(is_solid[self._grouping.cut.source], radii, 0.0))
 
     def _emitter(self, group: Group, stand_ins: slice) -> Emitter:
-        shape = fitted(self._grouping.found.taken(group.rows))
+        shape = self._grouping.shape(group.rows)
         spot = self._grouping.sources[group.spot].spot if group.spot >= 0 else None
         parts = zip(group.strata, group.has_cube, strict=True)
         samples = tuple(
@@ -172,7 +172,12 @@ class Emitters:
         normal = mean / length if length > 1e-6 else np.array((0.0, 1.0, 0.0))
         extent = float(np.sqrt(found.areas[rows].sum() / np.pi))
         spread = float(np.sqrt(weight @ ((points - middle) ** 2).sum(axis=1)))
-        if index and not has_cube:
+        segment = long_part(found.taken(rows))
+        if segment is not None and has_cube:
+            # Anywhere along the segment.
+            share = 2.0 * ((0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0) - 1.0
+            middle = segment.middle + (share if index else 0.0) * segment.half
+        elif index and not has_cube:
             at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
             piece = int(np.searchsorted(np.cumsum(weight), at * weight.sum()))
             piece = min(piece, len(rows) - 1)
@@ -193,7 +198,7 @@ class Emitters:
             float(weight @ self._bodies[rows]),
             self._cell,
         )
-        return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube)
+        return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube, segment)
 
 
 def _spots(spot: SpotLight) -> list[SpotLight]:

@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from ..scene.checks import F64
 from ..scene.scene import Scene
 from .pieces import Layout, Pieces, layout, pieces
+from .shapes import Kind, Shape, fitted
 from .sources import Source, moved, sources
 from .strata import clusters, strata
+from .stretches import stretches
 
 I64 = NDArray[np.int64]
 SCATTERING_EACH, SCATTERING_MOST = 4, 12
@@ -106,11 +108,28 @@ class Grouping:
             count = min(1 + int(share * max(budget - len(groups), 0)), each)
             if len(groups) <= BUDGET and budget >= int(BUDGET * each):
                 count = each
-            parts = strata(self._own_features(rows), self.weights[rows], count)
-            own = [rows[part] for part in parts]
+            own = self._strata(rows, count)
             cubes = tuple(spot < 0 and self.is_round(part) for part in own)
             made.append(Group(rows, own, cubes, spot))
         return made
+
+    def shape(self, rows: I64) -> Shape:
+        """What a group of pieces is in closed form, as far as it is."""
+        return fitted(self.found.taken(rows), is_one=self._is_one(rows))
+
+    def _is_one(self, rows: I64) -> bool:
+        return bool((self.cut.part[rows] == self.cut.part[rows[0]]).all())
+
+    def _strata(self, rows: I64, count: int) -> list[I64]:
+        """A group in strata of equal power; one surface of no closed form in straight stretches."""
+        if self._is_one(rows) and self.shape(rows).kind == Kind.SAMPLES:
+            parts = stretches(self.found.corners[rows], self.weights[rows], count)
+        else:
+            parts = strata(self._own_features(rows), self.weights[rows], count)
+            # Every other one first, as on a chessboard: half of them tell what is lit all over.
+            order = sorted(range(len(parts)), key=lambda k: k.bit_count() % 2)
+            parts = [parts[k] for k in order]
+        return [rows[part] for part in parts]
 
     def is_round(self, rows: I64) -> bool:
         """Whether pieces face all sides, and send to all."""
@@ -148,8 +167,7 @@ class Grouping:
             side = along / max(float(np.linalg.norm(along)), 1e-30)
             up = np.cross(mean / np.linalg.norm(mean), side)
             return np.stack([points @ side, points @ up], axis=1)
-        size = float(np.ptp(points, axis=0).max(initial=0.0))
-        return np.concatenate([points, 0.25 * size * normals], axis=1)
+        return points
 
     def scattering(self, groups: Sequence[Group]) -> list[I64]:
         """Rows of pieces that one point each stands for in lattices and media: parts of groups.
@@ -186,10 +204,8 @@ class Grouping:
             return groups, scattering
         again = []
         for group in groups:
-            parts = strata(
-                self._own_features(group.rows), self.weights[group.rows], len(group.strata)
-            )
-            again.append(replace(group, strata=[group.rows[part] for part in parts]))
+            own = self._strata(group.rows, len(group.strata))
+            again.append(replace(group, strata=own))
         return again, self.scattering(groups)
 
 

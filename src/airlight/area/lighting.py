@@ -40,6 +40,8 @@ from .table import (
     sample_rows,
 )
 
+MANY, _NONE = 8, 0xFFFFFFFF
+"""Samples of an emitter, from which on half of them tell where all of it is seen, or nothing."""
 MOST_TEXELS = 1 << 24
 """Of all shadow maps together; where there would be more they are smaller."""
 _NO_MEDIA = """
@@ -68,7 +70,7 @@ class AreaLightingParams(Struct):
     emitter_count = u32()
     size = vec2f("px")
     texel = f32("of the shadow maps, of their width")
-    pad = u32()
+    many = u32("samples of an emitter, from which on half may tell what all see")
 
 
 class _AreaLighting(FullscreenPass):
@@ -111,6 +113,12 @@ def kinds(emitters: Sequence[Emitter]) -> dict[str, bool]:
         "HAS_SAMPLES_ALONE": Kind.SAMPLES in found,
         "HAS_CUBES": any(s.is_cube for emitter in emitters for s in emitter.samples),
         "ARE_FLAT": all(is_flat(emitter) for emitter in emitters),
+        "HAS_SEGMENTS": any(
+            sample.segment is not None
+            for emitter in emitters
+            if emitter.shape.kind == Kind.SAMPLES
+            for sample in emitter.samples
+        ),
         "HAS_SPOTS": any(emitter.spot is not None for emitter in emitters),
     }
 
@@ -199,10 +207,13 @@ class AreaLighting:
         gbuffer: GBuffer | Hits,
         camera: tuple[F64, tuple[float, float, float]],
         lights: Buffer,
+        *,
+        is_still: bool = False,
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
-        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights.
+        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights. In
+        frames (not `is_still`) half of an emitter's samples do where they see all of it or nothing.
         """
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
             self._lit = Texture(self.gpu, "area light", gbuffer.size, "rgba32float", target=True)
@@ -213,7 +224,7 @@ class AreaLighting:
                 emitter_count=self.shadows.emitters.count,
                 size=gbuffer.size,
                 texel=1.0 / self.shadows.maps.resolution,
-                pad=0,
+                many=_NONE if is_still else MANY,
             ),
             **gbuffer.bound,
             "cosines": self._cosines,

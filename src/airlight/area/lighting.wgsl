@@ -1,4 +1,6 @@
 //! use area_light
+//! use area_shadow
+//! use segment_light
 //! use specular_cosine
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
@@ -15,6 +17,7 @@ override HAS_POLYGONS: bool = true;
 override HAS_SPHERES: bool = true;
 override HAS_SAMPLES_ALONE: bool = true;
 override HAS_CUBES: bool = true;
+override HAS_SEGMENTS: bool = true;     // of samples that are all there is of an emitter
 override HAS_SPOTS: bool = true;
 override HAS_GLOSS: bool = true;
 override ARE_FLAT: bool = false;    // all emitters, and none of their samples a cube
@@ -34,6 +37,9 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
     var axes = mat3x3f();
     var count = e.corner_count;
     if (HAS_SPHERES && e.kind == SPHERE) {
+        if (!HAS_GLOSS || !is_glossy) {
+            return vec2f(sphere_irradiance(centre, e.radius), 0.0);
+        }
         round = sphere_disk(centre, e.radius);
         axes = orthonormal_frame(round.xyz);
         count = RIM_CORNERS;
@@ -71,41 +77,6 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
     return vec2f(irradiance, share);
 }
 
-// A point before the views of a sample: in the sample's axes, its normal too.
-struct Viewed {
-    own: vec3f,         // from the sample, m
-    n: vec3f,
-    v: vec3f,           // towards the eye
-    slope: f32,         // the sum of the normal's coordinates, without signs
-}
-
-// How much of a point a sample sees; `depth`: as `EmitterData.depth`. Twin: area/table.py.
-fn sample_visibility(first_view: u32, is_cube: bool, depth: vec2f, at: Viewed) -> f32 {
-    // The axis that the point lies nearest to; the other two follow in turn.
-    let size = select(at.own, abs(at.own), is_cube);
-    let is_y = size.y > size.x && size.y >= size.z;
-    let is_z = size.z > size.x && !is_y;
-    let along = select(select(at.own.x, at.own.y, is_y), at.own.z, is_z);
-    let ahead = select(1.0, sign(along), is_cube);
-    // The point is moved along its normal so far that its own plane lies behind it in all four texels
-    // that are compared: by what the plane rises towards the light over a texel along both sides.
-    let texel_m = select(3.0, 2.0, is_cube) * params.texel * max(abs(along), 0.0);
-    let steepness = at.slope - abs(select(select(at.n.x, at.n.y, is_y), at.n.z, is_z));
-    let raised = at.own + at.n * (texel_m * (1.05 * steepness + 0.1));
-    let moved = select(select(raised, raised.yzx, is_y), raised.zxy, is_z);
-    let inverse = 1.0 / max(moved.x * ahead, 1e-9);
-    let plane = vec2f(moved.z * ahead, moved.y) * inverse;
-    let uv = select(vec2f(1.0, -1.0) / 3.0 * plane + vec2f(2.0, 1.0) / 3.0,
-        vec2f(0.5, -0.5) * plane + 0.5, is_cube);
-    let z = depth.x - depth.y * inverse;
-    if (z <= 0.0 || z >= 1.0) {
-        return 1.0;
-    }
-    let layer = first_view + select(select(0u, 1u, is_y), 2u, is_z)
-        + select(0u, 3u, ahead < 0.0);
-    return textureSampleCompareLevel(area_shadows, shadow_compare, uv, layer, z);
-}
-
 // Light of the samples alone, where they are all there is of an emitter; and what of it is seen.
 struct Sum {
     matt: vec2f,        // weights, and those that are seen
@@ -118,7 +89,7 @@ fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
     return Viewed(own, n, s.v * axes, abs(n.x) + abs(n.y) + abs(n.z));
 }
 
-fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
+fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glossy: bool) -> Sum {
     var sum = Sum(vec2f(0.0), vec2f(0.0), vec3f(0.0));
     let n_v = max(dot(s.n, s.v), 1e-4);
     // Samples of flat emitters share all but place and brightness: CPU adapters read lane by lane.
@@ -126,6 +97,8 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
     let axes = mat3x3f(first.x, first.y, first.z);
     let from_first = (s.p - first.position) * axes;
     var at = viewed(from_first, axes, s);
+    // Where half of many samples see all, or nothing, so do the others, but for thin things in between.
+    let enough = select(0u, e.sample_count / 2u, e.sample_count >= params.many && e.kind != SAMPLES);
     var k = 0u;
     loop {
         let sample = samples[e.first_sample + k];
@@ -154,7 +127,20 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
             sent = (sample.front * back * inverse + sample.even) * rise * inverse / squared;
         }
         let weight = sent * sample.brightness;
-        if (weight > 0.0) {
+        var reflected = vec3f(0.0);
+        if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
+            let is_long = HAS_SEGMENTS && sample.width > 0.0;
+            if (is_long) {
+                let turned = mat3x3f(sample.x, sample.y, sample.z);
+                let into = lobe.inverse * transpose(frame) * turned;
+                reflected = segment_light(sample, sample.normal * turned, at, s.r, into, lobe.albedos, is_glossy);
+            } else if (HAS_GLOSS) {
+                reflected = sent * reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
+            } else {
+                reflected = sent / PI * s.r.diffuse;
+            }
+        }
+        if (max(weight, max(reflected.x, max(reflected.y, reflected.z))) > 0.0) {
             var open = sample_visibility(first_view, is_cube, depth, at);
             if (HAS_SPOTS && e.cos_outer > -1.0) {
                 let away = normalize(s.p - sample.position);
@@ -171,16 +157,11 @@ fn summed(e: EmitterData, s: Seen, is_glossy: bool) -> Sum {
                     * smith_visibility(rise * inverse, n_v, alpha);
                 sum.gloss += gloss * vec2f(1.0, open);
             }
-            if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
-                var reflected = s.r.diffuse / PI;
-                if (HAS_GLOSS) {
-                    reflected = reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
-                }
-                sum.light += sample.color * (sent * open) * reflected;
-            }
+            sum.light += open * sample.color * reflected;
         }
         k++;
         if (k >= e.sample_count) { break; }
+        if (k == enough && (sum.matt.y == sum.matt.x || sum.matt.y == 0.0)) { break; }
     }
     return sum;
 }
@@ -193,13 +174,13 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     }
     let passed = media_passed(e.row, e.row_count, s.p);
     if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
-        return passed * summed(e, s, false).light;
+        return passed * summed(e, s, frame, lobe, is_glossy).light;
     }
     let found = analytic(i, e, s, frame, lobe.inverse, is_glossy);
     if (max(found.x, found.y) <= 0.0) {
         return vec3f(0.0);
     }
-    let seen = summed(e, s, is_glossy);
+    let seen = summed(e, s, frame, lobe, is_glossy);
     let open = select(1.0, seen.matt.y / max(seen.matt.x, 1e-30), seen.matt.x > 0.0);
     if (!HAS_GLOSS) {
         return e.radiance * passed * s.r.diffuse * (found.x * open / PI);

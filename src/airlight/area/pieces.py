@@ -13,6 +13,7 @@ from ..maths.weld import welded
 from ..scene.checks import F64
 from ..scene.mesh import Geometry
 from .sources import Source, snapped, texture_light
+from .threads import threads_joined
 
 I64 = NDArray[np.int64]
 LEAST_PIECES, LEAST_TEXTURED = 512, 2048
@@ -131,7 +132,7 @@ def _parts_of(geometry: Geometry) -> I64:
 
 
 def smooth_parts(geometry: Geometry) -> I64:
-    """(T,): numbers of the parts of a mesh whose triangles join without a fold."""
+    """(T,): numbers of the parts of a mesh that join without a fold; threads are whole."""
     corners = welded(snapped(geometry).positions)[geometry.indices]
     points = geometry.positions.astype(np.float64)[geometry.indices]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -146,7 +147,8 @@ def smooth_parts(geometry: Geometry) -> I64:
     is_same = (edges[1:] == edges[:-1]).all(axis=1)
     a, b = owner[:-1][is_same], owner[1:][is_same]
     joins = (normals[a] * normals[b]).sum(axis=1) > _FOLD_COSINE
-    return _joined(len(corners), a[joins], b[joins])
+    part = _joined(len(corners), a[joins], b[joins])
+    return threads_joined(points, part, _joined(len(corners), a, b))
 
 
 def _joined(count: int, a: I64, b: I64) -> I64:

@@ -17,6 +17,7 @@ _FLAT = 0.01  # of its extent a group may lie off its plane
 _ROUND = 0.03  # of the radius
 _WHOLE = 0.03  # of the area of a sphere that may be missing
 _DIRECTIONS = 96
+_FULL = 0.75  # of the polygon around one surface that it must fill
 
 
 class Kind(IntEnum):
@@ -43,10 +44,11 @@ class Shape:
     corners: F64 | None = None
 
 
-def fitted(group: Pieces) -> Shape:
+def fitted(group: Pieces, *, is_one: bool = False) -> Shape:
     """The shape of a group: flat ones are the convex polygon around them, at most of 12 corners.
 
-    Where the polygon is larger than the pieces (windows in a wall) it glows as much less.
+    Where the polygon is larger than the pieces (windows in a wall) it glows as much less; one
+    surface (`is_one`) that fills so little of it, a ring or a bent strip, is no polygon.
     """
     light = (group.areas[:, None] * group.radiance).sum(axis=0)  # W m^-2 sr^-1 times m^2
     weight = np.maximum(group.power, 1e-30)[:, None]
@@ -58,7 +60,7 @@ def fitted(group: Pieces) -> Shape:
     extent = float(np.ptp(points, axis=0).max())
     if length > 0.999 and float(np.ptp(points @ normal)) <= _FLAT * extent:
         corners, area = _outline(points, centre, normal)
-        if area > 0.0:
+        if area > 0.0 and not (is_one and group.areas.sum() < _FULL * area):
             middle = corners.mean(axis=0)
             radius = float(np.linalg.norm(corners - middle, axis=1).max())
             return Shape(Kind.POLYGON, middle, normal, light / area, radius, corners)

@@ -19,6 +19,7 @@ from ..maths.transforms import box_corners
 from ..scene.checks import F64
 from ..surface.light_views import LightView
 from .emitter import Emitter, Sample
+from .segments import Segment
 from .shapes import MOST_CORNERS
 
 HEMISPHERE_SPAN, CUBE_SPAN = 3.0, 2.0
@@ -61,6 +62,10 @@ class SampleData(Struct):
     is_cube = u32()
     z = vec3f()
     brightness = f32("W sr^-1, the mean of the colour's channels")
+    half = vec3f("m, along the axes: of the segment that the sample stands for; 0 of none")
+    width = f32("m, half of what the segment is across")
+    middle = vec3f("m, of the segment from the position, along the axes")
+    tube = f32("how much of `even` it sends as a cylinder does")
     offset = vec3f("m, from the emitter's first sample, along the first one's axes")
     depth_scale = f32("as the emitter's `depth`, where not all samples have the same")
     depth_offset = f32("m")
@@ -135,7 +140,7 @@ def sample_views(sample: Sample, near: float, far: float) -> list[LightView]:
 
 
 def _clip(near: float, far: float, *, is_cube: bool) -> F64:
-    """Clip space of (right, up, forward); twin: `view_texel` of wgsl/area_shadow.wgsl."""
+    """Clip space of (right, up, forward); twin: `sample_visibility` of wgsl/area_shadow.wgsl."""
     scale, shift = (1.0, 0.0) if is_cube else (1.0 / 1.5, 0.5 / 1.5)
     gain = far / (far - near)
     return np.array(
@@ -196,6 +201,7 @@ def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
         first, near_far = emitter.samples[0], reach(emitter, low, high)
         for sample in emitter.samples:
             light, axes = sample.light, frame(sample)
+            segment = sample.segment or Segment(np.array(light.position), np.zeros(3), 0.0)
             scale, offset = depth_terms(*planes(sample, *near_far))
             rows.append(
                 {
@@ -211,6 +217,10 @@ def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
                     "is_cube": int(sample.is_cube),
                     "z": axes[2],
                     "brightness": sum(light.intensity) / 3.0,
+                    "half": axes @ segment.half,
+                    "width": segment.width,
+                    "middle": axes @ (segment.middle - light.position),
+                    "tube": segment.tube,
                     "offset": frame(first) @ np.subtract(light.position, first.light.position),
                     "depth_scale": scale,
                     "depth_offset": offset,

@@ -108,7 +108,8 @@ class Surfaces:
         with commands.stage("area lights"):
             self._area.shadows.encode(commands, self.kit.meshes, view.sample, *self.kit.box)
             camera = (view.world_from_clip, view.eye)
-            return self._area.encode(commands, view.gbuffer, camera, self.kit.lights.table)
+            table = self.kit.lights.table
+            return self._area.encode(commands, view.gbuffer, camera, table, is_still=view.is_still)
 
     def _has_near_field(self, irradiance: Irradiance) -> bool:
         """Whether near surfaces light each other: where there is indirect light at all."""

@@ -81,6 +81,33 @@ def sphere_irradiance(centre: F64, radius: float) -> float:
     return float((cosine * np.arccos(y) - x * root) * sine2 + np.arctan(root / x))
 
 
+def segment_irradiance(a: F64, b: F64, normal: F64, width: float) -> tuple[float, float]:
+    """Integrals along the line a-b, metres, of the receiver's cosine over squares of distances.
+
+    The first is weighted by the sine at the line, as a thin cylinder of radiance 1 / its diameter
+    sends (Heitz2017), the second is that of points which send evenly. `normal` (3,), unit: of the
+    receiver. Only what lies above its horizon counts; lines closer than `width` are as far as it.
+    """
+    a_up, b_up = float(a @ normal), float(b @ normal)
+    if max(a_up, b_up) <= 0.0:
+        return 0.0, 0.0
+    along = (b - a) / float(np.linalg.norm(b - a))
+    cut = (a * b_up - b * a_up) / (b_up - a_up if min(a_up, b_up) < 0.0 else 1.0)
+    low = float((cut if a_up < 0.0 else a) @ along)
+    high = float((cut if b_up < 0.0 else b) @ along)
+    nearest = a - (a @ along) * along
+    h = max(float(np.linalg.norm(nearest)), width)
+    # Angles from the nearest point: along the line l = h tan(angle).
+    first, last = np.arctan2((low, high), h)
+    across, ahead = float(nearest @ normal) / h, float(along @ normal)
+    sines, cosines = np.sin((first, last)), np.cos((first, last))
+    products = float(sines[1] * cosines[1] - sines[0] * cosines[0])
+    squares = float(sines[1] ** 2 - sines[0] ** 2)
+    cylinder = 0.5 * (across * (last - first + products) + ahead * squares)
+    points = across * (sines[1] - sines[0]) - ahead * (cosines[1] - cosines[0])
+    return max(float(cylinder) / h, 0.0), max(float(points) / h, 0.0)
+
+
 def leaving_share(away: F64, normal: F64, body: float, gap_m: float) -> float:
     """The share of the light reflected at a point that misses the disk that it came from.
 

@@ -5,11 +5,13 @@
 const RIM_CORNERS = 12u;
 const RIM_SCALE = 1.0233267;
 
-// The angle between unit vectors times the z of the unit normal of their plane.
+// The angle between unit vectors times the z of the unit normal of their plane; the angle over its sine is a quotient
+// of polynomials of the cosine, 1.5e-6 off at most (Heitz2016, in the code with it).
 fn edge_integral(a: vec3f, b: vec3f) -> f32 {
-    let normal = cross(a, b);
-    let sine = length(normal);
-    return normal.z * atan2(sine, dot(a, b)) / max(sine, 1e-20);
+    let cosine = dot(a, b);
+    let x = abs(cosine);
+    let v = 6.2831853 * (0.8543985 + (0.4965155 + 0.0145206 * x) * x) / (3.4175940 + (4.1616724 + x) * x);
+    return cross(a, b).z * select(PI * inverseSqrt(max(1.0 - x * x, 1e-7)) - v, v, cosine > 0.0);
 }
 
 // A convex polygon corner by corner: the sum over the edges of its part above z = 0.
@@ -58,6 +60,33 @@ fn sphere_irradiance(centre: vec3f, radius: f32) -> f32 {
     let y = clamp(-x * cosine / sine, -1.0, 1.0);
     let root = sine * sqrt(1.0 - y * y);
     return (cosine * acos(y) - x * root) * sine2 + atan(root / x);
+}
+
+// The integrals along a line between two points of the cosine at the receiver, of normal `n`, over squares of distances:
+// x times the sine at the line, as a thin cylinder sends (Heitz2017), y as points send evenly. Lines closer than
+// `width` are as far as that.
+fn segment_irradiance(a: vec3f, b: vec3f, n: vec3f, width: f32) -> vec2f {
+    let a_up = dot(a, n);
+    let b_up = dot(b, n);
+    if (max(a_up, b_up) <= 0.0) {
+        return vec2f(0.0);
+    }
+    let along = normalize(b - a);
+    let cut = (a * b_up - b * a_up) / select(1.0, b_up - a_up, min(a_up, b_up) < 0.0);
+    let low = dot(select(a, cut, a_up < 0.0), along);
+    let high = dot(select(b, cut, b_up < 0.0), along);
+    let nearest = a - dot(a, along) * along;
+    let squared = max(dot(nearest, nearest), width * width);
+    let h = sqrt(squared);
+    // Cosines and sines of the angles from the nearest point, at both ends.
+    let from_low = vec2f(h, low) * inverseSqrt(squared + low * low);
+    let from_high = vec2f(h, high) * inverseSqrt(squared + high * high);
+    let angle = atan2(h * (high - low), squared + high * low);
+    let products = from_high * from_high.y - from_low * from_low.y;
+    let cosines = vec2f(dot(nearest, n) / h, dot(along, n));
+    let cylinder = 0.5 * dot(cosines, vec2f(angle + products.x, products.y));
+    let points = dot(cosines, vec2f(from_high.y - from_low.y, from_low.x - from_high.x));
+    return max(vec2f(cylinder, points) / h, vec2f(0.0));
 }
 
 // The disk at a sphere's centre that fills the same cone: its normal, and its radius.
