@@ -234,8 +234,9 @@ def test_blocks_of_pixels_keep_their_relief(monkeypatch):
     off = [np.linalg.norm(found - fine) for found in (coarse, means.reshape(fine.shape))]
     # A third of what one value for each block would be off.
     assert off[0] < 0.35 * off[1]
-    # Passes reach over all of 16 x 11 points, and blur the bright strip before the wall: .03 of it.
-    assert coarse.sum() == pytest.approx(fine.sum(), rel=0.04)
+    # Passes reach over all of 16 x 11 points, and blur the bright strip before the wall: .05 of it
+    # (.03 where they were shared more widely far from the wall, which made up for it there).
+    assert coarse.sum() == pytest.approx(fine.sum(), rel=0.055)
 
 
 @pytest.fixture
