@@ -57,7 +57,8 @@ class _Fold(ComputePass):
 class Paths:
     """Two vec4f for each ray of a batch, as `fold.wgsl` has them; and two of the `air` along it.
 
-    `met`: which side of a surface its first segment met, and how far media attenuated it, in 4 bytes.
+    `met`: in 4 bytes, which side of a surface its first segment met, and how far media attenuated
+    it.
     """
 
     def __init__(
