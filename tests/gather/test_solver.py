@@ -95,6 +95,20 @@ def test_a_closed_room_stays_a_furnace(reflectance):
     assert indirect == pytest.approx(truth, rel=0.03)
 
 
+def test_light_is_even_along_the_seam_of_walls():
+    """Rays are short there, but walls look alike from all along it."""
+    room = Mesh(box(), PAINT, np.diag((4.0, 4.0, 4.0, 1.0)))
+    light = PointLight((1.5, 0.0, 1.5), (10, 10, 10))
+    eye = Camera((0.0, 0.0, 0.0), (-1.0, 0.0, -1.2), fov_y_deg=50.0)
+    image = render(Scene((room,), (light,), camera=eye), "lpv", (96, 64), samples=4, settings=LPV)
+    indirect = image.layers["indirect"].mean(axis=-1)
+    beside = np.abs(np.diff(image.layers["normal"][32, :, 0])).argmax() + np.array([0, 1])
+    seam = indirect[:, beside]
+    jumps = np.abs(np.diff(seam, n=2, axis=0)) / seam[1:-1]
+    # .24 where points shared by the harmonic mean of distances alone, now .04.
+    assert np.sqrt((jumps**2).mean()) < 0.08
+
+
 def test_an_open_floor_sees_all_of_a_uniform_sky():
     scene = Scene((FLOOR,), environment=Environment((1.0, 2.0, 3.0)), camera=ABOVE)
     image = render(scene, "lpv", SIZE, samples=2, settings={**LPV, "gather": "still"})
@@ -220,8 +234,9 @@ def test_blocks_of_pixels_keep_their_relief(monkeypatch):
     off = [np.linalg.norm(found - fine) for found in (coarse, means.reshape(fine.shape))]
     # A third of what one value for each block would be off.
     assert off[0] < 0.35 * off[1]
-    # Passes reach over all of 16 x 11 points, and blur the bright strip before the wall: .03 of it.
-    assert coarse.sum() == pytest.approx(fine.sum(), rel=0.04)
+    # Passes reach over all of 16 x 11 points, and blur the bright strip before the wall: .05 of it
+    # (.03 where they were shared more widely far from the wall, which made up for it there).
+    assert coarse.sum() == pytest.approx(fine.sum(), rel=0.055)
 
 
 @pytest.fixture

@@ -50,8 +50,10 @@ def _argument(shape: tuple[int, ...], kind: str, offset: int, stride: int) -> st
 _RETURNS: dict[str, tuple[list[str], Any, tuple[int, ...]]] = {
     "f32": (["r"], np.float32, ()),
     "u32": (["r"], np.uint32, ()),
-    "mat3x3f": ([f"r[{c}].{k}" for c in range(3) for k in "xyz"], np.float32, (3, 3)),
 }
+for _n in (2, 3):
+    _columns = [f"r[{c}].{k}" for c in range(_n) for k in "xyz"]
+    _RETURNS[f"mat{_n}x3f"] = (_columns, np.float32, (_n, 3))
 for _n in (2, 3, 4):
     for _kind, _dtype in _DTYPES.items():
         _RETURNS[f"vec{_n}{_kind}"] = ([f"r.{k}" for k in "xyzw"[:_n]], _dtype, (_n,))

@@ -52,15 +52,27 @@ def test_a_point_is_like_itself_and_unlike_what_faces_elsewhere_or_lies_off_its_
     assert gather.likeness(p, UP, p, UP, 0.1) == 1.0
     assert gather.likeness(p, UP, (5.0, 0.0, 0.0), UP, 0.1) == 1.0
     assert gather.likeness(p, UP, p, (0.0, 1.0, 0.0), 0.1) == 0.0
-    assert gather.likeness(p, UP, (0.0, 0.0, 0.025), UP, 0.1) == pytest.approx(np.exp(-1.0))
+    assert gather.likeness(p, UP, (0.0, 0.0, 0.00025), UP, 0.1) == pytest.approx(np.exp(-1.0))
     # On a ball, neighbours lie off the plane by what their normals say.
     turn = np.array([np.sin(0.2), 0.0, np.cos(0.2)])
     assert gather.likeness(UP, UP, turn, turn, 0.01) == pytest.approx(np.cos(0.2) ** 8)
-    assert gather.closeness(0.0, 2.0, 0.01) == 1.0
-    assert gather.closeness(0.3, 0.0, 0.01) == 1.0
-    assert gather.closeness(0.3, 2.0, 0.01) < gather.closeness(0.1, 2.0, 0.01) < 1.0
-    # As far as the next points it reaches, however near what their rays met is.
-    assert gather.closeness(0.1, 1e3, 0.1) > 0.6
+
+
+def test_points_share_along_a_wall_and_little_towards_it():
+    """Beside a wall that faces +X, .1 m away, with media and without."""
+    near = gather.nearness((1.0, 0.0, 0.0), 10.0, 0.0)
+    assert gather.closeness((0.0, 0.0, 0.0), *near) == 1.0
+    assert gather.closeness((0.3, 0.2, 0.1), *gather.nearness(UP, 0.0, 0.0)) == 1.0
+    towards, along = (gather.closeness(way, *near) for way in ((0.01, 0, 0), (0, 0.04, 0)))
+    assert towards == pytest.approx(along) == pytest.approx(np.exp(-1.0))
+    # Media light a point from everywhere: the same in all directions.
+    hazy = gather.nearness((1.0, 0.0, 0.0), 10.0, 1.0)
+    assert gather.closeness((0, 0.01, 0), *hazy) == pytest.approx(np.exp(-1.0))
+    # A wall aslant is the same one, turned.
+    turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    way = np.array([0.004, 0.03, -0.02])
+    turned = gather.nearness(turn @ (1.0, 0.0, 0.0), 10.0, 0.0)
+    assert gather.closeness(turn @ way, *turned) == pytest.approx(gather.closeness(way, *near))
 
 
 def test_flux_of_rays_is_the_irradiance_of_turned_normals():
@@ -161,9 +173,11 @@ def test_twins(wgsl):
     m, texel = fibonacci_sphere(500)[::-1], RNG.random(500) + 0.5
     like = wgsl("gather", "likeness", p, n, q, m, texel, returns="f32")
     np.testing.assert_allclose(like, gather.likeness(p, n, q, m, texel), rtol=2e-3, atol=1e-6)
-    near, far = texel, 3.0 * u[:, 0]
-    close = wgsl("gather", "closeness", near, far, u[:, 1], returns="f32")
-    np.testing.assert_allclose(close, gather.closeness(near, far, u[:, 1]), rtol=1e-3, atol=1e-6)
+    near = gather.nearness(n, texel, u[:, 0])
+    found = wgsl("gather", "nearness", n, texel, u[:, 0], returns="mat2x3f")
+    np.testing.assert_allclose(found, np.stack(near, axis=1), rtol=1e-4, atol=1e-6)
+    close = wgsl("gather", "closeness", 0.1 * p, *near, returns="f32")
+    np.testing.assert_allclose(close, gather.closeness(0.1 * p, *near), rtol=1e-3, atol=1e-6)
     along = wgsl("gather", "flux_along", n, m, returns="vec3f")
     np.testing.assert_allclose(along, gather.flux_along(n, m), rtol=1e-3, atol=1e-5)
     a, b = np.exp(RNG.normal(size=(2, 500)))

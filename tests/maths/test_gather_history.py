@@ -14,10 +14,10 @@ def test_points_where_the_place_was_count_as_near_as_they_are():
     """The four around a place share its weight; others have a thousandth each."""
     at = np.array([0.3, 0.8])
     away = np.stack(np.meshgrid(np.arange(-1, 3), np.arange(-1, 3)), -1) - at
-    weights = history.nearness(away)
+    weights = history.texel_share(away)
     assert weights.sum() == pytest.approx(1.0 + 16 * history.BESIDE)
-    assert history.nearness((0.0, 0.0)) == 1.0 + history.BESIDE
-    assert history.nearness((2.0, 0.0)) == history.BESIDE
+    assert history.texel_share((0.0, 0.0)) == 1.0 + history.BESIDE
+    assert history.texel_share((2.0, 0.0)) == history.BESIDE
 
 
 def test_frames_count_as_far_as_their_surface_is_the_same():
@@ -40,8 +40,8 @@ def test_light_within_its_noise_is_believed_and_other_light_is_not():
 def test_twins(wgsl):
     away, best = RNG.normal(size=(500, 2)), RNG.random(500)
     frames, most = 20.0 * RNG.random((2, 500))
-    near = wgsl("gather_history", "nearness", away, returns="f32")
-    np.testing.assert_allclose(near, history.nearness(away), atol=1e-6)
+    near = wgsl("gather_history", "texel_share", away, returns="f32")
+    np.testing.assert_allclose(near, history.texel_share(away), atol=1e-6)
     kept = wgsl("gather_history", "frames_kept", frames, best, most, returns="f32")
     np.testing.assert_allclose(
         kept, np.minimum(frames * np.clip(best / 0.5, 0, 1), most), rtol=1e-5

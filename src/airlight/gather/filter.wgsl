@@ -25,11 +25,14 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
     var sky = vec4f(0.0);
     var flux = vec4f(0.0);
     var sky_flux = vec4f(0.0);
+    var squares = vec4f(0.0);
+    var products = vec4f(0.0);
     var variance = 0.0;
     var total = 0.0;
     var sky_total = 0.0;
-    let point_m = params.texel * max(place.w, 1e-9);
-    let texel_m = point_m * f32(params.stride);
+    let texel_m = params.texel * max(place.w, 1e-9) * f32(params.stride);
+    let own_squares = before[own + 4u];
+    let own_products = before[own + 5u].xyz;
     let last = vec2i(params.reduced) - 1;
     var k = 0;
     loop {
@@ -42,13 +45,19 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
             let index = SUMS * (u32(at.y) * params.reduced.x + u32(at.x));
             let its_light = before[index];
             let its_sky = before[index + 1u];
-            let inverse_m = 0.5 * (before[own].w + its_light.w) / f32(params.rays);
+            let its_squares = before[index + 4u];
+            let its_products = before[index + 5u];
             var weight = exp(-falloff * f32(dot(offset, offset)));
             weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
-            weight *= closeness(distance(place.xyz, other.xyz), inverse_m, point_m);
+            // Rays that met nothing say nothing of how surfaces' light changes.
+            let each = 1.0 / max(own_squares.w + its_squares.w, 1e-9);
+            weight *= closeness(other.xyz - place.xyz, each * (own_squares + its_squares).xyz,
+                each * (own_products + its_products.xyz));
             weight = select(0.0, weight, other.w > 0.0);
             surfaces += weight * its_light;
             flux += weight * before[index + 2u];
+            squares += weight * its_squares;
+            products += weight * its_products;
             total += weight;
             // Of the sky, what is no noise but the edge of a shadow stays.
             let other_sky = noisy(its_sky, before[index + 3u].w);
@@ -67,4 +76,6 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
     after[own + 1u] = vec4f(sky.rgb * sky_inverse, variance * sky_inverse * sky_inverse);
     after[own + 2u] = flux * inverse;
     after[own + 3u] = vec4f(sky_flux.xyz * sky_inverse, frames);
+    after[own + 4u] = squares * inverse;
+    after[own + 5u] = products * inverse;
 }

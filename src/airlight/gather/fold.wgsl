@@ -1,6 +1,7 @@
 // What a segment of paths found: its light, times what the segments before it reflect.
 //! use gather
 //! use sky_cells
+//! use octahedron
 //! needs fn air_of(row: u32) -> Air
 
 // The light that media scatter into a segment, and their transmittance.
@@ -44,6 +45,9 @@ fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
     var path: Path;
     if (params.segment == 0u) {
         path = first_found(id.xy, hit, air);
+        let side = octahedron_encode(textureLoad(hit_normals, id.xy, 0).xyz);
+        let haze = 1.0 - dot(air.passed, vec3f(1.0 / 3.0));
+        met[id.y * sky.reduced.x + id.x] = pack4x8snorm(vec4f(side, haze, 0.0));
     } else {
         let radiance = paths[row];
         let passed = paths[row + 1u];

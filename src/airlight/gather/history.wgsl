@@ -38,7 +38,7 @@ fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
             let its = places_before[PLACES * index];
             var like = likeness(place.xyz, n, its.xyz, places_before[PLACES * index + 1u].xyz, texel_m);
             like = select(0.0, like, its.w > 0.0);
-            let weight = like * nearness(vec2f(other) - at);
+            let weight = like * texel_share(vec2f(other) - at);
             for (var i = 0u; i < SUMS; i++) {
                 out.sums[i] += weight * sums_before[SUMS * index + i];
             }

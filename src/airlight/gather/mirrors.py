@@ -32,6 +32,7 @@ from .mirror_passes import (
     MirrorParams,
     Resolving,
 )
+from .points import pixel_m
 from .trace import Segment
 
 MOST_HITS = 1 << 19
@@ -234,7 +235,6 @@ class _Sized:
         goes_on: bool = False,
     ) -> MirrorParams:
         """For the rows of the list from `first` on."""
-        down = view.world_from_clip[:3, 1] / view.world_from_clip[3, 2]
         return MirrorParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,
@@ -243,7 +243,7 @@ class _Sized:
             batch=self.hits[0].size,
             sample=view.sample,
             reach=max(1.0, _REACH * self.size[1]) * (view.sample + 1) ** -0.25,
-            texel=float(np.linalg.norm(down)) * 2.0 / self.size[1],
+            texel=pixel_m(view.world_from_clip, self.size[1]),
             segment=segment,
             raised=raised,
             goes_on=int(goes_on),

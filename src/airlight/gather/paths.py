@@ -40,6 +40,7 @@ _SLOTS = (
     texture("indirect_light", "2d", "unfilterable-float"),
     storage("sky_cells", "vec4f"),
     storage("paths", "vec4f", "read_write"),
+    storage("met", "u32", "read_write"),
 )
 
 
@@ -54,7 +55,11 @@ class _Fold(ComputePass):
 
 
 class Paths:
-    """Two vec4f for each ray of a batch, as `fold.wgsl` has them; and two of the `air` along it."""
+    """Two vec4f for each ray of a batch, as `fold.wgsl` has them; and two of the `air` along it.
+
+    `met`: in 4 bytes, which side of a surface its first segment met, and how far media attenuated
+    it.
+    """
 
     def __init__(
         self, gpu: Gpu, points: AnyPoints, cells: SkyCells, batch: int, *, has_air: bool = False
@@ -63,6 +68,7 @@ class Paths:
         self._points, self._cells, self._fold = points, cells, _Fold(gpu, has_air=has_air)
         nbytes = 32 * points.count * batch
         self.buffer = Buffer(gpu, "gathered paths", nbytes)
+        self.met = Buffer(gpu, "sides that paths met", 4 * points.count * batch)
         self.air = Buffer(gpu, "air along paths", nbytes) if has_air else None
 
     def encode(
@@ -97,5 +103,6 @@ class Paths:
             indirect_light=indirect or direct,
             sky_cells=self._cells.buffer,
             paths=self.buffer,
+            met=self.met,
             **({"air": self.air} if self.air else {}),
         )

@@ -11,6 +11,7 @@ from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
 from ..gpu.memory import Texture
 from ..gpu.slots import image, texture, uniform
 from ..lighting.view import View
+from ..maths.transforms import F64
 
 MOST_POINTS = 1 << 15
 """Of an image; blocks grow as large as that asks."""
@@ -71,8 +72,7 @@ class Points:
 
     def texel_m(self, view: View) -> float:
         """How wide a texel is one metre from the eye, m."""
-        down = view.world_from_clip[:3, 1] / view.world_from_clip[3, 2]
-        return float(np.linalg.norm(down)) * 2.0 * self.scale / self.size[1]
+        return self.scale * pixel_m(view.world_from_clip, self.size[1])
 
     def params(self, view: View, rays: int = 0) -> PointParams:
         """What passes over points or pixels must know of the camera; `rays` of a point."""
@@ -101,6 +101,15 @@ class Points:
             normals=self.normals,
             planes=self.planes,
         )
+
+
+def pixel_m(world_from_clip: F64, height: int) -> float:
+    """How wide a pixel of an image of `height` pixels is one metre from the eye, m.
+
+    Depth is reversed and infinite, so that the inverse's columns are homogeneous points one metre
+    away, wherever the near plane is.
+    """
+    return float(np.linalg.norm(world_from_clip[:3, 1])) * 2.0 / height
 
 
 def reduction(size: tuple[int, int], most: int) -> int:

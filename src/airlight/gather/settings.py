@@ -23,7 +23,7 @@ class GatherSettings:
         16, "rays of a gather point in a sample of the image", low=1, high=1024
     )
     gather_bounces: int = setting(
-        2, "bounces that they follow before the lattice is asked", low=1, high=16
+        3, "bounces that they follow before the lattice is asked", low=1, high=16
     )
     gather_history: int = setting(
         0,

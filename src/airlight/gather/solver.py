@@ -107,7 +107,7 @@ class GatherSolver(Solver):
             numbers = range(first, min(first + sized.batch, sample.stop))
             self._follow(commands, sized, numbers, fields)
             with commands.stage("gather lighting"):
-                sized.sums.encode(commands, sized.paths.buffer, numbers, sample)
+                sized.sums.encode(commands, view, sized.paths, numbers, sample)
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
         sums = sized.sums.buffer

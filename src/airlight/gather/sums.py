@@ -5,12 +5,14 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32, vec2u
+from ..gpu.layout import Struct, f32, u32, vec2u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, texture, uniform
+from ..lighting.view import View
+from .paths import Paths
 from .points import Points
 
-NBYTES = 64
+NBYTES = 96
 """Of a point's sums."""
 
 
@@ -21,14 +23,16 @@ class SumParams(Struct):
     rays = u32("of a point")
     first_ray = u32()
     begun = u32()
-    pad = u32()
+    texel = f32("m, how wide a texel is one metre away")
 
 
 class _Sums(ComputePass):
     slots = (
         uniform("params", SumParams),
+        texture("places", "2d", "unfilterable-float"),
         texture("normals", "2d", "unfilterable-float"),
         storage("paths", "vec4f"),
+        storage("met", "u32"),
         storage("sums", "vec4f", "read_write"),
     )
     workgroup = (8, 8, 1)
@@ -36,20 +40,24 @@ class _Sums(ComputePass):
 
 
 class Sums:
-    """Four vec4f for each point.
+    """Six vec4f for each point.
 
-    The first: radiance of the surfaces that its rays met, summed, and the sum of their distances'
-    inverses, m^-1. The second: that of the environment, and the sum of its luminance squared. The
-    third: where the first's light comes from, as the sum of `maths.gather.flux_along` times its
-    luminance, and the share of the hemisphere that near occluders leave. The fourth: where the
-    second's comes from, and how many frames before are in the means of `History`.
+    The first: radiance of the surfaces that its rays met, summed. The second: that of the
+    environment, and the sum of its luminance squared. The third: where the first's light comes
+    from, as the sum of `maths.gather.flux_along` times its luminance, and the share of the
+    hemisphere that near occluders leave. The fourth: where the second's comes from, and how many
+    frames before are in the means of `History`. The last two: how near what its rays met is, m^-1,
+    as the sums of `maths.gather.nearness`: its squares and how many rays met surfaces, and its
+    products.
     """
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
         self._points, self._pass = points, _Sums(gpu)
         self.buffer = Buffer(gpu, "gathered sums", NBYTES * points.count)
 
-    def encode(self, commands: Commands, paths: Buffer, numbers: range, sample: range) -> None:
+    def encode(
+        self, commands: Commands, view: View, paths: Paths, numbers: range, sample: range
+    ) -> None:
         """Add the `paths` of the rays of these `numbers`.
 
         `sample`: the numbers of all rays of this sample of the image.
@@ -62,9 +70,11 @@ class Sums:
                 rays=len(numbers),
                 first_ray=numbers.start,
                 begun=sample.start,
-                pad=0,
+                texel=self._points.texel_m(view),
             ),
+            places=self._points.places,
             normals=self._points.normals,
-            paths=paths,
+            paths=paths.buffer,
+            met=paths.met,
             sums=self.buffer,
         )

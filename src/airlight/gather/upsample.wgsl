@@ -14,7 +14,7 @@ struct Found {
 
 // What the points around a pixel say: their sums, and how far they are like it.
 struct Around {
-    sum: array<vec4f, SUMS>,
+    sum: array<vec4f, LIGHTS>,
     total: f32,
 }
 
@@ -35,7 +35,7 @@ fn around(position: vec2f, p: vec3f, n: vec3f) -> Around {
         let like = near.x * near.y * likeness(p, n, place.xyz, its, texel_m);
         let weight = select(0.0, like, place.w > 0.0);
         let index = SUMS * u32(at.y * i32(params.reduced.x) + at.x);
-        for (var i = 0u; i < SUMS; i++) {
+        for (var i = 0u; i < LIGHTS; i++) {
             out.sum[i] += weight * sums[index + i];
         }
         out.total += weight;

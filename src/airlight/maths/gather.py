@@ -18,13 +18,15 @@ POINT_STEPS: tuple[int, int, int, int] = (3679390609, 3152041523, 2700274807, 23
 """2^32 over powers of the root of x^5 = x + 1: the same in four dimensions, across the image."""
 NORMAL_POWER = 8.0
 """Of the cosine between two points' normals, by which their light stands for one another."""
-PLANE_SHARE = 0.25
+PLANE_SHARE = 0.0025
 """Distance from a point's plane, over its texel's width, at which a neighbour's weight is 1/e."""
 
-REACH = 0.3
-"""Of the distance that light comes from, over which neighbours' light stands for a point's."""
-LEAST_REACH = 1.5
-"""The least of that, in widths of a gather point."""
+REACH = 0.1
+"""Of the distance of a surface that all rays meet: how far towards it light counts 1/e."""
+LEAST_RAY = 3.0
+"""Widths of a gather point that each ray is taken to be long at least."""
+ALONG = 0.25
+"""How much light changes along a surface that lights a point, over how it does towards it."""
 SAME = 0.02
 """Of the sum of two lights: by what they may differ without noise."""
 DOUBT = 4.0
@@ -155,17 +157,30 @@ def sameness(a: ArrayLike, b: ArrayLike, variance: ArrayLike) -> F64:
     return np.asarray(np.exp(-off / np.maximum(DOUBT * v + (SAME * (x + y)) ** 2, 1e-30)))
 
 
-def closeness(distance_m: ArrayLike, inverse_m: ArrayLike, texel_m: ArrayLike) -> F64:
-    """How far (...) the light `distance_m` away stands for a point's, 0 to 1.
+def nearness(side: ArrayLike, inverse_m: ArrayLike, haze: ArrayLike) -> tuple[F64, F64]:
+    """How fast a point's light changes by one of its rays, m^-1: a symmetric matrix.
 
-    `inverse_m`: the mean inverse of the distances, m, of what the point's rays met. Irradiance
-    changes over the harmonic mean of those (Ward1988, irradiance caching): sharp where surfaces
-    meet, smooth in the open. In relief finer than an image shows, it would share nothing: so it
-    reaches as far as the next gather points, which are `texel_m` apart on the surface.
+    Its squares (..., 3) (xx, yy, zz) and products (..., 3) (yz, zx, xy). The ray met a surface of
+    unit normal `side` (..., 3); `inverse_m` is the inverse of its length; `haze` is the share that
+    media took of its light, and their own comes from all around. A point that moves towards a
+    surface sees it change; one that moves along it hardly does.
+    Source: Ward1988 (irradiance changes over the harmonic mean of distances, here by direction).
     """
-    inverse = np.maximum(np.asarray(inverse_m, dtype=np.float64), 1e-30)
-    reach_m = np.maximum(REACH / inverse, LEAST_REACH * np.asarray(texel_m, dtype=np.float64))
-    return np.asarray(np.exp(-((np.asarray(distance_m, dtype=np.float64) / reach_m) ** 2)))
+    m, inverse = np.asarray(side, dtype=np.float64), np.asarray(inverse_m, dtype=np.float64)
+    along = (ALONG + (1.0 - ALONG) * np.asarray(haze, dtype=np.float64))[..., None]
+    across = (1.0 - along) * np.roll(m, -1, axis=-1) * np.roll(m, 1, axis=-1)
+    return inverse[..., None] * (along + (1.0 - along) * m * m), inverse[..., None] * across
+
+
+def closeness(way: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
+    """How far (...) the light of a neighbour stands for a point's, 0 to 1.
+
+    `way` (..., 3) to it, m; the mean of `nearness` over rays, m^-1. Neighbours share along the seam
+    of two walls, and little across it.
+    """
+    d, a, b = (np.asarray(v, dtype=np.float64) for v in (way, squares, products))
+    turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
+    return np.asarray(np.exp(-(turned**2).sum(axis=-1) / REACH**2))
 
 
 def sky_share(cosine: ArrayLike, density: ArrayLike, rays: int, sky_rays: int) -> F64:

@@ -22,7 +22,7 @@ CHANGING = 4.0
 """Frames before that count at most while light changes."""
 
 
-def nearness(away: ArrayLike) -> F64:
+def texel_share(away: ArrayLike) -> F64:
     """Weight (...) of a point of the frame before, `away` (..., 2) points from the place there.
 
     Bilinear, and a little of points further off.

@@ -3,11 +3,13 @@
 //! use sampling
 //! use tone
 
-const SUMS = 4u;            // vec4f of a point, see gather/sums.py
+const SUMS = 6u;            // vec4f of a point, see gather/sums.py
+const LIGHTS = 4u;          // of those, what light is there
 const NORMAL_POWER = 8.0;
-const PLANE_SHARE = 0.25;
-const REACH = 0.3;
-const LEAST_REACH = 1.5;
+const PLANE_SHARE = 0.0025;
+const REACH = 0.1;
+const LEAST_RAY = 3.0;
+const ALONG = 0.25;
 const SAME = 0.02;
 const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
@@ -75,7 +77,12 @@ fn sameness(a: f32, b: f32, variance: f32) -> f32 {
     return exp(-off / max(DOUBT * variance + same * same, 1e-30));
 }
 
-fn closeness(distance_m: f32, inverse_m: f32, texel_m: f32) -> f32 {
-    let away = distance_m / max(REACH / max(inverse_m, 1e-30), LEAST_REACH * texel_m);
-    return exp(-away * away);
+fn nearness(side: vec3f, inverse_m: f32, haze: f32) -> mat2x3f {
+    let along = mix(ALONG, 1.0, haze);
+    return inverse_m * mat2x3f(vec3f(along) + (1.0 - along) * side * side, (1.0 - along) * side.yzx * side.zxy);
+}
+
+fn closeness(way: vec3f, squares: vec3f, products: vec3f) -> f32 {
+    let turned = squares * way + products.yzx * way.zxy + products.zxy * way.yzx;
+    return exp(-dot(turned, turned) / (REACH * REACH));
 }

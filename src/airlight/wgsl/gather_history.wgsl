@@ -7,7 +7,7 @@ const DEVIATIONS = 2.0;
 const ALIKE = 0.02;
 const CHANGING = 4.0;
 
-fn nearness(away: vec2f) -> f32 {
+fn texel_share(away: vec2f) -> f32 {
     let near = max(vec2f(1.0) - abs(away), vec2f(0.0));
     return near.x * near.y + BESIDE;
 }
