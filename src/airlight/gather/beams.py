@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
+from ..gpu.layout import Struct, u32, vec2u
 from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.slots import sampler, storage, texture, uniform
 from ..lattice.blockers import BLOCKER_SLOTS
@@ -13,12 +14,19 @@ from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
 from ..lighting.kit import Kit
 from .points import Points
-from .sums import SumParams
+
+
+class BeamParams(Struct):
+    """Points, and how many rays their sums are of."""
+
+    reduced = vec2u("points")
+    rays = u32("of a point")
+    pad = u32()
 
 
 class _Beams(ComputePass):
     slots = (
-        uniform("params", SumParams),
+        uniform("params", BeamParams),
         texture("places", "2d", "unfilterable-float"),
         texture("normals", "2d", "unfilterable-float"),
         storage("lattices", LatticeParams),
@@ -44,7 +52,7 @@ class Beams:
         self._pass.dispatch(
             commands,
             points.reduced,
-            params=SumParams(reduced=points.reduced, rays=rays, first_ray=0, begun=0, pad=0),
+            params=BeamParams(reduced=points.reduced, rays=rays, pad=0),
             places=points.places,
             normals=points.normals,
             **irradiance.bound,
