@@ -19,7 +19,7 @@ WHOLE_BEFORE = 0.75
 """As in wgsl/lattice_space.wgsl: cells before a surface where the walls beside it are looked up."""
 BEFORE = 0.15
 """As in wgsl/lattice.wgsl: cells before a surface where the walls that it faces are looked up."""
-BEFORE_OBLIQUE = 0.6
+BEFORE_OBLIQUE = 0.75
 """As in wgsl/lattice.wgsl: cells before an oblique surface where it is looked up."""
 BEHIND_PLANE, BEFORE_PLANE = -0.1, 0.3
 """As in wgsl/lattice.wgsl: how far from an oblique surface's plane, cells, others lie behind it and

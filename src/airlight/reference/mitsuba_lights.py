@@ -86,7 +86,7 @@ def point_emitters(group: PointLights, files: FileStore) -> list[Element]:
     return [_element(point_emitter((x, y, z), (r, g, b)), files) for (x, y, z), (r, g, b) in rows]
 
 
-_ROWS_APART = 8
+ROWS_APART = 8
 """Times as many rows of a map with a horizon: Mitsuba blends over one of them."""
 
 
@@ -100,7 +100,7 @@ def environment_emitter(environment: Environment, files: FileStore) -> Element:
     emitter = plugin("emitter", "envmap")
     pixels = environment.map
     key = ("environment", files.identity(pixels), environment.horizon)
-    rows = environment.rows_apart(_ROWS_APART)
+    rows = environment.rows_apart(ROWS_APART)
     name = files.once(key, "environment", "exr", lambda path: write_exr(path, rows))
     add_text(emitter, "filename", name)
     add_number(emitter, "scale", environment.scale)

@@ -105,7 +105,7 @@ fn obliqueness(n: vec3f) -> f32 {
 }
 
 // How far from its plane an oblique surface is looked up, cells along its normal.
-const BEFORE_OBLIQUE = 0.6;
+const BEFORE_OBLIQUE = 0.75;
 // Cells whose middles are so far from its plane lie behind it, and before it.
 const BEHIND_PLANE = -0.1;
 const BEFORE_PLANE = 0.3;
