@@ -214,12 +214,14 @@ class AreaLighting:
         camera: tuple[F64, tuple[float, float, float]],
         lights: Buffer,
         *,
+        emission: Texture | None = None,
         is_still: bool = False,
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
-        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights. In
-        frames (not `is_still`) half of an emitter's samples do where they see all of it or nothing.
+        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights;
+        `emission`: in place of the G-buffer's. In frames (not `is_still`) half of an emitter's
+        samples do where they see all of it or nothing.
         """
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
             self._lit = Texture(self.gpu, "area light", gbuffer.size, "rgba32float", target=True)
@@ -236,6 +238,7 @@ class AreaLighting:
                 many=_NONE if is_still else MANY,
             ),
             **gbuffer.bound,
+            **({} if emission is None else {"emission": emission}),
             "cosines": self._cosines,
             **self.shadows.bound,
         }
