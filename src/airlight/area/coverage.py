@@ -1,9 +1,9 @@
 """What part of each pixel of a still glows: exact for polygons, whatever the samples hit.
 
 An area light of a few pixels is tens of times as bright as what it lights, so that the few samples
-of a still know its edges badly. Its polygon's part of a pixel is a sum over its edges in closed form;
-a sample says whether something stands before it, and has that part of the glow, on the light or
-beside it. Source: ours; the sum is that of font rasterizers.
+of a still know its edges badly. Its polygon's part of a pixel is a sum over its edges in closed
+form; a sample says whether something stands before it, and has that part of the glow, on the light
+or beside it. Source: ours; the sum is that of font rasterizers.
 """
 
 from __future__ import annotations
