@@ -206,7 +206,7 @@ def test_a_frame_is_axes_at_right_angles() -> None:
     away = rng.normal(size=(500, 3))
     away /= np.linalg.norm(away, axis=1, keepdims=True)
     away = away[away @ np.array(light.direction) > 0.01]
-    views = sample_views(sample, 1e-3, 20.0)
+    views = sample_views(sample, 1e-3, 20.0, 64)
     for direction in away:
         view = views[int((axes @ direction).argmax())]
         clip = view.clip_from_world @ np.append(np.array(light.position) + direction, 1.0)
@@ -265,3 +265,45 @@ def test_every_technique_scatters_a_lights_light_in_fog() -> None:
     # What was scattered once, and what was any number of times, on a coarse grid.
     assert found["single"] > 0.0
     assert 0.9 < found["pop"] / found["single"] < 2.5
+
+
+def test_gaps_do_not_open_where_the_maps_of_a_sample_meet(camera_rays) -> None:
+    # A seam runs down a wall that nothing shadows: it has the closed form to the last pixel.
+    turn = np.radians(17.0)
+    axes = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    matrix = np.eye(4)
+    matrix[:3, :3] = axes @ np.array([[5, 0, 0], [0, 0, -5], [0, 5, 0]])
+    camera, size = Camera(tuple(axes @ (0.3, 0.0, 3.0)), (0.0, 0.0, 0.0), fov_y_deg=40.0), (96, 72)
+    light = AreaLight(
+        tuple(axes @ (0.5, 2.2, 0.6)), 5.0, direction=(0, -1, 0), size=(0.2, 0.2), visible=False
+    )
+    scene = Scene(meshes=(Mesh(quad(), MATT, matrix),), lights=(light,), camera=camera)
+    image = render(scene, "direct", size, samples=1, settings=SMALL)
+    depth = image.layers["depth"][..., None]
+    points = np.array(camera.position) + camera_rays(camera, size) * depth
+    square = 0.1 * np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)])
+    corners = np.array(light.position) + square
+    expected = [[area_light.polygon_irradiance((corners - p) @ axes) for p in r] for r in points]
+    found = image.layers["direct"] / np.array(MATT.base_color) * np.pi / 5.0
+    np.testing.assert_allclose(found[..., 0], expected, rtol=5e-3, atol=1e-4)
+
+
+def test_a_coat_mirrors_what_stands_before_a_light_without_a_pattern() -> None:
+    # 16 samples a light, or 64: seen at a grazing angle, each is smeared across the plane of view.
+    coat = Material(base_color=(0.02, 0.02, 0.02), roughness=0.15)
+    floor = Mesh(quad(), coat, np.diag((20.0, 1.0, 20.0, 1.0)))
+    post = Mesh(
+        quad(),
+        Material(base_color=(0.0, 0.0, 0.0), specular=0.0),
+        np.array([[0.3, 0, 0, 0], [0, 0, -0.3, 0.5], [0, 0.3, 0, 0.6], [0, 0, 0, 1.0]]),
+    )
+    light = AreaLight((0, 0.6, 0), 5.0, direction=(0, 0, 1), up=(0, 1, 0), size=(1, 1))
+    camera = Camera((0.0, 0.7, 3.0), (0.0, 0.0, 1.0), fov_y_deg=35.0)
+    scene = Scene(meshes=(floor, post), lights=(replace(light, visible=False),), camera=camera)
+    few, many = (
+        render(scene, "direct", (64, 48), samples=1, settings={**SMALL, "area_samples": n})
+        for n in (16, 64)
+    )
+    truth = many.layers["direct"]
+    off = np.sqrt(((few.layers["direct"] - truth) ** 2).sum() / (truth**2).sum())
+    assert off < 0.08, off

@@ -8,5 +8,6 @@ sources   a scene's area lights and emissive meshes, one side each
 -> shapes, emitters   a polygon or sphere for each group; samples with shadow maps (emitter),
                segments where a part is long and thin
 -> table  emitters and samples on the device
+-> outlines, coverage   polygons in stills, by the part of each pixel that they cover
 -> lighting  analytic irradiance and GGX times the visibility of samples; attenuation: by media
 """

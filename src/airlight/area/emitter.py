@@ -27,7 +27,8 @@ class Emitter:
     """A group of pieces: its analytic shape, its samples, and how its light fades (spots).
 
     `row`: of the first of the lights that stand for it in the scene's table, `row_count` of them,
-    for the transmittance of media.
+    for the transmittance of media. `is_outlined`: its polygon's outline is that of the surface that
+    is seen, which glows alike all over.
     """
 
     shape: Shape
@@ -35,3 +36,4 @@ class Emitter:
     row: int
     row_count: int = 1
     spot: SpotLight | None = None
+    is_outlined: bool = False

@@ -21,6 +21,7 @@ from ..scene.scene import Scene
 from .emitter import Emitter, Sample
 from .glowing import GlowingMedia
 from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
+from .outlines import apart
 from .segments import long_part
 from .sources import has_extent
 
@@ -86,7 +87,7 @@ class Emitters:
             first = len(self._lights) - len(self._glowing.groups)
             stand_ins = self._stand_ins()
             surfaces = tuple(map(self._emitter, self._groups, stand_ins))
-            self.list = surfaces + self._glowing.emitters(first, 0)
+            self.list = apart(surfaces) + self._glowing.emitters(first, 0)
         return replace(scene, lights=self._lights)
 
     def jittered(self, index: int) -> tuple[Emitter, ...]:
@@ -157,7 +158,8 @@ class Emitters:
             self._sample(rows, k, 0, has_cube=cube) for k, (rows, cube) in enumerate(parts)
         )
         count = stand_ins.stop - stand_ins.start
-        return Emitter(shape, samples, self.plain + stand_ins.start, count, spot)
+        is_outlined = self._grouping.is_outlined(group.rows, shape)
+        return Emitter(shape, samples, self.plain + stand_ins.start, count, spot, is_outlined)
 
     def _sample(self, rows: I64, number: int, index: int, *, has_cube: bool) -> Sample:
         """What a stratum sends, from its middle; for later samples of a still, from a piece."""

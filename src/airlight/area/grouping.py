@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..scene.checks import F64
 from ..scene.scene import Scene
+from .outlines import is_outline
 from .pieces import Layout, Pieces, layout, pieces
 from .shapes import Kind, Shape, fitted
 from .sources import Source, moved, sources
@@ -116,6 +117,15 @@ class Grouping:
     def shape(self, rows: I64) -> Shape:
         """What a group of pieces is in closed form, as far as it is."""
         return fitted(self.found.taken(rows), is_one=self._is_one(rows))
+
+    def is_outlined(self, rows: I64, shape: Shape) -> bool:
+        """Whether what is seen of a group is its polygon, with the same glow all over."""
+        source = self.sources[int(self.cut.source[rows[0]])]
+        material = source.surface.material
+        is_whole = not (material.is_blended or material.alpha_cutoff or material.transmission)
+        if not (source.is_solid and is_whole and self._is_one(rows)):
+            return False
+        return is_outline(shape, self.found.taken(rows))
 
     def _is_one(self, rows: I64) -> bool:
         return bool((self.cut.part[rows] == self.cut.part[rows[0]]).all())

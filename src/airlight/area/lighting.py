@@ -14,7 +14,7 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
+from ..gpu.layout import Struct, mat4x4f, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
@@ -37,6 +37,7 @@ from .table import (
     corner_rows,
     emitter_rows,
     emitter_views,
+    map_spans,
     sample_rows,
 )
 
@@ -69,7 +70,8 @@ class AreaLightingParams(Struct):
     eye = vec3f("m")
     emitter_count = u32()
     size = vec2f("px")
-    texel = f32("of the shadow maps, of their width")
+    map_texel = vec2f("of a hemisphere's and a cube's maps, of the distance along a view's axis")
+    map_scale = vec2f("1 over what they span at distance 1")
     many = u32("samples of an emitter, from which on half may tell what all see")
 
 
@@ -157,7 +159,11 @@ class AreaShadows:
         self._key = None  # until all is drawn: what raises leaves nothing to be kept
         found = self.emitters.jittered(index)
         self._write(found, low, high)
-        views = [view for emitter in found for view in emitter_views(emitter, low, high)]
+        views = [
+            view
+            for emitter in found
+            for view in emitter_views(emitter, low, high, self.maps.resolution)
+        ]
         self.maps.encode(commands, meshes, views)
         self._key = key
 
@@ -208,25 +214,31 @@ class AreaLighting:
         camera: tuple[F64, tuple[float, float, float]],
         lights: Buffer,
         *,
+        emission: Texture | None = None,
         is_still: bool = False,
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
-        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights. In
-        frames (not `is_still`) half of an emitter's samples do where they see all of it or nothing.
+        `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights;
+        `emission`: in place of the G-buffer's. In frames (not `is_still`) half of an emitter's
+        samples do where they see all of it or nothing.
         """
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
             self._lit = Texture(self.gpu, "area light", gbuffer.size, "rgba32float", target=True)
+        resolution = self.shadows.maps.resolution
+        spans = map_spans(resolution)
         values: dict[str, Any] = {
             "params": AreaLightingParams(
                 world_from_clip=camera[0],
                 eye=camera[1],
                 emitter_count=self.shadows.emitters.count,
                 size=gbuffer.size,
-                texel=1.0 / self.shadows.maps.resolution,
+                map_texel=(spans[0] / resolution, spans[1] / resolution),
+                map_scale=(1.0 / spans[0], 1.0 / spans[1]),
                 many=_NONE if is_still else MANY,
             ),
             **gbuffer.bound,
+            **({} if emission is None else {"emission": emission}),
             "cosines": self._cosines,
             **self.shadows.bound,
         }

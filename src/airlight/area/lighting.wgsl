@@ -89,9 +89,22 @@ fn viewed(own: vec3f, axes: mat3x3f, s: Seen) -> Viewed {
     return Viewed(own, n, s.v * axes, abs(n.x) + abs(n.y) + abs(n.z));
 }
 
+// GGX towards what looks as wide as `wide`: half vectors turn by half as much, and by more across the plane of view.
+fn widened_lobe(at: Viewed, l: vec3f, alpha: f32, wide: f32) -> f32 {
+    let n_v = max(dot(at.n, at.v), 1e-4);
+    let both = at.v + l;
+    let squared = max(dot(both, both), 1e-8);
+    let n_h = dot(at.n, both);
+    let side = dot(l, cross(at.n, at.v));
+    let h = vec2f(n_h * n_h, side * side / max(1.0 - n_v * n_v, 1e-6)) / squared;
+    let along = min(alpha + 0.5 * wide, 1.0);
+    let across = min(alpha + wide * inverseSqrt(squared), 1.0);
+    let d = h.x + h.y / (across * across) + max(1.0 - h.x - h.y, 0.0) / (along * along);
+    return smith_visibility(max(dot(at.n, l), 0.0), n_v, along) / (along * across * d * d);
+}
+
 fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glossy: bool) -> Sum {
     var sum = Sum(vec2f(0.0), vec2f(0.0), vec3f(0.0));
-    let n_v = max(dot(s.n, s.v), 1e-4);
     // Samples of flat emitters share all but place and brightness: CPU adapters read lane by lane.
     let first = samples[e.first_sample];
     let axes = mat3x3f(first.x, first.y, first.z);
@@ -149,13 +162,9 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
             }
             sum.matt += weight * vec2f(1.0, open);
             if (HAS_GLOSS && is_glossy) {
-                // The lobe as wide as the sample makes it.
-                let inverse = inverseSqrt(true_squared);
-                let alpha = saturate(s.r.alpha + 0.5 * sqrt(select(sample.nearest, e.nearest, ARE_FLAT) / squared));
-                let h = normalize(at.v - at.own * inverse);
-                let gloss = weight * ggx_distribution(saturate(dot(at.n, h)), alpha)
-                    * smith_visibility(rise * inverse, n_v, alpha);
-                sum.gloss += gloss * vec2f(1.0, open);
+                let wide = sqrt(select(sample.nearest, e.nearest, ARE_FLAT) / squared);
+                sum.gloss += weight * widened_lobe(at, -at.own * inverseSqrt(true_squared), s.r.alpha, wide)
+                    * vec2f(1.0, open);
             }
             sum.light += open * sample.color * reflected;
         }

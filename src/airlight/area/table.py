@@ -24,6 +24,8 @@ from .shapes import MOST_CORNERS
 
 HEMISPHERE_SPAN, CUBE_SPAN = 3.0, 2.0
 """Width of a view at distance 1 along its axis; a hemisphere's goes from -2 to 1."""
+_BORDER = 2.5
+"""Texels of a map around that: as far as points are moved off their surfaces, and a filter's."""
 _NEAREST = 2e-4  # of the farthest
 
 
@@ -116,15 +118,25 @@ def depth_terms(near: float, far: float) -> tuple[float, float]:
     return gain, gain * near
 
 
-def emitter_views(emitter: Emitter, low: F64, high: F64) -> list[LightView]:
+def map_spans(resolution: int) -> tuple[float, float]:
+    """Widths of maps `resolution` texels wide, of a hemisphere and a cube, with their borders."""
+    kept = 1.0 - 2.0 * min(_BORDER / resolution, 0.125)
+    return HEMISPHERE_SPAN / kept, CUBE_SPAN / kept
+
+
+def emitter_views(emitter: Emitter, low: F64, high: F64, resolution: int) -> list[LightView]:
     """The views of an emitter's samples, in the order of their layers."""
     near_far = reach(emitter, low, high)
-    return [view for s in emitter.samples for view in sample_views(s, *planes(s, *near_far))]
+    return [
+        view
+        for sample in emitter.samples
+        for view in sample_views(sample, *planes(sample, *near_far), resolution)
+    ]
 
 
-def sample_views(sample: Sample, near: float, far: float) -> list[LightView]:
+def sample_views(sample: Sample, near: float, far: float, resolution: int) -> list[LightView]:
     """The views of a sample, in the order of their layers; `near`, `far`: their planes, m."""
-    axes = frame(sample)
+    axes, span = frame(sample), map_spans(resolution)[sample.is_cube]
     views = []
     for sign in (1.0, -1.0) if sample.is_cube else (1.0,):
         for k in range(3):
@@ -134,19 +146,27 @@ def sample_views(sample: Sample, near: float, far: float) -> list[LightView]:
             moved[:3, :3] = rows
             moved[:3, 3] = -rows @ np.array(sample.light.position)
             views.append(
-                LightView(_clip(near, far, is_cube=sample.is_cube) @ moved, (0.0, 0.0), True, 0)
+                LightView(
+                    _clip(near, far, span, 0.0 if sample.is_cube else 0.5) @ moved,
+                    (0.0, 0.0),
+                    True,
+                    0,
+                )
             )
     return views
 
 
-def _clip(near: float, far: float, *, is_cube: bool) -> F64:
-    """Clip space of (right, up, forward); twin: `sample_visibility` of wgsl/area_shadow.wgsl."""
-    scale, shift = (1.0, 0.0) if is_cube else (1.0 / 1.5, 0.5 / 1.5)
+def _clip(near: float, far: float, span: float, shift: float) -> F64:
+    """Clip space of (right, up, forward); twin: `sample_visibility` of wgsl/area_shadow.wgsl.
+
+    At distance 1 a view is `span` wide, about -`shift` both ways.
+    """
+    scale = 2.0 / span
     gain = far / (far - near)
     return np.array(
         [
-            [scale, 0.0, shift, 0.0],
-            [0.0, scale, shift, 0.0],
+            [scale, 0.0, scale * shift, 0.0],
+            [0.0, scale, scale * shift, 0.0],
             [0.0, 0.0, gain, -gain * near],
             [0.0, 0.0, 1.0, 0.0],
         ]

@@ -34,7 +34,7 @@ struct Gathered {
     // Where there is no surface, the background.
     if (!HAS_SURFACES || d <= 0.0) {
         if (HAS_LIGHTS) {
-            out.direct = vec4f(background(-v), 0.0);
+            out.direct = vec4f(background(-v) + textureLoad(emission, pixel, 0).rgb, 0.0);
         } else {
             out.direct = lit_of(pixel);
         }

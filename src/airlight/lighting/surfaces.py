@@ -11,7 +11,10 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from ..area.attenuation import Attenuation
+from ..area.coverage import Coverage
 from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
 from ..gpu.demands import fits
@@ -52,9 +55,13 @@ class Surfaces:
             traced: fits(kit.gpu, slots_of(is_traced=traced)) for traced in (False, True)
         }
         self._area: AreaLighting | None = None
+        self._coverage: Coverage | None = None
         if kit.area_shadows is not None:
             materials = (mesh.material for mesh in scene.meshes)
             self._area = AreaLighting(kit.gpu, kit.area_shadows, materials, attenuation)
+            # Media between the eye and what glows take by the depth of what each sample hits.
+            if kit.context.scene.medium is None and not kit.context.scene.volumes:
+                self._coverage = Coverage(kit.gpu, kit.emitters.count)
         self._emission: Texture | None = None
         self._shadows: ShadowRays | None = None
         self._linear = linear_sampler(kit.gpu)
@@ -109,7 +116,18 @@ class Surfaces:
             self._area.shadows.encode(commands, self.kit.meshes, view.sample, *self.kit.box)
             camera = (view.world_from_clip, view.eye)
             table = self.kit.lights.table
-            return self._area.encode(commands, view.gbuffer, camera, table, is_still=view.is_still)
+            emission, is_still = self._covered(commands, view), view.is_still
+            return self._area.encode(
+                commands, view.gbuffer, camera, table, emission=emission, is_still=is_still
+            )
+
+    def _covered(self, commands: Commands, view: View) -> Texture:
+        """The glow of surfaces: in stills polygons by their part of each pixel, unless blurred."""
+        if self._coverage is None or not view.is_still or view.camera.aperture_m > 0.0:
+            return view.gbuffer.emission
+        camera = (view.clip_from_world, view.world_from_clip, np.array(view.eye))
+        emitters = self.kit.emitters.list
+        return self._coverage.encode(commands, view.gbuffer, emitters, camera, view.jitter_px)
 
     def _has_near_field(self, irradiance: Irradiance) -> bool:
         """Whether near surfaces light each other: where there is indirect light at all."""

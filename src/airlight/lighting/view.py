@@ -37,6 +37,7 @@ class View:
         self.camera = Camera()
         self.metered_stops = 0.0
         """The exposure where the camera leaves it to the image: of unlit surfaces."""
+        self.jitter_px = (0.0, 0.0)
         self._aimed: tuple[Camera, tuple[float, float], tuple[int, int]] | None = None
 
     def _make_layers(self) -> None:
@@ -53,7 +54,7 @@ class View:
         aim = (camera, jitter_px, self.size)
         if aim == self._aimed:
             return
-        self._aimed = aim
+        self._aimed, self.jitter_px = aim, jitter_px
         # The projection, moved by the jitter; depth is reversed, without a far plane.
         look = np.subtract(camera.target, camera.position)
         view = view_from_world(camera.position, look, camera.up)
@@ -66,7 +67,7 @@ class View:
     def follow(self, other: View) -> None:
         """Look where `other`, of the same size, looks."""
         self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
-        self._aimed, self.eye = other._aimed, other.eye
+        self._aimed, self.jitter_px, self.eye = other._aimed, other.jitter_px, other.eye
         self.gbuffer.unlit_radiance = other.gbuffer.unlit_radiance
         self.clip_from_world = other.clip_from_world
         self.world_from_clip = other.world_from_clip

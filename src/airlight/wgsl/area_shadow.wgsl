@@ -1,5 +1,5 @@
-// What a sample of a light sees. The including pass binds `area_shadows`, `shadow_compare` and, in `params`, `texel`: of
-// the maps, of their width.
+// What a sample of a light sees. The including pass binds `area_shadows`, `shadow_compare` and, in `params`, of a
+// hemisphere's maps and a cube's: `map_texel`, of the distance along a view's axis, and `map_scale`, over what a map spans.
 
 // A point before the views of a sample: in the sample's axes, its normal too.
 struct Viewed {
@@ -19,14 +19,14 @@ fn sample_visibility(first_view: u32, is_cube: bool, depth: vec2f, at: Viewed) -
     let ahead = select(1.0, sign(along), is_cube);
     // The point is moved along its normal so far that its own plane lies behind it in all four texels
     // that are compared: by what the plane rises towards the light over a texel along both sides.
-    let texel_m = select(3.0, 2.0, is_cube) * params.texel * max(abs(along), 0.0);
+    let texel_m = select(params.map_texel.x, params.map_texel.y, is_cube) * abs(along);
     let steepness = at.slope - abs(select(select(at.n.x, at.n.y, is_y), at.n.z, is_z));
     let raised = at.own + at.n * (texel_m * (1.05 * steepness + 0.1));
     let moved = select(select(raised, raised.yzx, is_y), raised.zxy, is_z);
     let inverse = 1.0 / max(moved.x * ahead, 1e-9);
     let plane = vec2f(moved.z * ahead, moved.y) * inverse;
-    let uv = select(vec2f(1.0, -1.0) / 3.0 * plane + vec2f(2.0, 1.0) / 3.0,
-        vec2f(0.5, -0.5) * plane + 0.5, is_cube);
+    let scale = select(params.map_scale.x, params.map_scale.y, is_cube);
+    let uv = vec2f(scale, -scale) * (plane + select(0.5, 0.0, is_cube)) + 0.5;
     let z = depth.x - depth.y * inverse;
     if (z <= 0.0 || z >= 1.0) {
         return 1.0;
