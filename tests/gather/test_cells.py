@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.gather.test_solver import LPV, X, Z, rectangle
+from tests.gather.test_solver import LPV, X, Y, Z, rectangle
 
-from airlight.rendering import render
+from airlight.rendering import Renderer, render
 from airlight.scene import Camera, DirectionalLight, Material, Medium, Scene
 
 SETTINGS = {name: value for name, value in LPV.items() if name != "iterations"}
@@ -45,3 +45,17 @@ def test_thin_air_over_a_lit_square_scatters_what_closed_forms_say(seed_view):
     truth = 4.0 * SIGMA * 0.8 * square_angle(seed_view, z, 1.2, 2.0).mean() / (4.0 * np.pi)
     # 256 rays a cell and many cells: 1 %; half-empty cells at the borders take the rest.
     assert found / truth == pytest.approx(1.0, abs=0.05)
+
+
+def test_area_lights_shine_on_what_rays_of_cells_meet_in_the_first_frame():
+    """The first frame of a renderer is its second one: nothing in it waits for shadow maps."""
+    floor = rectangle(-2 * X - 2 * Z, 4 * X, 4 * Z, PAINT)
+    glow = Material(base_color=(0.0,) * 3, emission=(20.0,) * 3, specular=0.0, two_sided=False)
+    panel = rectangle(3.5 * Y - 0.2 * X - 0.2 * Z, 0.4 * X, 0.4 * Z, glow)
+    air = Medium((SIGMA,) * 3, (1.0,) * 3, bounds=((-2.0, 0.0, -2.0), (2.0, 3.0, 2.0)))
+    scene = Scene((floor, panel), (), camera=Camera((0, 1.2, 4), (0, 1.2, 0)), medium=air)
+    settings = {**SETTINGS, "gather": "always"}
+    with Renderer(scene, "lpv-scatter", (12, 8), settings=settings) as renderer:
+        frames = [renderer.frame(samples=1).layers["multiple_scatter"] for _ in range(2)]
+    assert frames[1].mean() > 0.0
+    np.testing.assert_array_equal(frames[0], frames[1])

@@ -86,6 +86,10 @@ class GatherSolver(Solver):
         # A moving frame may go on from the light of those before it: its rays go on from theirs.
         history = None if view.is_still or view.sample else sized.history
         number = history.number if history else view.sample
+        # Area lights shine on what rays of pixels meet, and on what those of cells do.
+        if kit.area_shadows is not None:
+            with commands.stage("area lights"):
+                kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
         fields = self._gathered_air(commands, view, fields)
         # What the rays start from, and what lights the surfaces that they meet.
         with commands.stage("g-buffer"):
@@ -97,9 +101,6 @@ class GatherSolver(Solver):
                     commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
                 )
             sized.points.encode(commands, view)
-        if kit.area_shadows is not None:
-            with commands.stage("area lights"):
-                kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
         # Batches of paths: traced, lit segment by segment, added up.
         rays = self.settings.gather_rays
         sample = range(number * rays, (number + 1) * rays)

@@ -13,12 +13,13 @@ struct Depths {
     forward: vec3f,     // what the true medium has besides
     scattering: vec3f,  // of it
     deviation: f32,     // m, of the light's spread across its direction
+    back: f32,          // m, from where it is deflected
 }
 
 // All media between p and a light.
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     let path = media_light_path(light, p);
-    var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
+    var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     let ray = walked_ray(p, path.xyz, path.w);
     var node = 0u;
     for (var v = 0u; v < MEDIA_NODES; v++) {
@@ -34,8 +35,11 @@ fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
         let scattering = reduced * media[m].albedo / isotropic;
         sum.forward += scattering * media[m].g;
         sum.scattering += scattering;
-        // Of the green of spread; lengths of several media add up.
-        sum.deviation += select(0.0, 0.29 * sqrt(2.0 * isotropic.g) * column, media[m].g.g > 0.0);
+        // Of the green of spread; lengths of several media add up. Where all of a path deflects alike, the place
+        // is 1/sqrt(3) of it back (root mean square).
+        let deflecting = select(0.0, column, media[m].g.g > 0.0);
+        sum.deviation += 0.29 * sqrt(2.0 * isotropic.g) * deflecting;
+        sum.back += 0.58 * deflecting;
     }
     return sum;
 }
@@ -54,6 +58,10 @@ fn moved_freely(start: vec3f, offset: vec3f) -> vec3f {
     for (var i = 0.0; i < steps; i += 1.0) {
         let next = at + offset / steps;
         let from_cell = vec3i(floor(at));
+        // Beyond the lattice no walls are known.
+        if (any(from_cell < vec3i(0)) || any(from_cell >= vec3i(lattice.count))) {
+            return start + offset;
+        }
         let to_cell = vec3i(floor(next));
         for (var axis = 0u; axis < 3u; axis++) {
             let step = to_cell[axis] - from_cell[axis];
@@ -65,6 +73,12 @@ fn moved_freely(start: vec3f, offset: vec3f) -> vec3f {
         at = next;
     }
     return at;
+}
+
+// The world point of lattice coordinates. Beyond the lattice cells go on; within it walls stand where the warp has them.
+fn place_of(coordinates: vec3f) -> vec3f {
+    let cell = vec3u(clamp(vec3i(floor(coordinates)), vec3i(0), vec3i(lattice.count) - 1));
+    return unwarped_point(lattice, cell, coordinates - vec3f(cell));
 }
 
 struct Part {
@@ -88,7 +102,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit, vec3f(0.0), depth);
-    // What was deflected has come along beams beside it; it is looked up where they come from.
+    // What was deflected comes slantwise from a beam beside it, whose light is looked up where it was deflected.
     let radius = depths.deviation / lattice.cell;
     if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
         // Two rings of four, each for half of a Gaussian.
@@ -96,13 +110,16 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
             select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
         let turn = (f32(k) + 0.5) * 0.7853981634;
         let ring = min(radius, BLUR_CELLS) * select(0.83, 1.82, (k & 1u) == 1u);
-        let offset = lattice_from_world(lattice,
+        let aside = lattice_from_world(lattice,
             ring * (cos(turn) * across + sin(turn) * cross(light.direction, across)));
-        let moved = moved_freely(vec3f(id) + half, offset);
-        // Beyond the lattice cells go on; within it walls stand where the warp has them.
-        let there = vec3u(clamp(vec3i(floor(moved)), vec3i(0), vec3i(lattice.count) - 1));
-        p = unwarped_point(lattice, there, moved - vec3f(there));
-        depths = depths_towards(light, i, p);
+        let back = depths.back / lattice.cell * min(1.0, BLUR_CELLS / radius);
+        let offset = aside - back * lattice_from_world(lattice, light.direction);
+        let start = vec3f(id) + half;
+        let moved = moved_freely(start, offset);
+        let way = length(moved - start) / length(offset);
+        // As much medium as there is before the place beside this one; lit if the beam is where it was deflected.
+        depths = depths_towards(light, i, place_of(start + way * aside));
+        p = place_of(moved);
         lit = lit_point(light, own.to_light, p);
     }
     // A local light may be in the cell, so its mean over the part is taken.
