@@ -53,7 +53,10 @@ class Renderer:
             return None
         ramp = np.linspace(0.1, 0.5, self.size[1], dtype=np.float32)[:, None, None]
         light = np.broadcast_to(ramp, (self.size[1], self.size[0], 3)) * len(self.frame_ms)
-        layers = {"direct": light, "indirect": 0.5 * light}
+        layers = {"direct": light, "indirect": 0.5 * light, "albedo": np.full_like(light, 0.5)}
+        up = np.zeros_like(light)
+        up[..., 1] = 1.0
+        layers |= {"normal": up, "depth": np.full(light.shape[:2], 3.0, np.float32)}
         layers |= {"single_scatter": 0.0 * light, "multiple_scatter": 0.0 * light}
         return Image(1.5 * light, layers, stats=self.stats())
 

@@ -39,7 +39,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "clpv-6": Figure(
         f"{_PAPER} Fig. 6",
-        "one bounce in grey stone beside a path tracer's, and the difference",
+        "one bounce in grey stone beside a path tracer's and imperfect shadow maps'",
         "clpv_6",
     ),
     "clpv-7": Figure(
