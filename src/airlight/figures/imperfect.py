@@ -2,7 +2,7 @@
 
 A view from the light, a reflective shadow map, is sampled for virtual lights; each sees a few
 points of all surfaces in a small map of its hemisphere, whose holes are filled; pixels add up the
-lights that their maps let through. In NumPy, to be looked at: its time says nothing.
+lights whose maps see them. In NumPy, to be looked at: its time says nothing.
 """
 
 from __future__ import annotations
