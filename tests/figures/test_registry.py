@@ -10,7 +10,8 @@ import pytest
 
 from airlight.app import cli
 from airlight.figures import lpvms_6, registry
-from airlight.figures.panels import Request
+from airlight.figures.clpv_11_boxes import MODES, floor_behind, three_boxes
+from airlight.figures.panels import Request, rendered
 from airlight.figures.registry import FIGURES
 from airlight.reference import mitsuba
 from airlight.scene.image import Image
@@ -52,7 +53,10 @@ class Renderer:
             return None
         ramp = np.linspace(0.1, 0.5, self.size[1], dtype=np.float32)[:, None, None]
         light = np.broadcast_to(ramp, (self.size[1], self.size[0], 3)) * len(self.frame_ms)
-        layers = {"direct": light, "indirect": 0.5 * light}
+        layers = {"direct": light, "indirect": 0.5 * light, "albedo": np.full_like(light, 0.5)}
+        up = np.zeros_like(light)
+        up[..., 1] = 1.0
+        layers |= {"normal": up, "depth": np.full(light.shape[:2], 3.0, np.float32)}
         layers |= {"single_scatter": 0.0 * light, "multiple_scatter": 0.0 * light}
         return Image(1.5 * light, layers, stats=self.stats())
 
@@ -161,3 +165,20 @@ def test_a_leak_is_told_as_its_share_of_the_light_without_a_wall(pretended):
     leaks = FIGURES["clpv-11"].draw(Request((48, 27), quick=True)).numbers["wall"]
     told = leaks["ours"]["share_of_indirect_light_that_leaks"]
     assert told == {"0.02 m": 1.0, "0.1 m": 1.0, "0.25 m": 1.0}
+
+
+def test_a_box_that_nothing_sees_casts_no_shadow_and_samples_of_surfaces_bring_it_back(gpu):
+    light = {}
+    size = (48, 27)
+    where = floor_behind(three_boxes().camera, size)
+    assert where.any() and not where.all()
+    for label in ("our scheme, seen once", "ours"):
+        with_box, without = (
+            rendered(Request(size), scene, MODES[label]).layers["indirect"][where].sum()
+            for scene in (three_boxes(), three_boxes(2))
+        )
+        light[label] = with_box / without
+    # The last box lies wholly behind the first: views do not see it, and it changes nothing.
+    assert light["our scheme, seen once"] == pytest.approx(1.0, abs=1e-6)
+    # A lattice of two bands keeps part of a shadow: .40 of the light is left at 160 x 90.
+    assert light["ours"] < 0.6

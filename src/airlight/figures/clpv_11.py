@@ -1,7 +1,7 @@
-"""Light that bleeds through thin things (Kaplanyan2010 Fig. 11).
+"""Light that bleeds through thin things, and a shadow that is lost (Kaplanyan2010 Fig. 11).
 
-The paper's second image, a shadow lost because nothing saw its caster, is not drawn: by default
-blockers come from samples of all surfaces; scheme paper takes them from views, and loses shadows.
+The paper's scheme takes blockers from what camera and lights see, and loses the shadow of what
+they do not; by default blockers come from samples of all surfaces.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ..scene.lights import SpotLight
 from ..scene.material import Material
 from ..scene.scene import Scene
 from .clpv_6 import scores
+from .clpv_11_boxes import boxes_row
 from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet
 from .truths import smoothed, told_of, truth_of
 
@@ -26,12 +27,14 @@ _SHELL_M = 0.2
 
 
 def draw(request: Request) -> Drawn:
-    """A shelf of 22 mm boards, then a dark room behind a wall of three thicknesses."""
+    """A shelf of 22 mm boards, a dark room behind a wall of three thicknesses, a hidden box."""
     told: dict[str, Any] = {}
     leaks: dict[str, Any] = {}
+    shadows: dict[str, Any] = {}
     rows = [("shelf", _shelf(request, told)), *_walls(request, leaks)]
-    numbers = {"shelf": told, "wall": leaks}
-    return Drawn(sheet(request, "Light through thin things", rows), numbers)
+    rows.append(boxes_row(request, shadows))
+    numbers = {"shelf": told, "wall": leaks, "hidden box": shadows}
+    return Drawn(sheet(request, "Light through thin things, and a lost shadow", rows), numbers)
 
 
 def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:

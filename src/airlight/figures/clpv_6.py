@@ -1,7 +1,8 @@
-"""One bounce in the atrium of grey stone beside a path tracer's (Kaplanyan2010 Fig. 6)."""
+"""One bounce of the sun in grey stone beside two other methods (Kaplanyan2010 Fig. 6)."""
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -12,16 +13,18 @@ from ..reference.metrics import noise_floor, relmse, scene_epsilon
 from ..scene.builtin import atrium, cornell
 from ..scene.checks import F32
 from ..scene.image import Image
+from .imperfect import LIGHTS, indirect_of
 from .panels import Drawn, Request, exposure_of, in_clay, mean_light, rendered, sheet
 from .truths import averaged, noise_l2, smoothed, told_of, traced
 
 SCHEMES = {"ours": "centroid", "the paper's scheme": "paper"}
+IMPERFECT = "imperfect shadow maps"
 Row = tuple[str, list[tuple[str, U8 | None]]]
 
 
 def draw(request: Request) -> Drawn:
     """Whole images, indirect light alone, and where it is too bright (green) or dark (red)."""
-    scene = cornell() if request.quick else in_clay(atrium())
+    scene = cornell() if request.quick else in_clay(dataclasses.replace(atrium(), environment=None))
     request.report("path tracing one bounce", 0.0)
     truth = traced(request, scene)
     bounced = truth.image.layers["one_bounce"]
@@ -39,7 +42,14 @@ def draw(request: Request) -> Drawn:
             rows.append(_traced(truth, smooth, stops))
         scale = 1.0 if scheme != "paper" else 1.0 / max(told["energy_ratio"], 1e-30)
         rows.append(_row(label, image, scale, smooth, stops))
-    return Drawn(sheet(request, "One bounce, beside a path tracer", rows), numbers)
+        direct = averaged(image.layers["direct"], bounced)
+    request.report("imperfect shadow maps", 0.8)
+    height, width = bounced.shape[:2]
+    indirect = indirect_of(dataclasses.replace(request, size=(width, height)), scene)
+    numbers["schemes"][IMPERFECT] = scores(indirect, bounced) | {"virtual_lights": LIGHTS}
+    other = Image(direct + indirect, {"direct": direct, "indirect": indirect})
+    rows.append(_row(f"{LIGHTS} {IMPERFECT}", other, 1.0, smooth, stops))
+    return Drawn(sheet(request, "One bounce, beside other methods", rows), numbers)
 
 
 def _traced(truth: Reference, smooth: F32, stops: float) -> Row:

@@ -39,7 +39,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "clpv-6": Figure(
         f"{_PAPER} Fig. 6",
-        "one bounce in grey stone beside a path tracer's, and the difference",
+        "one bounce in grey stone beside a path tracer's and imperfect shadow maps'",
         "clpv_6",
     ),
     "clpv-7": Figure(
@@ -50,7 +50,9 @@ FIGURES: dict[str, Figure] = {
         f"{_PAPER} Fig. 10", "foliage, and how far its light jumps while the sun moves", "clpv_10"
     ),
     "clpv-11": Figure(
-        f"{_PAPER} Fig. 11", "light that bleeds through thin boards and through a wall", "clpv_11"
+        f"{_PAPER} Fig. 11",
+        "light that bleeds through thin boards and a wall; a shadow that no view sees cast",
+        "clpv_11",
     ),
     "clpv-12": Figure(
         f"{_PAPER} Fig. 12", "the lattice's spacing, and the number of iterations", "clpv_12"
@@ -103,7 +105,8 @@ FIGURES: dict[str, Figure] = {
     "pop-16": Figure(f"{_POP} Fig. 16", "a plume in motion, and how steady its light is", "pop_16"),
     "pop-17": Figure(f"{_POP} Fig. 17", "smoke and surfaces in each other's light", "pop_17"),
 }
-"""Figure by name."""
+"""Figure by name. Diagrams have none, as Elek2014 Fig. 9, the flow of its method, which
+docs/architecture.md has for ours."""
 
 
 def figure(name: str) -> Figure:

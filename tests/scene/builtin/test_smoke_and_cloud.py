@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ from airlight.scene.builtin.smoke import SHAPE, plume_density, smoke
 def test_smoke_has_the_optics_it_says() -> None:
     (volume,) = smoke(time=1.0).volumes
     assert volume.sigma_t == (8.0, 8.0, 8.0) and volume.albedo[0] == 0.95 and volume.g[0] == 0.6
-    assert volume.density.shape == SHAPE == (48, 96, 48)
+    assert volume.density.shape == SHAPE == (64, 128, 64)
     assert volume.density.min() >= 0.0 and 0.5 < volume.density.max() <= 1.0
     with pytest.raises(SceneError, match="time must be a number, not 'now'"):
         smoke(time="now")
@@ -25,8 +27,8 @@ def test_plume_widens_and_thins_as_it_rises_and_stays_in_its_box() -> None:
     z, _, x = np.meshgrid(*(np.arange(n) - (n - 1) / 2 for n in SHAPE), indexing="ij")
     away = np.hypot(x, z)
     width = (density * away).sum(axis=(0, 2)) / np.maximum(density.sum(axis=(0, 2)), 1e-9)
-    assert width[60:80].mean() > 2.0 * width[4:12].mean()
-    assert density[:, 60:80].max() < density[:, 4:12].max()
+    assert width[80:106].mean() > 2.0 * width[6:16].mean()
+    assert density[:, 80:106].max() < density[:, 6:16].max()
     for side in (density[0], density[-1], density[..., 0], density[..., -1], density[:, -1]):
         assert side.max() < 0.02
 
@@ -36,10 +38,20 @@ def test_plume_moves_smoothly_upwards() -> None:
     change = np.abs(soon - now).sum() / now.sum()
     assert 0.0 < change < 0.25
     assert np.abs(later - now).sum() / now.sum() > 2.0 * change
-    # Over 0.11 s the mean flow carries smoke up by two cells of 5 cm.
-    moved, middle = plume_density(2.11, 11), slice(20, 70)
-    lifted = np.roll(now, 2, axis=1)
+    # Over an eighth of a second the mean flow carries smoke up by three cells of 37.5 mm.
+    moved, middle = plume_density(2.125, 11), slice(27, 93)
+    lifted = np.roll(now, 3, axis=1)
     assert np.abs(moved - lifted)[:, middle].sum() < np.abs(moved - now)[:, middle].sum()
+
+
+def test_paths_between_traced_cells_are_those_that_would_be_traced(monkeypatch) -> None:
+    # The module, whose name the scene in it has taken.
+    made = importlib.import_module("airlight.scene.builtin.smoke")
+    between = plume_density(1.0, 11)
+    monkeypatch.setattr(made, "_TRACED", SHAPE)
+    traced = plume_density(1.0, 11)
+    assert np.abs(between - traced).sum() < 0.06 * traced.sum()
+    assert between.sum() == pytest.approx(traced.sum(), rel=0.01)
 
 
 def test_cloud_is_a_heap_with_a_flat_base_inside_its_box() -> None:

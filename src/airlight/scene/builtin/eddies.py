@@ -32,11 +32,34 @@ class Eddies:
 
     def look_up(self, table: F32, points: F32) -> F32:
         """The nearest entries of a periodic (x, y, z, channel) table."""
-        size = np.array(self.cells)
+        size = np.array(self.cells, np.int32)
         scale = (size / np.array(self.box_m, np.float32)).astype(np.float32)
         cell = np.floor(points * scale).astype(np.int32) % size
         flat = (cell[:, 0] * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
-        return cast(F32, table.reshape(-1, table.shape[-1])[flat])
+        return cast(F32, np.take(table.reshape(-1, table.shape[-1]), flat, axis=0))
+
+    def between(self, table: F32, points: F32) -> F32:
+        """Between the entries of a periodic (x, y, z) table, linearly."""
+        size = np.array(self.cells, np.int32)
+        at = points * (size / np.array(self.box_m)).astype(np.float32) - np.float32(0.5)
+        below = np.floor(at)
+        share = (at - below).T
+        first = below.astype(np.int32) % size
+        second = (first + 1) % size
+        x, y, z = (tuple(pair) for pair in np.stack([first, second]).transpose(2, 0, 1))
+        values, row, column = table.ravel(), size[1], size[2]
+
+        def along_z(i: int, j: int) -> F32:
+            start = (x[i] * row + y[j]) * column
+            low = np.take(values, start + z[0])
+            return cast(F32, low + share[2] * (np.take(values, start + z[1]) - low))
+
+        def along_y(i: int) -> F32:
+            low = along_z(i, 0)
+            return cast(F32, low + share[1] * (along_z(i, 1) - low))
+
+        low = along_y(0)
+        return cast(F32, low + share[0] * (along_y(1) - low))
 
 
 @lru_cache(maxsize=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import prod
 from typing import Any, cast
 
 import numpy as np
@@ -59,11 +60,12 @@ def _halved(coefficients: F32) -> F32:
 
 def _spread(coefficients: F32, shape: tuple[int, ...]) -> F32:
     """The periodic spline's values at the centres of `shape` samples."""
+    cells = coefficients.shape
     for axis, size in enumerate(shape):
-        weights = _spline_weights(size, coefficients.shape[axis])
-        moved_last = np.tensordot(coefficients, weights, (axis, 1))
-        coefficients = np.moveaxis(moved_last, -1, axis)
-    return np.ascontiguousarray(coefficients)
+        # Small products, one for each index of the axes before: nothing is copied or transposed.
+        flat = coefficients.reshape(prod(shape[:axis]), cells[axis], -1)
+        coefficients = _spline_weights(size, cells[axis]) @ flat
+    return cast(F32, coefficients.reshape(shape))
 
 
 def _spline_weights(size: int, count: int) -> F32:
