@@ -2,6 +2,9 @@
 // than its noise. Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from pass to pass.
 //! use gather
 
+// The least share of a point's rays that how near surfaces are is the mean of.
+const FEWEST = 0.125;
+
 // Luminance of the sky's light in a point's sums, and its variance: of the first pass's sums by their squares, and by
 // the frames before that are in them.
 fn noisy(light: vec4f, frames: f32) -> vec2f {
@@ -49,8 +52,9 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
             let its_products = before[index + 5u];
             var weight = exp(-falloff * f32(dot(offset, offset)));
             weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
-            // Rays that met nothing say nothing of how surfaces' light changes.
-            let each = 1.0 / max(own_squares.w + its_squares.w, 1e-9);
+            // Rays that met nothing say nothing of how surfaces' light changes, and few rays that met some not much.
+            let met = own_squares.w + its_squares.w;
+            let each = 1.0 / max(met, 2.0 * FEWEST * f32(params.rays));
             weight *= closeness(other.xyz - place.xyz, each * (own_squares + its_squares).xyz,
                 each * (own_products + its_products.xyz));
             weight = select(0.0, weight, other.w > 0.0);
