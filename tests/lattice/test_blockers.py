@@ -62,20 +62,15 @@ def test_a_full_wall_closes_its_faces_and_no_others(blocked, square):
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_one_sided_wall_stops_light_from_both_sides_and_is_black_behind(blocked, square, axis):
+def test_a_one_sided_wall_stops_what_it_faces(blocked, square, axis):
     u, v = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
     centre = np.full(3, 2.0)
     mesh = square(centre, 3 * u, 3 * v, Material(two_sided=False))  # faces +axis
-    made = blocked(mesh)
-    shares = closed(made)
+    shares = closed(blocked(mesh))
     along = np.moveaxis(shares, 3 - axis, 1)  # (6, along the axis, ., .)
     expected = np.zeros_like(along)
     expected[2 * axis + 1, 4] = 1.0  # light that travels along -axis
-    expected[2 * axis, 3] = 1.0  # and from behind
     np.testing.assert_array_equal(along, expected)
-    words = np.moveaxis(made.faces.read(np.uint32).reshape(N, N, N, 8), 2 - axis, 0)
-    assert words[4, 3, 3, 2 * axis + 1] & 255 >= 200
-    assert words[3, 3, 3, 2 * axis] & 0xFFFFFF == 0
 
 
 def test_textures_say_the_same_as_the_buffer(blocked, square):

@@ -83,7 +83,7 @@ def test_a_body_around_the_eye_is_a_room_also_in_parts():
 def test_surfels_of_a_flipped_body_face_out_and_follow_it():
     mesh = flipped(box())
     made = surfels((mesh,), [0], 400, sides([mesh], NOWHERE))
-    assert not made["back"].any()
+    assert not made["is_two_sided"].any()
     outward = np.einsum("nk,nk->n", made["area_normal"], made["position"])
     assert (outward > 0.0).all()
     grown = replace(mesh, geometry=Geometry(2.0 * mesh.geometry.positions, mesh.geometry.indices))

@@ -71,7 +71,7 @@ def test_points_lie_on_the_surface_and_are_spread():
 @pytest.mark.parametrize("two_sided", [True, False])
 def test_sides_are_the_materials(two_sided):
     mesh = placed(shapes.quad(), np.eye(3), material=Material(two_sided=two_sided))
-    assert set(surfels((mesh,), [0], 10)["back"]) == {1 if two_sided else 2}
+    assert set(surfels((mesh,), [0], 10)["is_two_sided"]) == {int(two_sided)}
 
 
 def test_what_is_cut_away_has_no_area():

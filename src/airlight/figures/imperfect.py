@@ -19,7 +19,7 @@ from ..maths.colour import luminance
 from ..scene.camera import Camera
 from ..scene.checks import F32, F64, Vec3
 from ..scene.image import Image
-from ..scene.lights import DirectionalLight, Light, SpotLight
+from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from .cascades import surface_points
 from .panels import Request, renderer
@@ -152,10 +152,10 @@ def _seen(request: Request, scene: Scene) -> Image:
 
 def _view_of(light: Light, scene: Scene) -> Camera:
     """What a light lights: a spot's cone, or all of the scene from far against its direction."""
-    if isinstance(light, SpotLight):
-        target = np.add(light.position, light.direction)
-        return Camera(light.position, cast(Vec3, tuple(target)), fov_y_deg=2.0 * light.outer_deg)
-    assert isinstance(light, DirectionalLight)
+    if not isinstance(light, DirectionalLight):
+        assert light.cone is not None
+        target = np.add(light.position, light.cone[0])
+        return Camera(light.position, cast(Vec3, tuple(target)), fov_y_deg=2.0 * light.cone[1])
     low, high = (np.asarray(corner, np.float64) for corner in scene.bounds)
     middle, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
     far = radius / np.tan(np.radians(0.5 * _SUN_FOV_DEG))

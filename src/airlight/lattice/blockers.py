@@ -29,7 +29,7 @@ from .placement import LatticeParams, Placement
 from .rooms import Rooms
 from .surfels import SurfelData, follow, surfels, turned
 
-_CORNER_VALUES = 42  # as in wgsl/blocker_sums.wgsl
+_CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 UNITS = 2.0**16
 """Fixed-point units per fully covered cell face."""
 

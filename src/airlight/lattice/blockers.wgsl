@@ -3,9 +3,6 @@
 //! use blocker_side
 //! use lattice_axes
 
-const REFLECTS = 1u;
-const BLACK = 2u;
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
         return;
@@ -35,10 +32,8 @@ const BLACK = 2u;
         }
         let side = 2u * axis + select(1u, 0u, covered[axis] > 0.0);
         add_side(first, side, units, offset[axis], surfel.reflectance);
-        if (surfel.back == REFLECTS) {
+        if (surfel.is_two_sided != 0u) {
             add_side(first, side ^ 1u, units, offset[axis], surfel.reflectance);
-        } else if (surfel.back == BLACK) {
-            atomicAdd(&sums[first + BACK_COVER + (side ^ 1u)], units);
         }
         add_axis(first, axis, units, offset[axis]);
     }

@@ -41,20 +41,15 @@ fn face_of(cell: vec3u, hop: u32) -> CellFace {
     }
 }
 
-// What covers a side of a face: what faces that side, and black backs.
-fn covered_share(f: CellFace, side: u32) -> f32 {
-    return on_face(f, side) + on_face(f, BACK_COVER + side);
-}
-
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
 fn closed_share(f: CellFace, hop: u32) -> f32 {
-    return saturate(OCCLUSION_GAIN * covered_share(f, hop ^ 1u));
+    return saturate(OCCLUSION_GAIN * on_face(f, hop ^ 1u));
 }
 
 // The colour of what faces the hop, times its share; and the share.
 fn reflected_share(f: CellFace, hop: u32) -> vec4f {
     let side = hop ^ 1u;
-    let covered = max(covered_share(f, side), 1e-6);
+    let covered = max(on_face(f, side), 1e-6);
     let rgb = vec3f(on_face(f, SIDE_REFLECTED + 3u * side),
         on_face(f, SIDE_REFLECTED + 3u * side + 1u), on_face(f, SIDE_REFLECTED + 3u * side + 2u));
     let closed = closed_share(f, hop);

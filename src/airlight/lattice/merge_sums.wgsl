@@ -11,10 +11,6 @@ fn merged_units(value: i32) -> i32 {
         return;
     }
     let first = CORNER_VALUES * id.x;
-    // What black backs cover.
-    for (var at = first + BACK_COVER; at < first + CORNER_VALUES; at++) {
-        merged[at] = max(merged[at], merged_units(sums[at]));
-    }
     // Each side's share with its reflectance, and the backmost surface of all.
     for (var side = 0u; side < 6u; side++) {
         let covered = merged_units(sums[first + side]);

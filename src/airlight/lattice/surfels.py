@@ -33,7 +33,7 @@ class SurfelData(Struct):
     position = vec3f("m, object space")
     instance = u32("index into instances")
     area_normal = vec3f("m^2, object space")
-    back = u32("1: blocks and reflects as the front, 2: blocks, black, 0: the front alone blocks")
+    is_two_sided = u32()
     reflectance = vec3f("bihemispherical albedo, linear")
     pad = u32()
 
@@ -113,15 +113,8 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     # A closed body stops light with its outside; both sides of it would count every body twice.
     made["area_normal"] = area_normal * (cover * (side or 1))[:, None]
     made["reflectance"] = albedo
-    made["back"] = _back(mesh.material, side)
+    made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
     return made
-
-
-def _back(material: Material, side: int) -> int:
-    """`SurfelData.back` of a mesh of which `side` blocks, as Rooms.sides."""
-    if side != 0 or material.lets_light_out:
-        return 0
-    return 1 if material.two_sided else 2
 
 
 def turned(
@@ -137,7 +130,8 @@ def turned(
         if before[index] != now[index]:
             rows = made["instance"] == instance
             found["area_normal"][rows] *= (before[index] or 1) * (now[index] or 1)
-            found["back"][rows] = _back(meshes[index].material, now[index])
+            is_both = now[index] == 0 and meshes[index].material.two_sided
+            found["is_two_sided"][rows] = int(is_both)
     return found
 
 

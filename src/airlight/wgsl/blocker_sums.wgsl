@@ -1,13 +1,11 @@
 // What is gathered around each corner of a lattice, in fixed point: the covered share of each side
 // (+x -x +y -y +z -z), each axis' covered share and its first moment, how far behind the face plane each side's
-// backmost surface lies (0: none seen), each side's covered share times reflectance (rgb), and what black backs
-// cover on each side, whose fronts alone say where walls are.
+// backmost surface lies (0: none seen), and each side's covered share times reflectance (rgb).
 const AXIS_COVER = 6u;
 const AXIS_MOMENT = 9u;
 const SIDE_BEHIND = 12u;
 const SIDE_REFLECTED = 18u;
-const BACK_COVER = 36u;
-const CORNER_VALUES = 42u;
+const CORNER_VALUES = 36u;
 
 const BEHIND_UNITS = 4096.0;    // per cell
 
