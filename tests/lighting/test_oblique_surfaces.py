@@ -16,7 +16,7 @@ from airlight.scene.builtin import builtin_scene
     [(False, "lpv", "indirect", 3.0), (True, "lpv-scatter", "multiple_scatter", 1.55)],
 )
 def test_a_board_lit_from_behind_shows_no_plates(medium, technique, layer, most):
-    # The brightest twentieth of its dark side over the median: 1.96 and 1.40; 4.7 and 1.67 where
+    # The brightest twentieth of its dark side over the median: 2.25 and 1.39; 4.7 and 1.67 where
     # lookups stop at the steps of faces that an oblique board closes.
     scene = builtin_scene("bleeding")
     scene = scene if medium else replace(scene, medium=None)
