@@ -167,7 +167,8 @@ def test_samples_that_all_agree_are_half_as_many_in_frames(monkeypatch) -> None:
     whole = drawn(RECTANGLE, meshes=(ball,)).layers["direct"]
     off = np.abs(half - whole).max(axis=2)
     # Where half of them disagree all are asked; rims of the penumbra are a few samples.
-    assert 0 < (off > 0).sum() < 0.1 * off.size
+    differ = off > 1e-6 * whole.max()  # sums in another order are off by roundings
+    assert 0 < differ.sum() < 0.1 * off.size
     assert np.linalg.norm(half - whole) < 0.02 * np.linalg.norm(whole)
 
 

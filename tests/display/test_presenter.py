@@ -53,7 +53,9 @@ def test_the_image_is_the_hosts(gpu, curve):
     wanted = display_srgb8((a + b).astype(np.float32), -1.0, curve, dither=True)
     off = np.abs(shown - wanted.astype(int))
     assert off.max() <= 1
-    assert off.mean() < 0.01  # the same dither
+    # The same dither: without it half of them would differ. Devices may round .1 of a level early or
+    # late (WebGPU leaves it open, Direct3D allows .6 of a level in all).
+    assert off.mean() < 0.1
 
 
 def test_one_layer_and_the_raw_ones(gpu):

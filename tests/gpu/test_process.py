@@ -10,8 +10,10 @@ from airlight.gpu import process
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
 FORK = """
-import os, sys
+import os, sys, warnings
 from airlight.gpu.device import Gpu, adapters, open_gpu
+# Python says so from 3.12 on wherever the driver has threads; what happens then is tested here.
+warnings.filterwarnings('ignore', '.*multi-threaded, use of fork', DeprecationWarning)
 def fork(work):
     '''What `work` says in a forked child, which then ends as a Python program does.'''
     sys.stdout.flush()

@@ -39,7 +39,8 @@ def test_a_texel_is_one_of_its_pixels(gpu: Gpu, look: Any, posts: Scene, scale: 
     distance, index = picked[..., 0], picked[..., 1].astype(int)
     y, x = np.indices(distance.shape)
     pixel = y * scale + index // scale, x * scale + index % scale
-    np.testing.assert_allclose(distance, true_distance(seen)[pixel], rtol=2e-6)
+    # Devices may contract sums, and divide with 2.5 units in the last place: 4.2e-6 on an H100.
+    np.testing.assert_allclose(distance, true_distance(seen)[pixel], rtol=1e-5)
     assert distance.shape == (-(-SIZE[1] // scale), -(-SIZE[0] // scale))
 
 

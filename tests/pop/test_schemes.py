@@ -130,7 +130,8 @@ def test_hops_in_parallel_grids_are_their_twins(gpu, scheme):
     solver = solved(gpu, scheme, residuum=False)
     truth = twin(solver, (SUN,), SKY)
     merged = of_cells(solver, solver.transport.propagation.merge.merged.read(), 1)[0]
-    assert_close(merged * inside(truth), truth.merged * inside(truth), 5e-3)
+    # Devices filter grids with weights of 8 bits, 1/512 off in each of three axes: .8 % on an H100.
+    assert_close(merged * inside(truth), truth.merged * inside(truth), 0.01)
     deposits = of_cells(solver, solver.transport.diffuse.deposits.read(), 4)
     assert_close(deposits[0], truth.power, 5e-3)
     if scheme == "split":

@@ -45,6 +45,11 @@ def depth_of(view, points):
     return clip[..., 2] / clip[..., 3]
 
 
+def snapped(depth):
+    """What depths change by where rasterisers move vertices by 1/256 of a texel, as they may."""
+    return sum(np.abs(slope) for slope in np.gradient(depth)) / 256
+
+
 LIGHTS = [
     DirectionalLight((0, -1, 0), (1, 1, 1)),
     DirectionalLight((0.4, -1, 0.2), (1, 1, 1)),
@@ -67,8 +72,9 @@ def test_depths_are_those_of_the_nearest_surface(gpu, commands, owned, room, lig
     shadowed, free = reach < 1.0 - edge, (reach > 1.0 + edge) & (on_floor < 4.0 - edge)
     assert shadowed.sum() > 10
     assert free.sum() > 100
-    np.testing.assert_allclose(depth[shadowed], depth_of(views[0], above)[shadowed], atol=2e-5)
-    np.testing.assert_allclose(depth[free], depth_of(views[0], below)[free], atol=2e-5)
+    for where, hits in ((shadowed, above), (free, below)):
+        wanted = depth_of(views[0], hits)
+        np.testing.assert_array_less(np.abs(depth - wanted)[where], 2e-5 + snapped(wanted)[where])
     empty = (on_floor > 4.0 + edge) & (reach > 1.0 + edge)
     np.testing.assert_array_equal(depth[empty], 1.0)
 
