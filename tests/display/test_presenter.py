@@ -16,7 +16,7 @@ SIZE = (20, 12)
 
 
 def layer(gpu, pixels: np.ndarray) -> Texture:
-    made = Texture(gpu, "layer", SIZE, "rgba32float", target=True)
+    made = Texture(gpu, "layer", SIZE, "rgba32float", target=True, written=True)
     made.write(np.dstack([pixels, np.ones(pixels.shape[:2])]).astype(np.float32))
     return made
 
@@ -32,7 +32,7 @@ class Screen:
     def __init__(self, gpu, format: str = "rgba8unorm", size: tuple[int, int] = SIZE) -> None:
         self.commands, self.view = Commands(gpu), View(gpu, SIZE)
         self.presenter = Presenter(gpu, SIZE, format)
-        self.surface = Texture(gpu, "surface", size, format, target=True)
+        self.surface = Texture(gpu, "surface", size, format, target=True, written=True)
 
     def shown(self, samples: list[dict[str, Texture]], look: Look) -> np.ndarray:
         for index, images in enumerate(samples):
@@ -53,8 +53,8 @@ def test_the_image_is_the_hosts(gpu, curve):
     wanted = display_srgb8((a + b).astype(np.float32), -1.0, curve, dither=True)
     off = np.abs(shown - wanted.astype(int))
     assert off.max() <= 1
-    # The same dither: without it half of them would differ. Devices may round .1 of a level early or
-    # late (WebGPU leaves it open, Direct3D allows .6 of a level in all).
+    # The same dither: without it half of them would differ. Devices may round .1 of a level early
+    # or late (WebGPU leaves it open, Direct3D allows .6 of a level in all).
     assert off.mean() < 0.1
 
 

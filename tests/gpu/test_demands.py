@@ -10,8 +10,8 @@ from airlight.gpu.asked import DEFAULT_LIMITS
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.demands import compiled, fits, slot_demands, target_bytes
 from airlight.gpu.device import open_gpu
+from airlight.gpu.fullscreen import FullscreenPass
 from airlight.gpu.layout import Struct, f32
-from airlight.gpu.raster import FullscreenPass
 from airlight.gpu.slots import image, sampler, storage, texture, uniform
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.gpu.fullscreen import FullscreenPass
 from airlight.gpu.interpolants import MOST_WORDS, interpolated
 from airlight.gpu.layout import Struct, f32, i32, mat4x4f, pack_array, u32, vec2f, vec3f, vec3u
 from airlight.gpu.memory import Texture, buffer_of
-from airlight.gpu.raster import FullscreenPass
 from airlight.gpu.slots import storage, uniform
 
 
@@ -66,7 +66,7 @@ def test_pixels_read_what_was_given(gpu, commands, owned, tmp_path):
         {"colour": (4, 5, 6), "unread": (9, 9, 9), "power": 0},
     ]
     lamps = owned(buffer_of(gpu, "lamps", pack_array(Lamp, rows)))
-    target = owned(Texture(gpu, "target", (6, 1), "rgba32float", target=True))
+    target = owned(Texture(gpu, "target", (6, 1), "rgba32float", target=True, written=True))
     made.draw(commands, (target,), params=params, lamps=lamps)
     commands.submit()
     expected = [

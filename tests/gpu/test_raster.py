@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.gpu.fullscreen import FullscreenPass
 from airlight.gpu.layout import Struct, vec4f
 from airlight.gpu.memory import Texture
-from airlight.gpu.raster import FullscreenPass
 from airlight.gpu.slots import uniform
 
 
@@ -38,7 +38,7 @@ def fullscreen(gpu, folder, **named):
 
 
 def test_every_pixel_is_written_at_its_centre_top_row_first(gpu, commands, owned, tmp_path):
-    target = owned(Texture(gpu, "target", (7, 4), "rgba32float", target=True))
+    target = owned(Texture(gpu, "target", (7, 4), "rgba32float", target=True, written=True))
     fullscreen(gpu, tmp_path).draw(commands, (target,), params=Tint(value=(0, 0, 5, 1)))
     commands.submit()
     x, y = np.meshgrid(np.arange(7) + 0.5, np.arange(4) + 0.5)
@@ -49,7 +49,7 @@ def test_every_pixel_is_written_at_its_centre_top_row_first(gpu, commands, owned
 def test_a_blending_pass_keeps_what_was_there(gpu, commands, owned, tmp_path):
     add = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
     made = fullscreen(gpu, tmp_path, blend={"color": add, "alpha": add}, targets=("rgba16float",))
-    target = owned(Texture(gpu, "target", (2, 2), "rgba16float", target=True))
+    target = owned(Texture(gpu, "target", (2, 2), "rgba16float", target=True, written=True))
     target.write(np.ones((2, 2, 4), np.float16))
     for _ in range(2):
         made.draw(commands, (target,), params=Tint(value=(0, 0, 3, 0)))
@@ -71,7 +71,9 @@ def test_some_targets_are_blended_with_and_others_replaced(gpu, commands, owned,
         blended=1,
         targets=("rgba16float", "rgba16float"),
     )
-    targets = [owned(Texture(gpu, n, (2, 2), "rgba16float", target=True)) for n in "ab"]
+    targets = [
+        owned(Texture(gpu, n, (2, 2), "rgba16float", target=True, written=True)) for n in "ab"
+    ]
     for target in targets:
         target.write(np.full((2, 2, 4), 2.0, np.float16))
     made.draw(commands, tuple(targets), params=Tint(value=(0, 0, 3, 1)))
@@ -81,7 +83,7 @@ def test_some_targets_are_blended_with_and_others_replaced(gpu, commands, owned,
 
 
 def test_missing_and_unknown_names_are_refused(gpu, commands, owned, tmp_path):
-    target = owned(Texture(gpu, "target", (2, 2), "rgba32float", target=True))
+    target = owned(Texture(gpu, "target", (2, 2), "rgba32float", target=True, written=True))
     made = fullscreen(gpu, tmp_path)
     with pytest.raises(TypeError, match=r"^TintPass: missing \['params'\], unknown \['tint'\]$"):
         made.draw(commands, (target,), tint=Tint(value=(0, 0, 0, 0)))

@@ -23,6 +23,10 @@ FOLDERS = (
     "pop",
     "techniques",
     "display",
+    "rays",
+    "gather",
+    "area",
+    "analytic",
 )
 QUICK = ("gpu/test_compute.py",)
 _COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")

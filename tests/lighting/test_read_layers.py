@@ -33,8 +33,8 @@ def test_depth_is_the_distance_along_the_ray(square, camera_rays):
     hits = np.array(CAMERA.position) + wanted[..., None] * rays
     on_floor = down & (np.abs(hits[..., 0]) < 40.0) & (hits[..., 2] > -76.0)
     assert 0 < on_floor.sum() < on_floor.size
-    # Reversed depth in single precision: about 1e-7 of the distance over the near plane's. Far away a
-    # pixel is metres of floor, and rasterisers may move vertices by 1/256 of one.
+    # Reversed depth in single precision: about 1e-7 of the distance over the near plane's. Far
+    # away a pixel is metres of floor, and rasterisers may move vertices by 1/256 of one.
     snapped = np.abs(np.gradient(np.where(on_floor, wanted, np.nan), axis=0)) / 256
     most = 1e-4 * wanted + np.nan_to_num(snapped, nan=1.0)
     np.testing.assert_array_less(np.abs(depth - wanted)[on_floor], most[on_floor])

@@ -38,7 +38,9 @@ def depth(gpu: Gpu, look: Any, volume: Volume) -> NDArray[Any]:
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, 1)
-    L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
+    L, T = (
+        Texture(gpu, n, rays.reduced, "rgba32float", target=True, written=True) for n in ("L", "T")
+    )
     rays.encode(seen.commands, seen.view)
     March(gpu, air).encode(seen.commands, rays, MarchedLight(), MarchTargets(L, T))
     return np.asarray(-np.log(seen.read(T)[..., 0]))

@@ -37,7 +37,9 @@ def drawn(gpu: Gpu, seen: Any) -> np.ndarray:
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, 1)
-    out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T")]
+    out = [
+        Texture(gpu, n, rays.reduced, "rgba32float", target=True, written=True) for n in ("L", "T")
+    ]
     rays.encode(seen.commands, seen.view)
     March(gpu, air).encode(seen.commands, rays, MarchedLight(), MarchTargets(*out))
     return seen.read(out[0])

@@ -43,7 +43,7 @@ def test_it_is_what_the_passes_make(
         values = rng.random((height, width, 4)).astype(np.float32)
         if is_reduced:
             values[..., 3:] = distance
-        made = Texture(gpu, name, (width, height), "rgba32float", target=True)
+        made = Texture(gpu, name, (width, height), "rgba32float", target=True, written=True)
         made.write(values)
         return made
 
@@ -51,7 +51,10 @@ def test_it_is_what_the_passes_make(
     shafts, direct, indirect = (texture(name) for name in ("shafts", "direct", "indirect"))
     surfaces, depth = {"direct": direct, "indirect": indirect}, seen.view.gbuffer.depth
     apart, at_once = (
-        {name: Texture(gpu, name, SIZE, "rgba32float", target=True) for name in LAYERS}
+        {
+            name: Texture(gpu, name, SIZE, "rgba32float", target=True, written=True)
+            for name in LAYERS
+        }
         for _ in range(2)
     )
     one, alpha = Compose(gpu, SIZE), direct.read()[..., 3]

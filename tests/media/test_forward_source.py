@@ -50,7 +50,9 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     )
     march = March(gpu, air)
     rays.encode(seen.commands, seen.view)
-    L, T = (Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T"))
+    L, T = (
+        Texture(gpu, n, rays.reduced, "rgba32float", target=True, written=True) for n in ("L", "T")
+    )
     march.encode(
         seen.commands,
         rays,

@@ -56,7 +56,9 @@ def marched(
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
     rays = Rays(gpu, seen.size, scale)
     march = March(gpu, air, sources=len(sources))
-    out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in ("L", "T")]
+    out = [
+        Texture(gpu, n, rays.reduced, "rgba32float", target=True, written=True) for n in ("L", "T")
+    ]
     rays.encode(seen.commands, seen.view)
     march.encode(
         seen.commands,

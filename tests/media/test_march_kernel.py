@@ -52,7 +52,9 @@ def test_means_alone_are_enough_where_air_scatters_isotropically(gpu, look):
     source = lattice(gpu, np.random.default_rng(5))
 
     def drawn(given):
-        out = [Texture(gpu, n, rays.reduced, "rgba32float", target=True) for n in "LT"]
+        out = [
+            Texture(gpu, n, rays.reduced, "rgba32float", target=True, written=True) for n in "LT"
+        ]
         march.encode(seen.commands, rays, MarchedLight(lattice=given), MarchTargets(*out))
         return seen.read(out[0])
 
@@ -85,7 +87,7 @@ def test_packed_cells_say_what_the_textures_do(gpu, look):
         source.bound[f"lattice_{name}"] = made
 
     def drawn(given):
-        out = Texture(gpu, "L", rays.reduced, "rgba32float", target=True)
+        out = Texture(gpu, "L", rays.reduced, "rgba32float", target=True, written=True)
         light, steps = MarchedLight(lattice=given), Steps(per_cell=3.0)
         march.encode(seen.commands, rays, light, MarchTargets(out), steps)
         return seen.read(out)[..., :3]

@@ -47,7 +47,7 @@ def test_those_between_unlike_texels_and_no_others(
         made.write(values)
         return made
 
-    full = {n: Texture(gpu, n, SIZE, "rgba32float", target=True) for n in "abcde"}
+    full = {n: Texture(gpu, n, SIZE, "rgba32float", target=True, written=True) for n in "abcde"}
     listed = PixelList(gpu, SIZE)
     Finish(gpu, air, has_sky=True, lists=True).encode(
         seen.commands,

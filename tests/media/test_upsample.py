@@ -27,7 +27,7 @@ def upsampled(gpu: Gpu, seen: Any, scale: int, values: Callable[..., np.ndarray]
     texels[..., :3] = values(distance, np.indices(distance.shape)[1])[..., None]
     reduced = Texture(gpu, "reduced", rays.reduced, "rgba32float")
     reduced.write(texels)
-    target = Texture(gpu, "full", SIZE, "rgba32float", target=True)
+    target = Texture(gpu, "full", SIZE, "rgba32float", target=True, written=True)
     Upsample(gpu).encode(seen.commands, rays, seen.view.gbuffer.depth, reduced, target)
     return np.asarray(seen.read(target)[..., 0])
 

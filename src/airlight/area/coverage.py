@@ -15,9 +15,9 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import storage, texture, uniform
 from ..scene.checks import F64
 from ..surface.gbuffer import GBuffer
@@ -94,7 +94,9 @@ class Coverage:
         if not found:
             return gbuffer.emission
         if self._drawn is None or self._drawn.size[:2] != gbuffer.size:
-            self._drawn = Texture(self.gpu, "coverage", gbuffer.size, "rgba32float", target=True)
+            self._drawn = Texture(
+                self.gpu, "coverage", gbuffer.size, "rgba32float", target=True, written=True
+            )
         self._outlines.write(pack_array(OutlineData, [_row(shape, len(c)) for shape, c in found]))
         packed = np.zeros((len(found), MOST_CORNERS, 4), np.float32)
         for row, (_, corners) in enumerate(found):

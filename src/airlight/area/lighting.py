@@ -14,9 +14,9 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture, buffer_of
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..maths.area_light import cosine_table
 from ..maths.transforms import F64
@@ -224,7 +224,9 @@ class AreaLighting:
         samples do where they see all of it or nothing.
         """
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
-            self._lit = Texture(self.gpu, "area light", gbuffer.size, "rgba32float", target=True)
+            self._lit = Texture(
+                self.gpu, "area light", gbuffer.size, "rgba32float", target=True, written=True
+            )
         resolution = self.shadows.maps.resolution
         spans = map_spans(resolution)
         values: dict[str, Any] = {

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from ..errors import SettingsError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, u32, vec4f
 from ..gpu.memory import Texture
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture, uniform
 
 MOST_LAYERS = 4
@@ -47,7 +47,8 @@ class Combine:
 
     def _make_means(self, size: tuple[int, int]) -> None:
         self._means = [
-            Texture(self.gpu, f"mean {i}", size, "rgba32float", target=True) for i in range(2)
+            Texture(self.gpu, f"mean {i}", size, "rgba32float", target=True, written=True)
+            for i in range(2)
         ]
 
     @property

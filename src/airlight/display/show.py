@@ -7,9 +7,9 @@ from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, vec2f
 from ..gpu.memory import Texture, linear_sampler
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import sampler, texture, uniform
 
 

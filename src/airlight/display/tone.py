@@ -5,9 +5,9 @@ from __future__ import annotations
 from ..errors import SettingsError, nearest
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer, Texture
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import storage, texture, uniform
 from ..maths.tone import TONE_CURVES
 
@@ -36,12 +36,12 @@ class Tone:
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self.gpu, self._pass = gpu, _Tone(gpu)
-        self.shown = Texture(gpu, "shown", size, "rgba8unorm", target=True)
+        self.shown = Texture(gpu, "shown", size, "rgba8unorm", target=True, written=True)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on."""
         self.shown.release()
-        self.shown = Texture(self.gpu, "shown", size, "rgba8unorm", target=True)
+        self.shown = Texture(self.gpu, "shown", size, "rgba8unorm", target=True, written=True)
 
     def encode(
         self,

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.memory import Buffer, Texture, linear_sampler
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lighting.gathered import Gathered
@@ -49,7 +49,7 @@ class Upsampling:
         )
         self._pass = _Upsample(gpu, constants=light.constants, firsts=LATTICES_FIRST)
         irradiance, sky = (
-            Texture(gpu, label, points.size, "rgba16float", target=True)
+            Texture(gpu, label, points.size, "rgba16float", target=True, written=True)
             for label in ("gathered irradiance", "gathered sky")
         )
         self.gathered = Gathered(irradiance, sky)

@@ -4,6 +4,7 @@ device (asked, code_paths)   which adapter, its limits and features, the paths t
 scope, memory, shared        who releases what; textures and buffers; what parts have in common
 layout, slots, source        structs declared once, bindings, WGSL files and `//! use`
    -> compute, raster        passes: one class beside its WGSL; bindings, pipelines: cached
+   -> fullscreen, stored     passes over whole images, drawn or, on GPUs, computed and stored
    -> commands, recorded     what a frame encodes; what stays the same is replayed
 failures, demands            what the device refuses, with pass, limit and remedy
 process, one_thread          which process and which thread may use it

@@ -33,22 +33,23 @@ class CodePaths:
                          `lpv/propagate_rows.wgsl`, `scatter/propagate_rows.wgsl`
     visibility_buffer    triangle ids first, then each pixel's surface once, of maps in one buffer:
                          `surface.visibility_buffer`, `packed_maps`, `triangle_table`, `provoking`
+    stored_screens       full-screen passes are compute passes that store: `gpu.stored`
     flat_interpolants    full-screen triangles interpolate uniforms, flat: `gpu.interpolants`
     stored_uniforms      uniforms are bound as storage buffers: `gpu.slots`
     wide_reads           rows of hierarchies are read as 64-bit integers: `rays.slots`
     listed_gloss         glossy pixels are listed and traced apart: `lighting.glossy_pixels`
-    occlusion_scale      pixels along a texel of screen-space occlusion: `lighting.occlusion`
-    occlusion_samples    its slices of the hemisphere, and steps on each side of one
+    occlusion_samples    slices of the hemisphere of screen-space occlusion, and steps on each side
+                         of one: `lighting.occlusion`
     """
 
     name: Paths
     row_lanes: bool
     visibility_buffer: bool
+    stored_screens: bool
     flat_interpolants: bool
     stored_uniforms: bool
     wide_reads: bool
     listed_gloss: bool
-    occlusion_scale: int
     occlusion_samples: tuple[int, int]
 
 
@@ -56,22 +57,22 @@ GPU_PATHS = CodePaths(
     "gpu",
     row_lanes=False,
     visibility_buffer=False,
+    stored_screens=True,
     flat_interpolants=False,
     stored_uniforms=False,
     wide_reads=False,
     listed_gloss=False,
-    occlusion_scale=1,
     occlusion_samples=(3, 6),
 )
 CPU_PATHS = CodePaths(
     "cpu",
     row_lanes=True,
     visibility_buffer=True,
+    stored_screens=False,
     flat_interpolants=True,
     stored_uniforms=True,
     wide_reads=True,
     listed_gloss=True,
-    occlusion_scale=2,
     occlusion_samples=(2, 4),
 )
 

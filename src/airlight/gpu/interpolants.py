@@ -11,13 +11,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from .layout import Field, Struct
+from .raster import Shader
 from .slots import Slot
 
 MOST_WORDS = 64
 """WebGPU interpolates at least 16 vec4s; a device may have room for more."""
-_ENTRY = re.compile(
+ENTRY = re.compile(
     r"@fragment fn fragment\(@builtin\(position\) position: vec4f\) -> (@location\(0\) )?(\w+) \{"
 )
+"""How a full-screen pass begins that knows its pixel alone: what it returns, and if that is one."""
 _KINDS = {"f": "f32", "u": "u32", "i": "i32"}
 
 
@@ -55,30 +57,20 @@ class _Part:
         return f"{self.struct.__name__}({', '.join(values)})"
 
 
-@dataclass(frozen=True)
-class Interpolated:
-    """What a pass is compiled from: slots, WGSL before its file, the file's, entry point."""
-
-    slots: tuple[Slot, ...]
-    generated: str
-    text: str
-    entry: str
-
-
 def interpolated(
     slots: tuple[Slot, ...],
     firsts: Mapping[str, tuple[str, ...]],
     text: str,
     most_words: int = MOST_WORDS,
-) -> Interpolated:
+) -> Shader:
     """The pass `text` with its parameters as flat interpolants, as many as fit.
 
     Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
     each with the fields of it that the pass does not read: `first_NAME()` in the pass.
     """
-    found = _ENTRY.search(text)
+    found = ENTRY.search(text)
     if not found:
-        return Interpolated(slots, first_elements(slots, firsts), text, "fragment")
+        return Shader(slots, first_elements(slots, firsts), text, "fragment")
     # As many parameters as there are interpolants, uniforms before first elements.
     parts: list[_Part] = []
     used, renamed, rest = 0, [], dict(firsts)
@@ -95,7 +87,7 @@ def interpolated(
     bound = tuple(_renamed(slot) if slot.name in renamed else slot for slot in slots)
     generated = _wgsl(parts, found[1] or "", found[2]) + first_elements(slots, rest)
     plain = f"fn fragment(position: vec4f) -> {found[2]} {{"
-    return Interpolated(bound, generated, text.replace(found[0], plain), "interpolated_fragment")
+    return Shader(bound, generated, text.replace(found[0], plain), "interpolated_fragment")
 
 
 def first_elements(slots: tuple[Slot, ...], names: Mapping[str, tuple[str, ...]]) -> str:

@@ -1,27 +1,32 @@
-"""Render passes: over meshes with vertex buffers, or over the whole image."""
+"""Render passes over meshes with vertex buffers; see fullscreen for those over whole images."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from .bindings import Bindings
-from .commands import Commands
 from .compute import shader_path
 from .demands import check_slots, check_targets, compiled
 from .device import Gpu
-from .interpolants import MOST_WORDS, Interpolated, first_elements, interpolated
 from .slots import Slot, declarations, on_device
 from .source import Source, compile_wgsl
 
-_FULLSCREEN_VERTEX = """
-@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
-    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
-}
-"""
+
+@dataclass(frozen=True)
+class Shader:
+    """What a pass is compiled from: slots, WGSL before its file, the file's, and where it begins.
+
+    `stage`: what runs the pass at each pixel.
+    """
+
+    slots: tuple[Slot, ...]
+    generated: str
+    text: str
+    entry: str
+    stage: Literal["fragment", "compute"] = "fragment"
 
 
 class RasterPipeline:
@@ -63,16 +68,15 @@ class RasterPipeline:
         self.targets_used = self.targets if targets is None else targets
         check_slots(gpu, self.label, (*self._slots, *self._second))
         check_targets(gpu, self.label, self.targets_used)
-        # The source; full-screen passes bring the vertex shader, and parameters where that pays.
-        text = shader_path(type(self)).read_text()
-        self._entry = self.fragment_entry
-        if self.vertex_entry == "fullscreen":
-            made = self._fullscreen(firsts or {}, text)
-            self._slots, self._entry, text = made.slots, made.entry, made.text
-            generated = made.generated + generated
-        self._source, self._constants = self._joined(generated, text), constants or {}
+        # The source, and what is generated for it.
+        made = self._shader(firsts or {}, shader_path(type(self)).read_text())
+        self._slots, self._entry = made.slots, made.entry
+        self._source = self._joined(made.generated + generated, made.text)
+        self._constants = constants or {}
         # Bind groups: the pass's own, and one per material.
-        self.bindings = Bindings(gpu, self._slots, compute=False, label=self.label)
+        self.stage = made.stage
+        is_compute = made.stage == "compute"
+        self.bindings = Bindings(gpu, self._slots, compute=is_compute, label=self.label)
         self.second: Bindings | None = None
         if self.second_slots:
             self.second = Bindings(gpu, self._second, compute=False, label=f"{self.label} material")
@@ -121,15 +125,8 @@ class RasterPipeline:
             fragment=self._fragment_state(module),
         )
 
-    def _fullscreen(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Interpolated:
-        if self.gpu.paths.flat_interpolants:
-            most = 4 * self.gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
-            made = interpolated(self._slots, firsts, text, most)
-            if made.entry != "fragment":
-                return made
-        return Interpolated(
-            self._slots, _FULLSCREEN_VERTEX + first_elements(self._slots, firsts), text, "fragment"
-        )
+    def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Shader:
+        return Shader(self._slots, "", text, self.fragment_entry)
 
     def _joined(self, generated: str, text: str) -> Source:
         source = Source()
@@ -168,62 +165,6 @@ class RasterPipeline:
         """How many targets are blended with."""
         every = len(self.targets_used) if self.blend else 0
         return every if self.blended is None else min(self.blended, every)
-
-
-@dataclass(frozen=True, eq=False)
-class DepthTest:
-    """What the pixels of a full-screen pass are tested against: as if they all lay `at` a depth.
-
-    A CPU adapter leaves out the blocks of pixels that fail; it would run both sides of a branch.
-    """
-
-    view: Any
-    size: tuple[int, ...]
-    at: float
-
-    @property
-    def attached(self) -> dict[str, Any]:
-        """As a render pass takes it."""
-        return {"depth_stencil_attachment": {"view": self.view, "depth_read_only": True}}
-
-
-class FullscreenPass(RasterPipeline):
-    """A fragment shader over every pixel of its targets, or over those that a depth test leaves."""
-
-    vertex_entry = "fullscreen"
-    depth_writes = False
-
-    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
-        """Write `targets` (textures, or views); `values` name every slot."""
-        self._draw(commands, targets, None, values)
-
-    def draw_where(
-        self, commands: Commands, targets: tuple[Any, ...], passed: DepthTest, **values: Any
-    ) -> None:
-        """The same where a test is `passed`; zero elsewhere."""
-        self._draw(commands, targets, passed, values)
-
-    def _draw(
-        self,
-        commands: Commands,
-        targets: tuple[Any, ...],
-        tested: DepthTest | None,
-        values: dict[str, Any],
-    ) -> None:
-        kept = self._blended
-        colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
-        if commands.tally is not None:
-            width, height = getattr(targets[0], "size", (0, 0))[:2]
-            commands.tally.ran(commands.stage_name, width * height)
-            commands.tally.bound(commands.stage_name, targets)
-        attached = tested.attached if tested else {}
-        # Three vertices cover the target; a depth test leaves out pixels by what they hold.
-        with commands.render(self.label, color_attachments=colors, **attached) as encoder:
-            if tested:
-                encoder.set_viewport(0, 0, *tested.size[:2], tested.at, tested.at)
-            encoder.set_pipeline(self.pipeline)
-            self.bindings.bind(commands, encoder, 0, values)
-            encoder.draw(3)
 
 
 def color_attachments(targets: tuple[Any, ...], *, keep: bool = False) -> list[dict[str, Any]]:

@@ -11,8 +11,8 @@ from functools import partial
 from ..area.attenuation import Attenuation
 from ..gpu.demands import fits
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.memory import Texture
-from ..gpu.raster import FullscreenPass
 from ..surface.hits import PIXELS, Points
 from .kernel import Emitters, Kernel, LatticeLight, lattices_kernel, lights_kernel
 from .slots import Gloss, Part, lighting_slots
@@ -88,5 +88,7 @@ class RadianceLayers:
     def lit(self) -> Texture:
         """Radiance of surfaces by lights and emission, and the background."""
         if self._lit is None:
-            self._lit = Texture(self._gpu, "lit", self._size, "rgba32float", target=True)
+            self._lit = Texture(
+                self._gpu, "lit", self._size, "rgba32float", target=True, written=True
+            )
         return self._lit

@@ -21,13 +21,18 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
 from ..gpu.memory import Texture
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture, uniform
 from ..lattice.placement import Placement
 from ..maths.transforms import F64
 from ..surface.gbuffer import GBuffer
+
+SCALE = 2
+"""Pixels along a texel's side: what is near is upsampled by depth. A frame's indirect light is .09
+(`builtin:room`) and .11 (the atrium) from that of 8 slices of 16 steps at every pixel, where 3 of 6
+at every pixel are .04 and .07; on an H100 those took 9.3 of a frame's 21 ms."""
 
 
 class OcclusionParams(Struct):
@@ -71,15 +76,15 @@ class _Blur(FullscreenPass):
 class OcclusionLayers:
     """Radiance and solid angle of near occluders per texel, see `near_field_texel.wgsl`.
 
-    A texel is one pixel on a GPU, and 2 x 2 pixels on a CPU adapter.
+    A texel is `scale` x `scale` pixels.
     """
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int | None = None) -> None:
+    def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int = SCALE) -> None:
         """For an image of `size`, pixels. `scale`: pixels along a texel's side."""
-        self.size, self.scale = size, scale or gpu.paths.occlusion_scale
+        self.size, self.scale = size, scale
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
-            Texture(gpu, label, reduced, "rgba32uint", target=True)
+            Texture(gpu, label, reduced, "rgba32uint", target=True, written=True)
             for label in ("surfaces", "sampled near field", "near field")
         )
 

@@ -13,8 +13,8 @@ from collections.abc import Iterator, Mapping
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.memory import Texture
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture
 from ..surface.geometry import GpuScene
 from ..surface.peeled import PeeledGBuffer
@@ -43,7 +43,9 @@ class _Pair:
     """Two textures, of which one is read while the other is written."""
 
     def __init__(self, gpu: Gpu, label: str, size: tuple[int, int], format: str) -> None:
-        self.read, self.write = (Texture(gpu, label, size, format, target=True) for _ in "ab")
+        self.read, self.write = (
+            Texture(gpu, label, size, format, target=True, written=True) for _ in "ab"
+        )
 
     def swap(self) -> None:
         """Read from now on what was written."""

@@ -34,18 +34,17 @@ class ImageTextures:
         self._make(march_rays.size)
 
     def _make(self, size: tuple[int, int]) -> None:
-        def made(name: str, size: tuple[int, int], *, written: bool = False) -> Texture:
-            return Texture(self._gpu, name, size, "rgba32float", target=True, written=written)
+        def made(name: str, size: tuple[int, int]) -> Texture:
+            return Texture(self._gpu, name, size, "rgba32float", target=True, written=True)
 
-        # Kernels of shafts write to textures; all else is drawn to targets.
         drawn = self._drawn
-        self.single_scatter = made("single scatter", size, written=True)
+        self.single_scatter = made("single scatter", size)
         self.multiple_scatter = made("multiple scatter", size)
         self.transmittance = made("transmittance", size)
         # Single scattering of lights; that of the sky is added to it.
         self.shafts_alone = self.single_scatter
         if drawn.has_sky:
-            self.shafts_alone = made("shafts", size, written=True)
+            self.shafts_alone = made("shafts", size)
         is_reduced = drawn.is_marched and self.march_rays.scale > 1
         wanted = {
             "single": drawn.has_shafts and self.shaft_rays.scale > 1,
@@ -54,7 +53,7 @@ class ImageTextures:
             "sky": drawn.has_sky,
         }
         self.reduced = {
-            name: made(f"reduced {name}", self.rays_of(name).reduced, written=name == "single")
+            name: made(f"reduced {name}", self.rays_of(name).reduced)
             for name, is_wanted in wanted.items()
             if is_wanted
         }

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, u32, vec2u, vec3f
 from ..gpu.memory import Texture
-from ..gpu.raster import FullscreenPass
 from ..gpu.slots import texture, uniform
 from ..lighting.view import View
 
@@ -52,7 +52,9 @@ class Rays:
     def _set_size(self, size: tuple[int, int]) -> None:
         self.size, scale = size, self.scale
         self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
-        self.picked = Texture(self.gpu, "picked rays", self.reduced, "rg32float", target=True)
+        self.picked = Texture(
+            self.gpu, "picked rays", self.reduced, "rg32float", target=True, written=True
+        )
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with images of `size`, pixels."""

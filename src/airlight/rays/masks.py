@@ -6,6 +6,7 @@ A ray meets a translucent surface by the chance that light does not pass it.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,12 +58,12 @@ class Masks:
         self._parts.append(np.zeros(-self._first % 8, np.uint32))  # to whole pairs of rows
         self.texels: U32 = np.concatenate(self._parts)
 
-    @property
+    @cached_property
     def has_holes(self) -> list[bool]:
         """Of each instance, whether rays may pass it."""
         return [bool(first or met) for first, met in self.rows[:-1, [26, 35]]]
 
-    @property
+    @cached_property
     def are_there(self) -> bool:
         """Whether any instance has holes."""
         return any(self.has_holes)

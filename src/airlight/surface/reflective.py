@@ -15,9 +15,10 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture
-from ..gpu.raster import FullscreenPass, color_attachments
+from ..gpu.raster import color_attachments
 from ..gpu.slots import uniform
 from ..scene.lights import Light
 from .draw_parts import DrawParts, in_draw_order

@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.fullscreen import DepthTest, FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, vec2f
 from ..gpu.memory import Buffer, Texture
-from ..gpu.raster import DepthTest, FullscreenPass
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.transforms import F64
 from .draw_parts import in_draw_order

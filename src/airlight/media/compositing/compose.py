@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
+from ...gpu.fullscreen import FullscreenPass
 from ...gpu.memory import Texture
-from ...gpu.raster import FullscreenPass
 from ...gpu.slots import texture
 
 
@@ -27,7 +27,7 @@ class Compose:
 
     def _make_layers(self, size: tuple[int, int]) -> None:
         self.direct, self.indirect = (
-            Texture(self.gpu, f"composed {name}", size, "rgba32float", target=True)
+            Texture(self.gpu, f"composed {name}", size, "rgba32float", target=True, written=True)
             for name in ("direct", "indirect")
         )
 

@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
+from ...gpu.fullscreen import FullscreenPass
 from ...gpu.memory import Texture, nearest_sampler
-from ...gpu.raster import FullscreenPass
 from ...gpu.slots import sampler, texture, uniform
 from ..gpu_media import GpuMedia
 from ..pixel_list import PixelList, RedrawParams, pixel_list_slots

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
+from ...gpu.fullscreen import FullscreenPass
 from ...gpu.memory import Texture
-from ...gpu.raster import FullscreenPass
 from ...gpu.slots import texture, uniform
 from ..gpu_media import GpuMedia
 from ..rays import RayParams, Rays

@@ -19,9 +19,9 @@ from typing import Any
 from ...fields import Source
 from ...gpu.commands import Commands
 from ...gpu.device import Gpu
+from ...gpu.fullscreen import FullscreenPass
 from ...gpu.layout import pack_array
 from ...gpu.memory import Buffer, Texture, linear_sampler
-from ...gpu.raster import FullscreenPass
 from ...lattice.placement import Fade, Placement
 from ...lattice.table import LatticeTable
 from ..gpu_media import GpuMedia

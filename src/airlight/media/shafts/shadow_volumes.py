@@ -20,9 +20,10 @@ from ...errors import SettingsError
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
+from ...gpu.fullscreen import FullscreenPass
 from ...gpu.layout import Struct, mat4x4f, u32
 from ...gpu.memory import Texture
-from ...gpu.raster import FullscreenPass, RasterPipeline
+from ...gpu.raster import RasterPipeline
 from ...gpu.slots import image, storage, texture, uniform
 from ...lighting.lights import Lights
 from ...maths.transforms import F64
@@ -114,7 +115,7 @@ class Volumes:
 
     def _make_sum(self) -> None:
         gpu, size = self.media.gpu, self.rays.reduced
-        self._sum = Texture(gpu, "shadow volumes", size, "rgba32float", target=True)
+        self._sum = Texture(gpu, "shadow volumes", size, "rgba32float", target=True, written=True)
 
     def resize(self) -> None:
         """Go on with images of the size of the rays."""

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
+from ...gpu.fullscreen import FullscreenPass
 from ...gpu.memory import Texture
-from ...gpu.raster import FullscreenPass
 from ...gpu.slots import storage, texture, uniform
 from ...lighting.lights import Lights
 from ..pixel_list import PixelList, RedrawParams, pixel_list_slots

@@ -1,0 +1,124 @@
+"""Passes over the whole image: of each pixel a function, whatever runs it.
+
+A CPU adapter draws a triangle over the image, whose flat interpolants are the parameters; a GPU
+runs the same function as a compute pass, where targets can be stored: some have far more units
+for those (an H100 computes on 132 multiprocessors and draws on 4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .commands import Commands
+from .demands import fits
+from .interpolants import MOST_WORDS, first_elements, interpolated
+from .raster import RasterPipeline, Shader, color_attachments
+from .source import compile_wgsl
+from .stored import WORKGROUP, is_storable, stored, target_name
+
+_VERTEX = """
+@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
+    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+}
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class DepthTest:
+    """What the pixels of a full-screen pass are tested against: as if they all lay `at` a depth.
+
+    A CPU adapter leaves out the blocks of pixels that fail; it would run both sides of a branch.
+    """
+
+    view: Any
+    size: tuple[int, ...]
+    at: float
+
+    @property
+    def attached(self) -> dict[str, Any]:
+        """As a render pass takes it."""
+        return {"depth_stencil_attachment": {"view": self.view, "depth_read_only": True}}
+
+
+class FullscreenPass(RasterPipeline):
+    """A fragment shader over every pixel of its targets, or over those that a depth test leaves."""
+
+    vertex_entry = "fullscreen"
+    depth_writes = False
+
+    def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Shader:
+        gpu, formats = self.gpu, self.targets_used
+        if gpu.paths.stored_screens and not (self.blend or self.depth):
+            if is_storable(text, formats):
+                made = stored(self._slots, firsts, text, formats)
+                if fits(gpu, made.slots):
+                    return made
+        elif gpu.paths.flat_interpolants:
+            most = 4 * gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
+            made = interpolated(self._slots, firsts, text, most)
+            if made.entry != "fragment":
+                return made
+        generated = _VERTEX + first_elements(self._slots, firsts)
+        return Shader(self._slots, generated, text, "fragment")
+
+    def _compiled(self) -> Any:
+        if self.stage != "compute":
+            return super()._compiled()
+        device = self.gpu.device
+        module = compile_wgsl(device, self._source, self.label)
+        layout = device.create_pipeline_layout(
+            label=self.label, bind_group_layouts=[self.bindings.layout]
+        )
+        stage = {"module": module, "entry_point": self._entry, "constants": self._constants}
+        return device.create_compute_pipeline(label=self.label, layout=layout, compute=stage)
+
+    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
+        """Write `targets` (textures, or views); `values` name every slot."""
+        self._draw(commands, targets, None, values)
+
+    def draw_where(
+        self, commands: Commands, targets: tuple[Any, ...], passed: DepthTest, **values: Any
+    ) -> None:
+        """The same where a test is `passed`; zero elsewhere."""
+        self._draw(commands, targets, passed, values)
+
+    def _draw(
+        self,
+        commands: Commands,
+        targets: tuple[Any, ...],
+        tested: DepthTest | None,
+        values: dict[str, Any],
+    ) -> None:
+        if self.stage == "compute":
+            self._store(commands, targets, values)
+            return
+        kept = self._blended
+        colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
+        if commands.tally is not None:
+            width, height = getattr(targets[0], "size", (0, 0))[:2]
+            commands.tally.ran(commands.stage_name, width * height)
+            commands.tally.bound(commands.stage_name, targets)
+        attached = tested.attached if tested else {}
+        # Three vertices cover the target; a depth test leaves out pixels by what they hold.
+        with commands.render(self.label, color_attachments=colors, **attached) as encoder:
+            if tested:
+                encoder.set_viewport(0, 0, *tested.size[:2], tested.at, tested.at)
+            encoder.set_pipeline(self.pipeline)
+            self.bindings.bind(commands, encoder, 0, values)
+            encoder.draw(3)
+
+    def _store(self, commands: Commands, targets: tuple[Any, ...], values: dict[str, Any]) -> None:
+        """The same as a compute pass."""
+        width, height = targets[0].size[:2]
+        bound = {target_name(k): target for k, target in enumerate(targets)}
+        encoder = commands.compute
+        if commands.pipeline is not self.pipeline:
+            commands.pipeline = self.pipeline
+            encoder.set_pipeline(self.pipeline)
+        self.bindings.bind(commands, encoder, 0, values | bound)
+        encoder.dispatch_workgroups(-(-width // WORKGROUP[0]), -(-height // WORKGROUP[1]))
+        if commands.tally is not None:
+            commands.tally.ran(commands.stage_name, width * height)
