@@ -32,7 +32,7 @@ class Screen:
     def __init__(self, gpu, format: str = "rgba8unorm", size: tuple[int, int] = SIZE) -> None:
         self.commands, self.view = Commands(gpu), View(gpu, SIZE)
         self.presenter = Presenter(gpu, SIZE, format)
-        self.surface = Texture(gpu, "surface", size, format, target=True, written=True)
+        self.surface = Texture(gpu, "surface", size, format, target=True)
 
     def shown(self, samples: list[dict[str, Texture]], look: Look) -> np.ndarray:
         for index, images in enumerate(samples):

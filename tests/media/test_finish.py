@@ -26,7 +26,7 @@ LAYERS = ("multiple", "transmittance", "single")
 def test_it_is_what_the_passes_make(
     gpu: Gpu, look: Any, square: Callable[..., Mesh], has_sky: bool
 ) -> None:
-    assert can_finish(gpu)
+    assert can_finish(gpu) or gpu.paths.stored_screens
     post = square((-10, 0, 0.2), (10, 0, 0), (0, 20, 0))
     medium = Medium((0.4, 0.9, 1.6), bounds=((-1.0, -0.8, -1.2), (1.0, 1.1, 1.3)))
     camera = Camera((0.3, 0.2, 4.0), (0, 0, -1), fov_y_deg=50)

@@ -49,11 +49,11 @@ class FullscreenPass(RasterPipeline):
     vertex_entry = "fullscreen"
     depth_writes = False
 
-    def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Shader:
+    def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str, generated: str) -> Shader:
         gpu, formats = self.gpu, self.targets_used
         if gpu.paths.stored_screens and not (self.blend or self.depth):
-            if is_storable(text, formats):
-                made = stored(self._slots, firsts, text, formats)
+            if is_storable(text, formats, generated):
+                made = stored(self._slots, firsts, text, formats, generated)
                 if fits(gpu, made.slots):
                     return made
         elif gpu.paths.flat_interpolants:
@@ -61,8 +61,8 @@ class FullscreenPass(RasterPipeline):
             made = interpolated(self._slots, firsts, text, most)
             if made.entry != "fragment":
                 return made
-        generated = _VERTEX + first_elements(self._slots, firsts)
-        return Shader(self._slots, generated, text, "fragment")
+        before = _VERTEX + first_elements(self._slots, firsts)
+        return Shader(self._slots, before, text, "fragment")
 
     def _compiled(self) -> Any:
         if self.stage != "compute":

@@ -69,7 +69,7 @@ class RasterPipeline:
         check_slots(gpu, self.label, (*self._slots, *self._second))
         check_targets(gpu, self.label, self.targets_used)
         # The source, and what is generated for it.
-        made = self._shader(firsts or {}, shader_path(type(self)).read_text())
+        made = self._shader(firsts or {}, shader_path(type(self)).read_text(), generated)
         self._slots, self._entry = made.slots, made.entry
         self._source = self._joined(made.generated + generated, made.text)
         self._constants = constants or {}
@@ -125,7 +125,7 @@ class RasterPipeline:
             fragment=self._fragment_state(module),
         )
 
-    def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str) -> Shader:
+    def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str, generated: str) -> Shader:
         return Shader(self._slots, "", text, self.fragment_entry)
 
     def _joined(self, generated: str, text: str) -> Source:

@@ -21,9 +21,13 @@ _BY_QUADS = re.compile(r"\b(discard|dpdx|dpdy|fwidth|textureSample|textureSample
 _LOCATION = re.compile(r"@location\((\d+)\)\s*(\w+)\s*:")
 
 
-def is_storable(text: str, formats: Iterable[str]) -> bool:
-    """Whether the pass `text` may run as a compute pass that stores into targets of `formats`."""
-    return _FORMATS.issuperset(formats) and not _BY_QUADS.search(text) and _found(text) is not None
+def is_storable(text: str, formats: Iterable[str], generated: str = "") -> bool:
+    """Whether the pass `text` may run as a compute pass that stores into targets of `formats`.
+
+    `generated`: WGSL before it.
+    """
+    is_alone = not _BY_QUADS.search(text) and _found(text, generated) is not None
+    return is_alone and _FORMATS.issuperset(formats)
 
 
 def stored(
@@ -31,9 +35,10 @@ def stored(
     firsts: Mapping[str, tuple[str, ...]],
     text: str,
     formats: tuple[str, ...],
+    generated: str = "",
 ) -> Shader:
     """The pass `text` with its targets behind its slots, and a compute shader that calls it."""
-    found = _found(text)
+    found = _found(text, generated)
     assert found is not None
     whole, members = found
     targets = tuple(image(target_name(k), format) for k, format in enumerate(formats))
@@ -53,9 +58,8 @@ def stored(
     ]
     plain = whole.replace("@fragment ", "").replace("@builtin(position) ", "")
     plain = plain.replace("@location(0) ", "")
-    generated = first_elements(slots, firsts) + "\n".join(entry)
-    made = text.replace(whole, plain)
-    return Shader((*slots, *targets), generated, made, "store", "compute")
+    before = first_elements(slots, firsts) + "\n".join(entry)
+    return Shader((*slots, *targets), before, text.replace(whole, plain), "store", "compute")
 
 
 def target_name(index: int) -> str:
@@ -63,14 +67,14 @@ def target_name(index: int) -> str:
     return f"target_{index}"
 
 
-def _found(text: str) -> tuple[str, dict[int, str]] | None:
+def _found(text: str, generated: str) -> tuple[str, dict[int, str]] | None:
     """Where the pass begins, and which members of what it returns go to which target."""
     found = ENTRY.search(text)
     if found is None:
         return None
     if found[1]:
         return found[0], {0: ""}
-    struct = re.search(rf"struct {found[2]} \{{(.*?)\}}", text, re.DOTALL)
+    struct = re.search(rf"struct {found[2]} \{{(.*?)\}}", generated + text, re.DOTALL)
     if struct is None:
         return None
     return found[0], {int(k): f".{name}" for k, name in _LOCATION.findall(struct[1])}

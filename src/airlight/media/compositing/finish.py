@@ -49,7 +49,12 @@ _LIST_SHAFTS = """
 
 
 def can_finish(gpu: Gpu) -> bool:
-    """Whether a pass may have so many targets, and multiply what is in them."""
+    """Whether a pass may have so many targets, and multiply what is in them: one that draws may.
+
+    Where full-screen passes compute instead, one for each of its parts is quicker.
+    """
+    if gpu.paths.stored_screens:
+        return False
     most = gpu.limits["max-color-attachment-bytes-per-sample"]
     return most >= _BYTES * (len(_TARGETS) + 1) and _FEATURE in gpu.features
 
