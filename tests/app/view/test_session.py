@@ -476,3 +476,40 @@ def test_two_techniques_beside_each_other(gpu, scene_file):
     screen.frame()
     assert np.abs(screen.pixels - alone).mean() < 0.5
     session.close()
+
+
+def test_moving_frames_gather_on_quick_devices_alone(gpu, scene_file):
+    session = Session(load(scene_file), technique="lpv", settings=SMALL)
+    session._gathers_moving, session.quality.scale = True, 1.0  # as on a GPU
+    screen = Screen(gpu, session)
+    screen.settle()
+    stages = timed_stages(screen)
+    assert {"gather rays", "gather history"} <= stages
+    # Images that had to become coarse to stay quick are fine again, and of the lattice.
+    session.quality.scale = 1.6
+    timed_stages(screen)
+    assert session.quality.scale == 1.0
+    screen.frame(0.5)
+    session.wait()
+    assert "gather rays" not in timed_stages(screen)
+    assert session.state.message == ""
+    session.close()
+
+
+def test_who_asks_for_no_gather_has_none(gpu, scene_file):
+    session = Session(load(scene_file), technique="lpv", settings={**SMALL, "gather": "off"})
+    session._gathers_moving = True
+    screen = Screen(gpu, session)
+    screen.settle()
+    assert "gather rays" not in timed_stages(screen)
+    session.close()
+
+
+def timed_stages(screen: Screen) -> set[str]:
+    """The stages of a frame whose camera has moved."""
+    session = screen.session
+    session.state.shows_times = True
+    camera = session.controls.camera
+    session.controls.camera = replace(camera, fov_y_deg=camera.fov_y_deg + 1.0)
+    screen.frame()
+    return set(session.renderer.commands.stage_ms)

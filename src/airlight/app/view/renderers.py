@@ -65,6 +65,8 @@ class Renderers(Document):
         self._size = (1, 1)
         self._made: tuple[Any, ...] | None = None
         self._refused: tuple[Any, ...] | None = None
+        # Moving frames gather on GPUs, until they prove too slow for it.
+        self._gathers_moving = not self.gpu.is_cpu
 
     @property
     def renderer(self) -> Renderer | None:
@@ -141,13 +143,24 @@ class Renderers(Document):
     def _moving(self) -> dict[str, Any]:
         """What frames of a view that moves have beside the settings.
 
-        Where they gather, they go on from those before them, unless someone says otherwise.
+        On quick devices they gather. Where they do, they go on from those before them. Neither
+        where someone says otherwise.
         """
         state = self.state
         now = checked_settings(state.technique, state.scene, state.chosen_settings)
         told = {**state.scene.settings.get(state.technique, {}), **state.chosen_settings}
-        gathers = getattr(now, "gather", "") == "always" and "gather_history" not in told
-        return {"gather_history": GATHER_HISTORY} if gathers else {}
+        gather, more = getattr(now, "gather", ""), dict[str, Any]()
+        if self._gathers_moving and gather == "still" and "gather" not in told:
+            gather = more["gather"] = "always"
+        if gather == "always" and "gather_history" not in told:
+            more["gather_history"] = GATHER_HISTORY
+        return more
+
+    def _judge_moving(self) -> None:
+        """Where moving frames became coarse to stay quick, they gather no more, and are fine."""
+        if self._gathers_moving and self.quality.scale > 1.0 and self._moving().get("gather"):
+            self._gathers_moving, self.quality.scale = False, 1.0
+            self._made = None  # the renderer is made again behind the one that is seen
 
     def _finer(self) -> dict[str, Any]:
         """What would make the image of a still view finer."""

@@ -208,6 +208,8 @@ class Session(Renderers):
         assert self._drawn
         # Solving costs the same at every resolution.
         self.quality.took(self.frame_ms - self._drawn.solve_ms, plan)
+        if plan.is_moving:
+            self._judge_moving()
 
     def _draw(self, plan: Plan) -> None:
         drawn = self._drawn
