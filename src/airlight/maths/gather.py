@@ -16,6 +16,12 @@ RAY_STEPS: tuple[int, int] = (3242174889, 2447445413)
 """2^32 over powers of the plastic number: R2 (Roberts 2018) along a point's rays."""
 POINT_STEPS: tuple[int, int, int, int] = (3679390609, 3152041523, 2700274807, 2313257605)
 """2^32 over powers of the root of x^5 = x + 1: the same in four dimensions, across the image."""
+SECOND_STEPS: tuple[tuple[int, int], ...] = (
+    (1013904242, 2773480762),
+    (1359893119, 2600822924),
+    (1779033703, 3144134277),
+)
+"""2^32 times the fractions of square roots of primes: along x, along y, along a point's rays."""
 NORMAL_POWER = 8.0
 """Of the cosine between two points' normals, by which their light stands for one another."""
 PLANE_SHARE = 0.0025
@@ -57,19 +63,17 @@ def ray_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
 def later_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike, segment: ArrayLike) -> F64:
     """The same for segment 1 or later of a path: numbers that follow from no other segment's.
 
-    The first takes other steps of the four dimensions, along the rays too. A sequence with the same
-    steps once more would turn all later segments by one angle from each other, whatever the ray:
-    those take a hash.
+    The first steps by square roots of primes (Richtmyer1951), along a point's rays and across the
+    image. No small multiples of its steps add up to nearly a whole number with those of R2: where
+    some do, the mean over thousands of paths is that over a few planes of all there are. Later
+    segments take a hash, since some multiples of six steps always do.
     """
     px, py, k, s = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray, segment))
-    a, _, c, d = (np.uint32(step) for step in POINT_STEPS)
+    (a, b), (c, d), (u, v) = np.array(SECOND_STEPS, dtype=np.uint32)
     with np.errstate(over="ignore"):
-        first = px * c + py * a + k * d
-        second = px * d + py * c + k * a
         mixed = pcg_hash(px + pcg_hash(py + pcg_hash(k + pcg_hash(s))))
-        is_first = s < 2
-        first = np.where(is_first, first, mixed)
-        second = np.where(is_first, second, pcg_hash(mixed + np.uint32(1)))
+        first = np.where(s < 2, px * a + py * c + k * u, mixed)
+        second = np.where(s < 2, px * b + py * d + k * v, pcg_hash(mixed + np.uint32(1)))
     return np.stack([uniform_from_hash(first), uniform_from_hash(second)], axis=-1)
 
 

@@ -23,8 +23,8 @@ fn ray_numbers(x: u32, y: u32, ray: u32) -> vec2f {
 }
 
 fn later_numbers(x: u32, y: u32, ray: u32, segment: u32) -> vec2f {
-    let first = x * 2700274807u + y * 3679390609u + ray * 2313257605u;
-    let second = x * 2313257605u + y * 2700274807u + ray * 3679390609u;
+    let first = x * 1013904242u + y * 1359893119u + ray * 1779033703u;
+    let second = x * 2773480762u + y * 2600822924u + ray * 3144134277u;
     let mixed = pcg_hash(x + pcg_hash(y + pcg_hash(ray + pcg_hash(segment))));
     let numbers = select(vec2u(mixed, pcg_hash(mixed + 1u)), vec2u(first, second), segment < 2u);
     return vec2f(uniform_from_hash(numbers.x), uniform_from_hash(numbers.y));
