@@ -171,6 +171,15 @@ def test_items_of_an_alias_table_come_by_their_weights():
     np.testing.assert_allclose(gather.alias_table(np.zeros(4))[0], 1.0)
 
 
+def test_light_from_afar_is_shared_beside_a_wall_and_not_through_it():
+    """Half of both points' rays meet a wall .1 m from them, others something 10 m away."""
+    left, right = np.array([-5.0, 0.0, 0.0]), np.array([5.0, 0.0, 0.0])
+    assert gather.far_closeness((0.2, 0.0, 0.0), 0.1, left, right) < 1e-10
+    assert gather.far_closeness((0.1, 0.3, 0.0), 0.1, left, left) > 0.9
+    assert gather.far_closeness((-0.2, 0.0, 0.0), 0.1, left, right) > 0.95
+    assert gather.far_closeness((0.0, 0.0, 1.0), 0.1, left, right) == pytest.approx(np.exp(-1.0))
+
+
 def test_twins(wgsl):
     n = fibonacci_sphere(500)
     x, y, k = (RNG.integers(0, 5000, 500).astype(np.uint32) for _ in range(3))
@@ -194,6 +203,11 @@ def test_twins(wgsl):
     np.testing.assert_allclose(found, np.stack(near, axis=1), rtol=1e-4, atol=1e-6)
     close = wgsl("gather", "closeness", 0.1 * p, *near, returns="f32")
     np.testing.assert_allclose(close, gather.closeness(0.1 * p, *near), rtol=1e-3, atol=1e-6)
+    close = wgsl("gather", "far_closeness", 0.1 * p, u[:, 1], n, m, returns="f32")
+    twin = gather.far_closeness(0.1 * p, u[:, 1], n, m)
+    np.testing.assert_allclose(close, twin, rtol=1e-3, atol=1e-6)
+    alike = wgsl("gather", "far_likeness", 0.5 * like, n, m, returns="f32")
+    np.testing.assert_allclose(alike, gather.far_likeness(0.5 * like, n, m), rtol=2e-3, atol=1e-6)
     along = wgsl("gather", "flux_along", n, m, returns="vec3f")
     np.testing.assert_allclose(along, gather.flux_along(n, m), rtol=1e-3, atol=1e-5)
     a, b = np.exp(RNG.normal(size=(2, 500)))

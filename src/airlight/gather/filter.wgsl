@@ -1,5 +1,5 @@
 // The light of gather points, shared with neighbours on about the same plane; the sky's where it does not differ by more
-// than its noise. Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from pass to pass.
+// than its noise, light from afar with more of them. Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from pass to pass.
 //! use gather
 
 // The least share of a point's rays that how near surfaces are is the mean of.
@@ -30,12 +30,18 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
     var sky_flux = vec4f(0.0);
     var squares = vec4f(0.0);
     var products = vec4f(0.0);
+    var sides = vec4f(0.0);
     var variance = 0.0;
+    var from_afar = vec4f(0.0);
+    var flux_from_afar = vec4f(0.0);
     var total = 0.0;
+    var far_total = 0.0;
     var sky_total = 0.0;
     let texel_m = params.texel * max(place.w, 1e-9) * f32(params.stride);
     let own_squares = before[own + 4u];
     let own_products = before[own + 5u].xyz;
+    let own_sides = before[own + 8u];
+    let own_far = vec2f(before[own + 6u].w, before[own + 7u].w);
     let last = vec2i(params.reduced) - 1;
     var k = 0;
     loop {
@@ -50,19 +56,31 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
             let its_sky = before[index + 1u];
             let its_squares = before[index + 4u];
             let its_products = before[index + 5u];
-            var weight = exp(-falloff * f32(dot(offset, offset)));
-            weight *= likeness(place.xyz, n, other.xyz, its, texel_m);
+            let its_far = before[index + 6u];
+            let its_far_flux = before[index + 7u];
+            let its_sides = before[index + 8u];
+            let faded = select(0.0, exp(-falloff * f32(dot(offset, offset))), other.w > 0.0);
+            let like = likeness(place.xyz, n, other.xyz, its, texel_m);
             // Rays that met nothing say nothing of how surfaces' light changes, and few rays that met some not much.
             let met = own_squares.w + its_squares.w;
             let each = 1.0 / max(met, 2.0 * FEWEST * f32(params.rays));
-            weight *= closeness(other.xyz - place.xyz, each * (own_squares + its_squares).xyz,
+            let way = other.xyz - place.xyz;
+            var weight = faded * like * closeness(way, each * (own_squares + its_squares).xyz,
                 each * (own_products + its_products.xyz));
-            weight = select(0.0, weight, other.w > 0.0);
             surfaces += weight * its_light;
             flux += weight * before[index + 2u];
             squares += weight * its_squares;
             products += weight * its_products;
+            sides += weight * its_sides;
             total += weight;
+            // Light from afar is the same off the plane, too, and as far as its own rays are long.
+            let far_m = (own_far.y + its_far_flux.w) / max(own_far.x + its_far.w, 1.0);
+            let far_weight = faded * far_likeness(like, n, its)
+                * far_closeness(way, far_m, own_sides.xyz / max(own_squares.w, 1.0),
+                    its_sides.xyz / max(its_squares.w, 1.0));
+            from_afar += far_weight * its_far;
+            flux_from_afar += far_weight * its_far_flux;
+            far_total += far_weight;
             // Of the sky, what is no noise but the edge of a shadow stays.
             let other_sky = noisy(its_sky, before[index + 3u].w);
             weight *= sameness(own_sky.x, other_sky.x, own_sky.y + other_sky.y);
@@ -76,10 +94,24 @@ fn noisy(light: vec4f, frames: f32) -> vec2f {
     }
     let inverse = select(0.0, 1.0 / total, total > 0.0);
     let sky_inverse = select(0.0, 1.0 / sky_total, sky_total > 0.0);
-    after[own] = surfaces * inverse;
+    let far_inverse = select(0.0, 1.0 / far_total, far_total > 0.0);
+    surfaces *= inverse;
+    flux *= inverse;
+    from_afar *= far_inverse;
+    flux_from_afar *= far_inverse;
+    // Together: the mean radiance from afar, for as many rays as come from there.
+    if (params.is_last != 0u) {
+        let share = surfaces.w / max(from_afar.w, 1e-3);
+        surfaces += share * vec4f(from_afar.rgb, 0.0);
+        flux += share * vec4f(flux_from_afar.xyz, 0.0);
+    }
+    after[own] = surfaces;
     after[own + 1u] = vec4f(sky.rgb * sky_inverse, variance * sky_inverse * sky_inverse);
-    after[own + 2u] = flux * inverse;
+    after[own + 2u] = flux;
     after[own + 3u] = vec4f(sky_flux.xyz * sky_inverse, frames);
     after[own + 4u] = squares * inverse;
     after[own + 5u] = products * inverse;
+    after[own + 6u] = from_afar;
+    after[own + 7u] = flux_from_afar;
+    after[own + 8u] = sides * inverse;
 }

@@ -27,7 +27,7 @@ class FilterParams(Struct):
     texel = f32("m, how wide a texel is one metre away")
     rays = u32("of a point, by the cosine")
     sky_rays = u32("of a point, towards what is bright of the sky")
-    pad = u32()
+    is_last = u32("1 in the last pass, which puts near and far together")
 
 
 class _Filter(ComputePass):
@@ -70,7 +70,7 @@ class Filtering:
                     texel=points.texel_m(view),
                     rays=self._rays,
                     sky_rays=sky_rays,
-                    pad=0,
+                    is_last=int(stride == STRIDES[-1]),
                 ),
                 places=points.places,
                 planes=points.planes,

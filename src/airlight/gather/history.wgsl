@@ -81,7 +81,7 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
             let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, other, 0).xyz, texel_m);
             let weight = select(0.0, like, its.w > 0.0);
             let index = SUMS * (u32(other.y) * params.reduced.x + u32(other.x));
-            let surfaces = sums[index].rgb;
+            let surfaces = sums[index].rgb + sums[index + 6u].rgb;
             let sky = sums[index + 1u].rgb;
             let light = luminance(surfaces + sky);
             out.surfaces += weight * surfaces;
@@ -115,15 +115,21 @@ fn all_followed(before: vec3f, mean: vec3f, variance: vec3f) -> vec3f {
 // `before`, brought as near to this frame's light as its noise says, and for fewer frames.
 fn following(before: Before, around: Around) -> Before {
     var out = before;
-    let surfaces = all_followed(before.sums[0].rgb, around.surfaces, around.surfaces_variance);
+    // Light of near surfaces and of far ones, together.
+    let lit = before.sums[0].rgb + before.sums[6].rgb;
+    let surfaces = all_followed(lit, around.surfaces, around.surfaces_variance);
+    let share = surfaces / max(lit, vec3f(1e-20));
     let sky = all_followed(before.sums[1].rgb, around.sky, around.sky_variance);
-    let ratio = luminance(surfaces) / max(luminance(before.sums[0].rgb), 1e-20);
+    let ratio = luminance(surfaces) / max(luminance(lit), 1e-20);
     let sky_ratio = luminance(sky) / max(luminance(before.sums[1].rgb), 1e-20);
-    out.sums[0] = vec4f(surfaces, before.sums[0].w);
+    // Where there was none, all of it is near by.
+    out.sums[0] = vec4f(select(share * before.sums[0].rgb, surfaces, lit <= vec3f(0.0)), before.sums[0].w);
+    out.sums[6] = vec4f(share * before.sums[6].rgb, before.sums[6].w);
+    out.sums[7] = vec4f(ratio * before.sums[7].xyz, before.sums[7].w);
     out.sums[1] = vec4f(sky, sky_ratio * sky_ratio * before.sums[1].w);
     out.sums[2] = vec4f(ratio * before.sums[2].xyz, before.sums[2].w);
     out.sums[3] *= sky_ratio;
-    let light = luminance(before.sums[0].rgb + before.sums[1].rgb);
+    let light = luminance(lit + before.sums[1].rgb);
     out.frames = frames_believed(before.frames, light, around.light, around.light_variance);
     return out;
 }

@@ -16,6 +16,9 @@
     var flux_outside = vec4f(0.0);
     var squares = vec4f(0.0);
     var products = vec3f(0.0);
+    var from_afar = vec4f(0.0);
+    var flux_from_afar = vec4f(0.0);
+    var sides = vec3f(0.0);
     let point_m = params.texel * textureLoad(places, id.xy, 0).w;
     let most_m = 1.0 / max(LEAST_RAY * point_m, 1e-9);
     if (params.first_ray > params.begun) {
@@ -25,6 +28,9 @@
         flux_outside = sums[at + 3u];
         squares = sums[at + 4u];
         products = sums[at + 5u].xyz;
+        from_afar = sums[at + 6u];
+        flux_from_afar = sums[at + 7u];
+        sides = sums[at + 8u].xyz;
     }
     var k = 0u;
     loop {
@@ -36,16 +42,24 @@
         let direction = cosine_direction(facing.xyz, ray_numbers(id.x, id.y, params.first_ray + k));
         let along = vec4f(flux_along(facing.xyz, direction), 0.0);
         let light = luminance(sky);
-        surfaces += vec4f(path.rgb, 0.0);
+        // What comes from afar is shared with other neighbours than what comes from near by.
+        let is_far = path.w > 0.0 && path.w * far[0] < 1.0;
+        let near_light = select(path.rgb, vec3f(0.0), is_far);
+        let far_light = path.rgb - near_light;
+        surfaces += vec4f(near_light, f32(is_far));
+        flux += luminance(near_light) * along;
+        from_afar += vec4f(far_light, f32(is_far));
+        flux_from_afar += luminance(far_light) * along + vec4f(vec3f(0.0), select(0.0, path.w, is_far));
         outside += vec4f(sky, light * light);
-        flux += luminance(path.rgb) * along;
         flux_outside += light * along;
         // Shorter rays than points are apart would let points share nothing.
         let inverse_m = min(max(path.w, 0.0), most_m);
         let side = unpack4x8snorm(met[point + k * count]);
-        let near = nearness(octahedron_decode(side.xy), inverse_m, side.z);
+        let met_normal = octahedron_decode(side.xy);
+        let near = nearness(met_normal, inverse_m, side.z);
         squares += vec4f(near[0], select(0.0, 1.0, path.w > 0.0));
         products += near[1];
+        sides += min(max(path.w, 0.0), most_m * LEAST_RAY / LEAST_SIDE) * met_normal;
         k++;
     }
     flux.w = facing.w;
@@ -55,4 +69,7 @@
     sums[at + 3u] = flux_outside;
     sums[at + 4u] = squares;
     sums[at + 5u] = vec4f(products, 0.0);
+    sums[at + 6u] = from_afar;
+    sums[at + 7u] = flux_from_afar;
+    sums[at + 8u] = vec4f(sides, 0.0);
 }

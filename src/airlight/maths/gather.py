@@ -33,6 +33,14 @@ LEAST_RAY = 3.0
 """Widths of a gather point that each ray is taken to be long at least."""
 ALONG = 0.25
 """How much light changes along a surface that lights a point, over how it does towards it."""
+FAR = 24.0
+"""Widths of a gather point, at the mean distance of all, beyond which light comes from afar."""
+FAR_POWER = 32.0
+"""As `NORMAL_POWER`, for light from afar between points off each other's planes."""
+THROUGH = 0.15
+"""Of `far_closeness`: the product of a way through a wall and what rays met there at 1/e."""
+LEAST_SIDE = 0.5
+"""As `LEAST_RAY`, where it is asked what lies between two points."""
 SAME = 0.02
 """Of the sum of two lights: by what they may differ without noise."""
 DOUBT = 4.0
@@ -185,6 +193,29 @@ def closeness(way: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
     d, a, b = (np.asarray(v, dtype=np.float64) for v in (way, squares, products))
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
     return np.asarray(np.exp(-(turned**2).sum(axis=-1) / REACH**2))
+
+
+def far_closeness(
+    way: ArrayLike, inverse_m: ArrayLike, side: ArrayLike, its_side: ArrayLike
+) -> F64:
+    """How far (...) a neighbour's light from afar stands for a point's, 0 to 1.
+
+    `way` (..., 3) to it, m; `inverse_m` (...) the mean inverse length of the rays that it came
+    along, m^-1; `side` and `its_side` (..., 3) the means over all rays of the normal that they met
+    over their length, m^-1. As `closeness` by those lengths; and where the way leads towards what
+    is near both of them, that is a wall between them: each may see what it hides from the other.
+    """
+    d, inverse, m, k = (np.asarray(v, dtype=np.float64) for v in (way, inverse_m, side, its_side))
+    through = np.minimum(-(m * d).sum(axis=-1), (k * d).sum(axis=-1))
+    through = np.maximum(through, 0.0) / THROUGH
+    return np.asarray(np.exp(-(through**2) - (inverse / REACH) ** 2 * (d**2).sum(axis=-1)))
+
+
+def far_likeness(like: ArrayLike, normal: ArrayLike, its_normal: ArrayLike) -> F64:
+    """`likeness` (...) of two points for light from afar: off their planes it is the same, too."""
+    n, m = (np.asarray(v, dtype=np.float64) for v in (normal, its_normal))
+    cosine = np.clip((n * m).sum(axis=-1), 0.0, 1.0)
+    return np.asarray(np.maximum(np.asarray(like, dtype=np.float64), cosine**FAR_POWER))
 
 
 def sky_share(cosine: ArrayLike, density: ArrayLike, rays: int, sky_rays: int) -> F64:

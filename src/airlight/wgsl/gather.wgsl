@@ -3,13 +3,17 @@
 //! use sampling
 //! use tone
 
-const SUMS = 6u;            // vec4f of a point, see gather/sums.py
+const SUMS = 9u;            // vec4f of a point, see gather/sums.py
 const LIGHTS = 4u;          // of those, what light is there
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.0025;
 const REACH = 0.1;
 const LEAST_RAY = 3.0;
 const ALONG = 0.25;
+const FAR = 24.0;
+const FAR_POWER = 32.0;
+const THROUGH = 0.15;
+const LEAST_SIDE = 0.5;
 const SAME = 0.02;
 const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
@@ -85,4 +89,14 @@ fn nearness(side: vec3f, inverse_m: f32, haze: f32) -> mat2x3f {
 fn closeness(way: vec3f, squares: vec3f, products: vec3f) -> f32 {
     let turned = squares * way + products.yzx * way.zxy + products.zxy * way.yzx;
     return exp(-dot(turned, turned) / (REACH * REACH));
+}
+
+fn far_closeness(way: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f32 {
+    let beyond = max(min(-dot(side, way), dot(its_side, way)), 0.0) / THROUGH;
+    let pace = inverse_m / REACH;
+    return exp(-beyond * beyond - pace * pace * dot(way, way));
+}
+
+fn far_likeness(like: f32, normal: vec3f, its_normal: vec3f) -> f32 {
+    return max(like, pow(saturate(dot(normal, its_normal)), FAR_POWER));
 }
