@@ -81,7 +81,7 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
             let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, other, 0).xyz, texel_m);
             let weight = select(0.0, like, its.w > 0.0);
             let index = SUMS * (u32(other.y) * params.reduced.x + u32(other.x));
-            let surfaces = sums[index].rgb + sums[index + 6u].rgb;
+            let surfaces = sums[index].rgb + sums[index + 6u].rgb + sums[index + 9u].rgb;
             let sky = sums[index + 1u].rgb;
             let light = luminance(surfaces + sky);
             out.surfaces += weight * surfaces;
@@ -116,7 +116,7 @@ fn all_followed(before: vec3f, mean: vec3f, variance: vec3f) -> vec3f {
 fn following(before: Before, around: Around) -> Before {
     var out = before;
     // Light of near surfaces and of far ones, together.
-    let lit = before.sums[0].rgb + before.sums[6].rgb;
+    let lit = before.sums[0].rgb + before.sums[6].rgb + before.sums[9].rgb;
     let surfaces = all_followed(lit, around.surfaces, around.surfaces_variance);
     let share = surfaces / max(lit, vec3f(1e-20));
     let sky = all_followed(before.sums[1].rgb, around.sky, around.sky_variance);
@@ -126,6 +126,8 @@ fn following(before: Before, around: Around) -> Before {
     out.sums[0] = vec4f(select(share * before.sums[0].rgb, surfaces, lit <= vec3f(0.0)), before.sums[0].w);
     out.sums[6] = vec4f(share * before.sums[6].rgb, before.sums[6].w);
     out.sums[7] = vec4f(ratio * before.sums[7].xyz, before.sums[7].w);
+    out.sums[9] = vec4f(share * before.sums[9].rgb, before.sums[9].w);
+    out.sums[10] = ratio * before.sums[10];
     out.sums[1] = vec4f(sky, sky_ratio * sky_ratio * before.sums[1].w);
     out.sums[2] = vec4f(ratio * before.sums[2].xyz, before.sums[2].w);
     out.sums[3] *= sky_ratio;

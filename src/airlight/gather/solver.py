@@ -6,6 +6,7 @@ between neighbours -> pixels
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -106,9 +107,12 @@ class GatherSolver(Solver):
         sample = range(number * rays, (number + 1) * rays)
         for first in range(sample.start, sample.stop, sized.batch):
             numbers = range(first, min(first + sized.batch, sample.stop))
-            self._follow(commands, sized, numbers, fields)
+            for index in self._followed(commands, sized, numbers, fields):
+                if index == 0:
+                    with commands.stage("gather lighting"):
+                        sized.sums.encode(commands, view, sized.paths, numbers, sample)
             with commands.stage("gather lighting"):
-                sized.sums.encode(commands, view, sized.paths, numbers, sample)
+                sized.sums.encode_later(commands, view, sized.paths, numbers)
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
         sums = sized.sums.buffer
@@ -154,17 +158,21 @@ class GatherSolver(Solver):
         given, number = fields.air, sized.number_of(view.sample, fields.air)
         met = fields if number == 0 else replace(fields, air=sized.found)
         numbers = range(view.sample * sized.rays, (view.sample + 1) * sized.rays)
-        self._follow(commands, sized, numbers, met)
+        for _ in self._followed(commands, sized, numbers, met):
+            pass
         with commands.stage("gather lighting"):
             scattered, sized.found = sized.sums.encode(
                 commands, sized.paths.buffer, numbers, (source, given), number
             )
         return replace(fields, scattered=scattered, air=sized.found)
 
-    def _follow(
+    def _followed(
         self, commands: Commands, sized: ViewBatches | CellBatches, numbers: range, fields: Fields
-    ) -> None:
-        """Trace paths of several segments; lattices light what the last of them meets."""
+    ) -> Iterator[int]:
+        """Trace paths of several segments; lattices light what the last of them meets.
+
+        Yields the number of each segment once its light is in the paths.
+        """
         assert self._trace is not None
         rays = sized.rays
         count = self.settings.gather_bounces if self._bounces else 1
@@ -187,6 +195,7 @@ class GatherSolver(Solver):
             with commands.stage("gather lighting"):
                 light = self._light(commands, sized, hits, fields, is_last=index == count - 1)
                 sized.paths.encode(commands, hits, light, segment, rays)
+            yield index
             hits, before = before, hits
 
     def _light(

@@ -1,4 +1,4 @@
-// Adds the radiance along a batch of paths to their points' sums.
+// Adds what the first segments of a batch of paths found to their points' sums, and takes it from the paths.
 //! use gather
 //! use octahedron
 
@@ -19,6 +19,8 @@
     var from_afar = vec4f(0.0);
     var flux_from_afar = vec4f(0.0);
     var sides = vec3f(0.0);
+    var later = vec4f(0.0);
+    var later_flux = vec4f(0.0);
     let point_m = params.texel * textureLoad(places, id.xy, 0).w;
     let most_m = 1.0 / max(LEAST_RAY * point_m, 1e-9);
     if (params.first_ray > params.begun) {
@@ -31,6 +33,8 @@
         from_afar = sums[at + 6u];
         flux_from_afar = sums[at + 7u];
         sides = sums[at + 8u].xyz;
+        later = sums[at + 9u];
+        later_flux = sums[at + 10u];
     }
     var k = 0u;
     loop {
@@ -52,6 +56,9 @@
         flux_from_afar += luminance(far_light) * along + vec4f(vec3f(0.0), select(0.0, path.w, is_far));
         outside += vec4f(sky, light * light);
         flux_outside += light * along;
+        // The path goes on without what is added here.
+        later.w += f32(path.w > 0.0 && !is_far);
+        paths[row] = vec4f(vec3f(0.0), path.w);
         // Shorter rays than points are apart would let points share nothing.
         let inverse_m = min(max(path.w, 0.0), most_m);
         let side = unpack4x8snorm(met[point + k * count]);
@@ -71,5 +78,7 @@
     sums[at + 5u] = vec4f(products, 0.0);
     sums[at + 6u] = from_afar;
     sums[at + 7u] = flux_from_afar;
-    sums[at + 8u] = vec4f(sides, 0.0);
+    sums[at + 8u] = vec4f(sides, 1.0 / max(far[0], 1e-9));
+    sums[at + 9u] = later;
+    sums[at + 10u] = later_flux;
 }

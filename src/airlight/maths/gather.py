@@ -201,9 +201,10 @@ def far_closeness(
     """How far (...) a neighbour's light from afar stands for a point's, 0 to 1.
 
     `way` (..., 3) to it, m; `inverse_m` (...) the mean inverse length of the rays that it came
-    along, m^-1; `side` and `its_side` (..., 3) the means over all rays of the normal that they met
-    over their length, m^-1. As `closeness` by those lengths; and where the way leads towards what
-    is near both of them, that is a wall between them: each may see what it hides from the other.
+    along and of one at which far begins, m^-1; `side` and `its_side` (..., 3) the means over all
+    rays of the normal that they met over their length, m^-1. As `closeness` by those lengths; and
+    where the way leads towards what is near both of them, that is a wall between them: each may see
+    what it hides from the other.
     """
     d, inverse, m, k = (np.asarray(v, dtype=np.float64) for v in (way, inverse_m, side, its_side))
     through = np.minimum(-(m * d).sum(axis=-1), (k * d).sum(axis=-1))
