@@ -648,3 +648,13 @@ def test_files_behind_a_search_path_outside_name_the_remedy(tmp_path: Path) -> N
     with pytest.raises(SceneError, match=r"search path '\.\./common' leads out") as error:
         scene(tmp_path / "scenes", f'<path value="../common"/>{shape}')
     assert "AIRLIGHT_ROOT" in str(error.value)
+
+
+def test_what_a_film_and_a_focus_say_is_told_once_or_not_at_all(tmp_path: Path) -> None:
+    """Images have the size that is asked for, and pinholes are sharp wherever they focus."""
+    body = """<sensor type="perspective"><float name="focus_distance" value="1000"/>
+      <film type="hdrfilm"><integer name="width" value="256"/><integer name="height" value="128"/>
+      </film></sensor>"""
+    found = scene(tmp_path, body)
+    assert found.camera.focus_m is None
+    assert found.warnings == ("its film has 256x128 pixels; images have those of --size",)

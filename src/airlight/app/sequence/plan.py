@@ -89,7 +89,8 @@ def frame_span(
     if animation is None:
         raise SettingsError(
             f"nothing moves in '{scene.name}'",
-            remedy="Add keyframes to its scene file ([[camera.key]] ...), or use airlight render.",
+            remedy="Add keyframes to its scene file ([[camera.key]] ...) or grids that follow "
+            "each other ([[volume]] sequence), or use airlight render.",
         )
     start = animation.start_s if start_s is None else start_s
     end = animation.last_s if end_s is None else end_s

@@ -40,7 +40,7 @@ from ..camera import Camera
 from ..limits import check_extent
 from ..scene import Scene
 from ..sun_sky import Sky, chosen_sky, with_sky
-from .files import naming, regular_file
+from .files import is_folder, naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
 GLTF_SUFFIXES = (".glb", ".gltf")
@@ -49,6 +49,10 @@ MESH_SUFFIXES = (".obj", *GLTF_SUFFIXES, ".ply", ".stl", *USD_SUFFIXES)
 VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb", ".vti", ".nc", ".nc4", ".zarr")
 OTHER_SUFFIXES = (".fbx", ".dae", ".blend", ".3ds", ".abc")
 """Of other programs' scenes, which are not read."""
+_BUILTIN = "For a scene that ships with airlight, write builtin:NAME."
+_SEQUENCE = (
+    'Grids that follow each other are a [[volume]] with sequence = "FOLDER" in a scene file.'
+)
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
@@ -120,6 +124,8 @@ def model_keys(
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     suffix = file.suffix.lower()
+    if "*" in file.name and not file.exists():
+        raise SceneError("a scene is one file", where=file, remedy=_SEQUENCE)
     # Scene files say everything themselves; a sky that was asked for replaces theirs.
     if suffix == ".toml":
         from .doubts import doubts
@@ -193,11 +199,9 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
         try:
             regular_file(file)
         except SceneError as error:
-            raise SceneError(
-                error.problem,
-                where=file,
-                remedy="For a scene that ships with airlight, write builtin:NAME.",
-            ) from None
+            # Many files are a volume's sequence.
+            remedy = _SEQUENCE if is_folder(file) else _BUILTIN
+            raise SceneError(error.problem, where=file, remedy=remedy) from None
     raise SceneError(
         f"a scene file cannot end in '{file.suffix}'",
         where=file,

@@ -20,11 +20,11 @@ def camera_of(node: Node, source: Source) -> Camera:
     """The camera that a sensor is; what of it cannot be is noted. Raises SceneError."""
     if node.kind not in ("perspective", "thinlens"):
         source.note(f"{node} is read as a perspective one")
-    # The lens.
+    # The lens: only a thin one is out of focus anywhere, though others may say where they focus.
     aperture_m, focus_m = 0.0, None
+    focus_distance_m = float(node.get("focus_distance", 1.0))
     if node.kind == "thinlens":
-        aperture_m = 2.0 * float(node.get("aperture_radius", 0.0))
-        focus_m = float(node.get("focus_distance", 1.0))
+        aperture_m, focus_m = 2.0 * float(node.get("aperture_radius", 0.0)), focus_distance_m
     # The placement: Mitsuba's cameras look along +Z.
     matrix = node.get("to_world")
     matrix = np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
@@ -53,6 +53,8 @@ def _fov_y(node: Node, source: Source) -> float:
         if film
         else DEFAULT_FILM
     )
+    if film and "width" in film.values:
+        source.note(f"its film has {width}x{height} pixels; images have those of --size")
     if min(width, height) < 1:
         raise SceneError(f"{film} has the impossible size {width} x {height}")
     aspect = width / height

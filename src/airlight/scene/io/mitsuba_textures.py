@@ -55,7 +55,7 @@ def color_input(
     if child is None:
         value = node.get(name, default)
         if isinstance(value, Spectrum):
-            source.note(f"{node}: the spectrum of '{name}' is reduced to red, green and blue")
+            source.note("spectra are reduced to red, green and blue")
         return triple(value), None
     node.read.add(name)
     if child.tag == "texture":
