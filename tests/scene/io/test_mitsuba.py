@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import struct
 from pathlib import Path
@@ -11,9 +12,11 @@ import pytest
 from PIL import Image
 
 from airlight.errors import SceneError
+from airlight.rendering import render
 from airlight.scene import AreaLight, DirectionalLight, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.io import load
 from airlight.scene.io.mitsuba import load_mitsuba
+from airlight.scene.io.mitsuba_camera import USUAL_SIZE
 from airlight.scene.light_shapes import unit_geometry
 from airlight.scene.lights.area import world_from_unit
 from airlight.scene.material import DEFAULT_MATERIAL
@@ -658,3 +661,11 @@ def test_what_a_film_and_a_focus_say_is_told_once_or_not_at_all(tmp_path: Path) 
     found = scene(tmp_path, body)
     assert found.camera.focus_m is None
     assert found.warnings == ("its film has 256x128 pixels; images have those of --size",)
+
+
+def test_a_film_of_the_usual_size_needs_no_word(tmp_path: Path) -> None:
+    assert inspect.signature(render).parameters["size"].default == USUAL_SIZE
+    width, height = USUAL_SIZE
+    film = f'<integer name="width" value="{width}"/><integer name="height" value="{height}"/>'
+    found = scene(tmp_path, SENSOR.format(f'<film type="hdrfilm">{film}</film>'))
+    assert found.warnings == ()

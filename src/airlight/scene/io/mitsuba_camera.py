@@ -13,6 +13,8 @@ from .mitsuba_nodes import Node
 from .mitsuba_textures import Source
 
 DEFAULT_FILM = (768, 576)
+USUAL_SIZE = (1280, 720)
+"""Pixels of an image where no size is asked for, as `airlight.render` has it."""
 DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
 
 
@@ -53,7 +55,7 @@ def _fov_y(node: Node, source: Source) -> float:
         if film
         else DEFAULT_FILM
     )
-    if film and "width" in film.values:
+    if film and "width" in film.values and (width, height) != USUAL_SIZE:
         source.note(f"its film has {width}x{height} pixels; images have those of --size")
     if min(width, height) < 1:
         raise SceneError(f"{film} has the impossible size {width} x {height}")
