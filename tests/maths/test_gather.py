@@ -63,6 +63,20 @@ def test_directions_are_distributed_as_their_cosine():
     np.testing.assert_allclose((cosine**2).mean(axis=1), 0.5, atol=2e-3)
 
 
+def test_lattices_are_put_right_where_paths_tell_by_how_much():
+    """A lattice `off` times too bright, where half of what its light comes from is traced."""
+    for off in (0.6, 0.8, 1.0, 1.25, 1.6):
+        factor = gather.calibration(0.5, off, off * 0.5)
+        # The doubt leaves k^2 / (1 + k^2) of what the lattice is off.
+        assert factor == pytest.approx(1.0 / off, rel=0.1)
+        assert abs(np.log(factor * off)) <= 0.2 * abs(np.log(off)) + 1e-12
+    # Where nearly all light comes from lattices, a small difference says little.
+    assert gather.calibration(0.2, 5.04, 4.6) == pytest.approx(1.0, abs=0.06)
+    # Nothing known, nothing to scale; and no factor without a bound.
+    assert gather.calibration(1.0, 0.0, 0.0) == 1.0
+    assert gather.calibration(100.0, 1.0, 0.1) == gather.MOST_CALIBRATION
+
+
 def test_a_point_is_like_itself_and_unlike_what_faces_elsewhere_or_lies_off_its_plane():
     p = np.zeros(3)
     assert gather.likeness(p, UP, p, UP, 0.1) == 1.0
@@ -219,6 +233,10 @@ def test_twins(wgsl):
     three = np.exp(RNG.normal(size=(3, 500, 3)))
     detail = wgsl("gather", "detailed", *three, returns="vec3f")
     np.testing.assert_allclose(detail, gather.detailed(*three), rtol=1e-5)
+    shares = np.exp(RNG.normal(size=(3, 500)))
+    factor = wgsl("gather", "calibration", *shares, returns="f32")
+    twin = [gather.calibration(*map(float, row)) for row in shares.T]
+    np.testing.assert_allclose(factor, twin, rtol=1e-4)
     share = wgsl("gather", "sky_share", u[:, 0], u[:, 1], x, y, returns="f32")
     twin = [gather.sky_share(a, b, int(i), int(j)) for a, b, i, j in zip(*u.T, x, y, strict=True)]
     np.testing.assert_allclose(share, twin, rtol=1e-4)

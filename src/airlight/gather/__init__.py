@@ -6,6 +6,7 @@ trace      cosine-distributed rays from each, and the surfaces that they meet; a
 cells      the same from the cells of media, for what they scatter
 batches    as many rays as the device holds, and what they need
 paths      what their segments found; air: media along them; beams: light that goes forwards alone
+calibration  how bright lattices' light is beside what paths trace
 far        how long rays must be for their light to come from afar
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
 sky        more rays towards what is bright outside

@@ -11,6 +11,7 @@ from ..gpu.device import Gpu
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..surface.hits import Hits
+from .calibration import RAYS
 from .cells import CellPoints, CellSums
 from .filtering import Filtering
 from .history import History
@@ -22,7 +23,7 @@ from .sums import Sums
 from .upsample import Upsampling
 
 MOST_HITS = 1 << 20
-"""Of a batch: 180 bytes for each."""
+"""Of a batch: 196 bytes for each."""
 
 
 class ViewBatches:
@@ -43,7 +44,7 @@ class ViewBatches:
         self.points = Points(gpu, size, is_occluded=is_occluded)
         width, height = self.points.reduced
         most = gpu.limits["max-texture-dimension-2d"] // height
-        self.batch = max(1, min(rays, most, MOST_HITS // self.points.count))
+        self.batch = max(min(rays, RAYS), min(rays, most, MOST_HITS // self.points.count))
         hits = (width, height * self.batch)
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)

@@ -2,7 +2,14 @@
 //! use gather
 //! use sky_cells
 //! use octahedron
+//! use tone
 //! needs fn air_of(row: u32) -> Air
+
+// What becomes of the lattices' light: it is no part of the path; or it is, as it is; or it is told beside what the
+// last segment finds; or that segment's end leaves it to `calibrated.wgsl`.
+const ADDED = 1u;
+const TOLD = 2u;
+const LEFT = 3u;
 
 // The light that media scatter into a segment, and their transmittance.
 struct Air {
@@ -53,27 +60,49 @@ fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
         let passed = paths[row + 1u];
         path = Path(radiance.rgb, radiance.a, passed.rgb, passed.a);
     }
+    var known = vec3f(0.0);     // by lattices
+    var traced = 0.0;           // luminance
     if (path.is_open > 0.0) {
-        path.radiance += path.passed * air.light;
+        var found = path.passed * air.light;
         path.passed *= air.passed;
         if (hit.w > 0.0) {
             let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
             let albedo = towards_lights + textureLoad(hit_normals, id.xy, 0).w;
-            var light = textureLoad(direct_light, id.xy, 0).rgb;
-            if (params.has_cache != 0u) {
-                let all_around = albedo / max(towards_lights, vec3f(1e-4));
-                light += all_around * textureLoad(indirect_light, id.xy, 0).rgb;
+            let all_around = albedo / max(towards_lights, vec3f(1e-4));
+            found += path.passed * textureLoad(direct_light, id.xy, 0).rgb;
+            var forward = vec3f(0.0);
+            if (params.has_forward != 0u) {
+                forward = path.passed * all_around * textureLoad(forward_light, id.xy, 0).rgb;
+                found += forward;
             }
-            path.radiance += path.passed * light;
+            if (params.lattices != 0u) {
+                known = path.passed * all_around * textureLoad(lattice_light, id.xy, 0).rgb - forward;
+            }
+            if (params.lattices == ADDED) {
+                found += known;
+            }
             path.passed *= albedo;
-        } else {
+        }
+        traced = luminance(found);
+        path.radiance += found;
+        if (hit.w <= 0.0) {
             // A sky with a sun in it lights surfaces through the lattice: it would be found by luck.
             if (params.segment > 0u && sky.is_mild != 0u) {
                 path.radiance += path.passed * sky_along(hit.xyz).radiance;
             }
             path.is_open = 0.0;
         }
+        if (params.lattices == LEFT) {
+            path.passed = known;
+        }
     }
     paths[row] = vec4f(path.radiance, path.inverse_m);
     paths[row + 1u] = vec4f(path.passed, path.is_open);
+    // What both say of the light where the second last segment ends.
+    let index = id.y * sky.reduced.x + id.x;
+    if (params.lattices == TOLD) {
+        shares[index] = vec4f(0.0, luminance(known), 0.0, 0.0);
+    } else if (params.lattices == LEFT) {
+        shares[index] = vec4f(traced, shares[index].y, luminance(known), 0.0);
+    }
 }

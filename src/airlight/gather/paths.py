@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from enum import Enum
+from typing import NamedTuple
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -9,17 +12,40 @@ from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..surface.hits import Hits
+from .calibration import RAYS, Calibration
 from .sky_cells import SkyCells, SkyParams
 from .trace import AnyPoints, Segment
 
 
 class FoldParams(Struct):
-    """Which segment it is, and whether lattices' light is on what it met."""
+    """Which segment it is, and what becomes of the lattices' light on what it met."""
 
     rays = u32("of a point")
     segment = u32()
-    has_cache = u32()
-    pad = u32()
+    lattices = u32("what becomes of their light, as `fold.wgsl` has it")
+    has_forward = u32("whether there is light that media only scatter forwards")
+
+
+class Lattices(Enum):
+    """What becomes of the lattices' light where a segment ends.
+
+    It is not asked for; or part of the path, as it is; or told beside what the last segment finds;
+    or, at the end of that, calibrated by it.
+    """
+
+    UNASKED = 0
+    ADDED = 1
+    TOLD = 2
+    LEFT = 3
+
+
+class SegmentLight(NamedTuple):
+    """Textures with the light where a segment ends: of lights; of those that media only scatter
+    forwards; and of lattices, which have the second, too."""
+
+    lights: Texture
+    forward: Texture | None = None
+    lattices: Texture | None = None
 
 
 _NO_AIR = """
@@ -37,10 +63,12 @@ _SLOTS = (
     texture("hit_normals", "2d", "unfilterable-float"),
     texture("hit_albedos", "2d", "unfilterable-float"),
     texture("direct_light", "2d", "unfilterable-float"),
-    texture("indirect_light", "2d", "unfilterable-float"),
+    texture("forward_light", "2d", "unfilterable-float"),
+    texture("lattice_light", "2d", "unfilterable-float"),
     storage("sky_cells", "vec4f"),
     storage("paths", "vec4f", "read_write"),
     storage("met", "u32", "read_write"),
+    storage("shares", "vec4f", "read_write"),
 )
 
 
@@ -70,28 +98,29 @@ class Paths:
         self.buffer = Buffer(gpu, "gathered paths", nbytes)
         self.met = Buffer(gpu, "sides that paths met", 4 * points.count * batch)
         self.air = Buffer(gpu, "air along paths", nbytes) if has_air else None
+        self.calibration = Calibration(gpu, points.count * batch)
 
     def encode(
         self,
         commands: Commands,
         hits: Hits,
-        light: tuple[Texture, Texture | None],
+        light: SegmentLight,
         segment: Segment,
         rays: int,
+        lattices: Lattices,
     ) -> None:
-        """Add the `light` of the `hits` of a segment: that of lights, and perhaps of lattices.
+        """Add the `light` of the `hits` of a segment.
 
-        `rays`: of a point, in this sample of the image.
+        `rays`: of a point, in this sample of the image. `lattices`: what becomes of theirs.
         """
-        direct, indirect = light
         self._fold.dispatch(
             commands,
             (self._points.reduced[0], self._points.reduced[1] * len(segment.numbers)),
             params=FoldParams(
                 rays=len(segment.numbers),
                 segment=segment.index,
-                has_cache=int(indirect is not None),
-                pad=0,
+                lattices=lattices.value,
+                has_forward=int(light.forward is not None),
             ),
             sky=self._cells.params(self._points, rays, 0),
             places=self._points.places,
@@ -99,10 +128,21 @@ class Paths:
             hit_positions=hits.positions,
             hit_normals=hits.normal,
             hit_albedos=hits.albedo,
-            direct_light=direct,
-            indirect_light=indirect or direct,
+            direct_light=light.lights,
+            forward_light=light.forward or light.lights,
+            lattice_light=light.lattices or light.lights,
             sky_cells=self._cells.buffer,
             paths=self.buffer,
             met=self.met,
+            shares=self.calibration.shares,
             **({"air": self.air} if self.air else {}),
         )
+        if lattices is Lattices.LEFT:
+            self._calibrate(commands, segment, rays)
+
+    def _calibrate(self, commands: Commands, segment: Segment, rays: int) -> None:
+        """Add the lattices' light at the ends of paths, by the factor of the sample's first."""
+        points, numbers = self._points.reduced[0] * self._points.reduced[1], segment.numbers
+        if numbers.start % rays == 0:
+            self.calibration.measure(commands, points * min(len(numbers), RAYS))
+        self.calibration.apply(commands, self.buffer, points * len(numbers))

@@ -12,7 +12,6 @@ from typing import Any
 
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
-from ..gpu.memory import Texture
 from ..lighting.gathered import Gathered
 from ..lighting.glossy import is_any_glossy
 from ..lighting.hits import HitLighting
@@ -27,6 +26,7 @@ from .batches import CellBatches, ViewBatches
 from .beams import Beams
 from .history import lit_alike
 from .mirrors import Mirrors
+from .paths import Lattices, SegmentLight
 from .settings import GatherSettings
 from .sky import SkyRays
 from .sky_cells import SkyCells
@@ -193,10 +193,19 @@ class GatherSolver(Solver):
                         sized.paths.air,
                     )
             with commands.stage("gather lighting"):
-                light = self._light(commands, sized, hits, fields, is_last=index == count - 1)
-                sized.paths.encode(commands, hits, light, segment, rays)
+                told = self._told(count - 1 - index, count)
+                light = self._light(commands, sized, hits, fields, told, is_last=index + 1 == count)
+                sized.paths.encode(commands, hits, light, segment, rays, told)
             yield index
             hits, before = before, hits
+
+    def _told(self, left: int, count: int) -> Lattices:
+        """What becomes of the lattices' light with so many segments `left` of `count`."""
+        if not self._bounces or left > 1:
+            return Lattices.UNASKED
+        if count == 1:
+            return Lattices.ADDED
+        return Lattices.TOLD if left else Lattices.LEFT
 
     def _light(
         self,
@@ -204,25 +213,36 @@ class GatherSolver(Solver):
         sized: ViewBatches | CellBatches,
         hits: Hits,
         fields: Fields,
+        told: Lattices,
         *,
         is_last: bool,
-    ) -> tuple[Texture, Texture | None]:
-        """The textures with the light of `hits`: of lights, and of lattices.
+    ) -> SegmentLight:
+        """The textures with the light of `hits`.
 
-        On the last segment all that lattices know; before, what of lights media only scatter
-        forwards, which no ray meets. What a later segment finds of a mild sky, no lattice has to
-        say.
+        Of lattices all that they know, where they are asked; always that of lights that media only
+        scatter forwards, which no ray meets. What a later segment finds of a mild sky, no lattice
+        has to say.
         """
         layers, forward = sized.layers, fields.air.forward if fields.air else None
         cache = fields.irradiance or self.kit.no_irradiance
-        if not is_last and self._cells.is_mild:
-            if forward is not None:
-                return self._lighting.apart(commands, hits, layers, forward, fields.sky)
-            return self._lighting.lights(commands, hits, layers, cache, fields.sky), None
-        if not (is_last and self._bounces):
-            cache = forward or self.kit.darkened(cache)
-        self._lighting.encode(commands, hits, layers, cache, fields.sky)
-        return layers.direct, layers.indirect
+        is_asked, has_sky = told is not Lattices.UNASKED, is_last or not self._cells.is_mild
+        light = self._lighting
+        if not (is_asked or has_sky or forward):
+            return SegmentLight(light.lights(commands, hits, layers, cache, fields.sky))
+        # One field, or lattices' and forward light apart, the second beside the first.
+        first = cache if is_asked else forward or self.kit.darkened(cache)
+        if has_sky and not (is_asked and forward):
+            light.encode(commands, hits, layers, first, fields.sky)
+            lit, found = layers.direct, layers.indirect
+        else:
+            lit, found = light.apart(commands, hits, layers, first, fields.sky)
+            lit = layers.direct if has_sky else lit
+        if not is_asked:
+            return SegmentLight(lit, forward=found if forward else None)
+        if forward is None:
+            return SegmentLight(lit, lattices=found)
+        along = light.also(commands, hits, layers, forward, fields.sky)
+        return SegmentLight(lit, along, found)
 
     def _gathers(self, view: View) -> bool:
         """Whether this view does. Lights by the thousand are in lattices alone, and seen there."""

@@ -84,6 +84,19 @@ class HitLighting:
         self._draw(commands, "rest", layers.targets, values | {"lit": layers.lit}, irradiance)
         return layers.lit, layers.indirect
 
+    def also(
+        self,
+        commands: Commands,
+        hits: Hits,
+        layers: RadianceLayers,
+        irradiance: Irradiance,
+        sky: SkyIrradiance,
+    ) -> Texture:
+        """The texture with what another `irradiance` gives `hits` that were lit by `apart`."""
+        values = self._bound(commands, hits, irradiance, sky) | {"lit": layers.lit}
+        self._draw(commands, "rest", (layers.direct, layers.also), values, irradiance)
+        return layers.also
+
     def _draw(
         self,
         commands: Commands,

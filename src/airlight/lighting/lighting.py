@@ -70,7 +70,8 @@ class Lighting(FullscreenPass):
 class RadianceLayers:
     """The targets of lighting: direct (with emission, sky, background; a = 1), indirect.
 
-    `lit` is the direct layer without the sky, which exists where near surfaces light each other.
+    `lit` is the direct layer without the sky, which exists where near surfaces light each other;
+    `also` the light of a second field, which exists where hits have one.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
@@ -78,6 +79,7 @@ class RadianceLayers:
         self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True, written=True)
         self._gpu, self._size = gpu, size
         self._lit: Texture | None = None
+        self._also: Texture | None = None
 
     @property
     def targets(self) -> tuple[Texture, Texture]:
@@ -88,7 +90,15 @@ class RadianceLayers:
     def lit(self) -> Texture:
         """Radiance of surfaces by lights and emission, and the background."""
         if self._lit is None:
-            self._lit = Texture(
-                self._gpu, "lit", self._size, "rgba32float", target=True, written=True
-            )
+            self._lit = self._another("lit")
         return self._lit
+
+    @property
+    def also(self) -> Texture:
+        """Radiance of surfaces by a second field."""
+        if self._also is None:
+            self._also = self._another("light of another field")
+        return self._also
+
+    def _another(self, name: str) -> Texture:
+        return Texture(self._gpu, name, self._size, "rgba32float", target=True, written=True)

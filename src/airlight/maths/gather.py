@@ -52,6 +52,11 @@ TRUST = 0.1
 MOST_DETAIL = 4.0
 """How many times brighter or darker than its gather points a pixel is at most."""
 
+CALIBRATION_DOUBT = 0.3
+"""How much the lattices' light is off from place to place, over how much it is as a whole."""
+MOST_CALIBRATION = 4.0
+"""How many times brighter or darker the lattices' light is made at most."""
+
 
 def ray_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
     """Two numbers in [0, 1) (..., 2) for a ray of the gather point at texel (x, y).
@@ -255,3 +260,20 @@ def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
             stack.append(int(large[at]))
             at += 1
     return keep, other
+
+
+def calibration(traced: float, known: float, ends: float) -> float:
+    """The factor that makes lattices agree with what paths trace, as far as that is sure.
+
+    `known` is the light of lattices where the second last segments of paths end; the last ones
+    find the light of lights there, `traced`, and at their own ends lattices' light, `ends`, all
+    summed over paths, times what each path passes on. With the factor f, f `known` is `traced` +
+    f `ends`, but that lattices are not off by the same everywhere. So f is the likeliest where they
+    are off by s as a whole and by k s (`CALIBRATION_DOUBT`) from place to place: the least of
+    (traced + f (ends - known))^2 / (k ends)^2 + (f - 1)^2. Where lattices bring nearly all
+    light themselves, and little is traced, it stays near 1.
+    """
+    own = known - ends
+    sure = own * own + (CALIBRATION_DOUBT * ends) ** 2
+    factor = 1.0 + own * (traced - own) / max(sure, 1e-30)
+    return min(max(factor, 1.0 / MOST_CALIBRATION), MOST_CALIBRATION)

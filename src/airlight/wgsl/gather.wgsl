@@ -19,6 +19,8 @@ const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
 const TRUST = 0.1;
 const MOST_DETAIL = 4.0;
+const CALIBRATION_DOUBT = 0.3;
+const MOST_CALIBRATION = 4.0;
 
 fn ray_numbers(x: u32, y: u32, ray: u32) -> vec2f {
     let first = x * 3679390609u + y * 3152041523u + ray * 3242174889u;
@@ -99,4 +101,11 @@ fn far_closeness(way: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f3
 
 fn far_likeness(like: f32, normal: vec3f, its_normal: vec3f) -> f32 {
     return max(like, pow(saturate(dot(normal, its_normal)), FAR_POWER));
+}
+
+fn calibration(traced: f32, known: f32, ends: f32) -> f32 {
+    let own = known - ends;
+    let doubt = CALIBRATION_DOUBT * ends;
+    let factor = 1.0 + own * (traced - own) / max(own * own + doubt * doubt, 1e-30);
+    return clamp(factor, 1.0 / MOST_CALIBRATION, MOST_CALIBRATION);
 }
