@@ -29,7 +29,7 @@
     }
     // As the sum of the radiance that as many rays would have found.
     let sum = e * f32(params.rays) / 3.14159265;
-    let at = SUMS * (id.y * params.reduced.x + id.x);
-    sums[at] += vec4f(sum, 0.0);
-    sums[at + 2u] += vec4f(luminance(sum) * normal, 0.0);
+    let at = id.y * params.reduced.x + id.x;
+    sums[at].near += sum;
+    sums[at].near_flux += luminance(sum) * normal;
 }

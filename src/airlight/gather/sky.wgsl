@@ -36,7 +36,8 @@ const RAISED = 2e-4;        // as in trace.wgsl
         }
         k++;
     }
-    let at = SUMS * (id.y * sky.reduced.x + id.x);
-    sums[at + 1u] += vec4f(sum, squares);
-    sums[at + 3u] += vec4f(flux, 0.0);
+    let at = id.y * sky.reduced.x + id.x;
+    sums[at].sky += sum;
+    sums[at].sky_variance += squares;
+    sums[at].sky_flux += flux;
 }

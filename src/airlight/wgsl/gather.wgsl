@@ -3,8 +3,6 @@
 //! use sampling
 //! use tone
 
-const SUMS = 11u;            // vec4f of a point, see gather/sums.py
-const LIGHTS = 4u;          // of those, what light is there
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.0025;
 const REACH = 0.1;
