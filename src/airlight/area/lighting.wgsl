@@ -2,6 +2,7 @@
 //! use area_shadow
 //! use segment_light
 //! use specular_cosine
+//! use sampling
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
 //! needs fn media_passed(row: u32, count: u32, p: vec3f) -> vec3f

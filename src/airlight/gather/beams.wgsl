@@ -1,5 +1,5 @@
 // Light that media have scattered forwards alone, which no ray meets, added to what points have gathered.
-//! use gather
+//! use tone
 //! use lattice
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

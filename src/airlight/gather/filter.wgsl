@@ -2,6 +2,7 @@
 // (docs/techniques/gather.md, "Sharing"). Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from
 // pass to pass.
 //! use gather
+//! use tone
 
 // The least share of a point's rays that how near surfaces are is the mean of.
 const FEWEST = 0.125;

@@ -2,6 +2,7 @@
 // then, where the same surface was there. Source: Schied2017 (temporal accumulation by moments of its length), at points.
 //! use gather
 //! use gather_history
+//! use tone
 
 // A place in the image of a camera, in texels from the middle of the first; w: whether it is before the eye.
 fn texel_of(clip_from_world: mat4x4f, place: vec3f) -> vec3f {

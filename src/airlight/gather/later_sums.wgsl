@@ -1,6 +1,7 @@
 // Adds what the later segments of a batch of paths found to their points' sums: with the far surfaces' light where the
 // first segment met one, and else apart.
 //! use gather
+//! use tone
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.reduced)) {

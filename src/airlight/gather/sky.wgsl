@@ -2,6 +2,7 @@
 //! use gather
 //! use rays
 //! use sky_cells
+//! use tone
 //! needs fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f
 
 const FARTHEST = 1e30;      // m

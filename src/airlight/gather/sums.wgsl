@@ -1,6 +1,7 @@
 // Adds what the first segments of a batch of paths found to their points' sums, and takes it from the paths.
 //! use gather
 //! use octahedron
+//! use tone
 
 // A path's first segment: its light, at the inverse length `inverse_m`; far where far surfaces begin.
 fn with_light(sums: PointSums, radiance: vec3f, inverse_m: f32, along: vec3f) -> PointSums {

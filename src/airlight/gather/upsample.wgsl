@@ -4,6 +4,8 @@
 //! use gather
 //! use flat_normal
 //! use mirrored_light
+//! use tone
+//! use near_field_lookup
 
 const LEAST = 1e-3;         // weight of what lattices say, where hardly any point is alike
 

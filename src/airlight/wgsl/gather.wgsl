@@ -1,7 +1,6 @@
 // Which rays a gather point sends, and how far its neighbours' rays stand for its own: the twin of
 // maths/gather.py, which says where the numbers come from.
 //! use sampling
-//! use tone
 
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.0025;

@@ -2,6 +2,7 @@
 //! use rays
 //! use hit_albedo
 //! use hit_code
+//! use ray_surface
 
 const FARTHEST = 1e30;      // m
 

@@ -1,5 +1,6 @@
 // Redraws the listed pixels. Their order differs from run to run, their values do not.
 //! use shaft_rays
+//! use eye_ray
 
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
