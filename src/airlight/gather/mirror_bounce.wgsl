@@ -1,6 +1,7 @@
 // One more ray from each metal or smooth coat that a mirrored ray has met; writes the surface that this one meets.
 //! use gather
 //! use gather_hit
+//! use packed_pixel
 //! use ggx_sampling
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -19,7 +20,7 @@
         var v = normalize(source.xyz - place.xyz) * frame;
         v.z = max(v.z, 1e-4);
         if (gloss.metallic > 0.0 || coat_share(gloss.f0, gloss.alpha, v.z) > 0.0) {
-            let pixel = vec2u(listed[row] & 0xffffu, listed[row] >> 16u);
+            let pixel = unpacked_pixel(listed[row]);
             let numbers = later_numbers(pixel.x, pixel.y, params.sample, params.segment);
             let mirrored = reflect(-v, visible_normal(v, gloss.alpha, numbers));
             if (mirrored.z > 0.0) {

@@ -1,6 +1,7 @@
 // Lists the pixels that mirror enough for rays of their own.
 //! use pixel_point
 //! use surface_reflection
+//! use packed_pixel
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= vec2u(params.size))) {
@@ -16,7 +17,7 @@
         let n_v = max(dot(normalize(facing.xyz), v), 1e-4);
         if (glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0) {
             row = atomicAdd(&found[0], 1u) + 1u;
-            listed[row - 1u] = id.x | (id.y << 16u);
+            listed[row - 1u] = packed_pixel(id.xy);
         }
     }
     textureStore(rows, id.xy, vec4u(row, 0u, 0u, 0u));

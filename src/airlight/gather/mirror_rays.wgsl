@@ -2,6 +2,7 @@
 //! use pixel_point
 //! use gather
 //! use gather_hit
+//! use packed_pixel
 //! use flat_normal
 //! use ggx_sampling
 
@@ -15,7 +16,7 @@ const RAISED = 2e-4;        // of the distance to the eye: where rays start abov
     var hit = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
     var start = vec4f(0.0);
     if (row < found[0]) {
-        let pixel = vec2u(listed[row] & 0xffffu, listed[row] >> 16u);
+        let pixel = unpacked_pixel(listed[row]);
         let p = pixel_point(vec2f(pixel) + 0.5, textureLoad(depth, pixel, 0));
         let facing = textureLoad(normal, pixel, 0);
         let n = normalize(facing.xyz);
