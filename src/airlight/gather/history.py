@@ -86,6 +86,7 @@ class History:
         `is_changing`: anything but the camera may have changed since the last of them.
         """
         points = self._points
+        # Two sets of buffers: one is read, the other written, and then they change places.
         before, after = self._kept[self.number % 2], self._kept[1 - self.number % 2]
         is_first = self._before is None
         self._pass.dispatch(
@@ -109,6 +110,7 @@ class History:
             sums_after=after[0],
             places_after=after[1],
         )
+        # The next frame looks points up in this camera, and its rays take the next numbers.
         self._before = np.array(view.clip_from_world)
         self.number = (self.number + 1) % MOST_NUMBERS
         return after[0]

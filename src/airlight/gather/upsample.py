@@ -43,6 +43,7 @@ class Upsampling:
     def __init__(self, gpu: Gpu, kit: Kit, points: Points, rays: int) -> None:
         """`rays`: of a point."""
         self._kit, self._points, self._rays = kit, points, rays
+        # Where no point is like a pixel, lattices light it: as many as there are.
         light = LatticeLight(
             is_occluded=kit.settings.ambient_occlusion,
             has_sky=kit.sky.maps.layers > 0,

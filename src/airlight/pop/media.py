@@ -78,7 +78,9 @@ class PopMedia(Solver):
         """A solver for each volume or its parts; a grid with its own texture is there already."""
         virtual = self._surfaces.virtual_lights if self._surfaces else 0
         lights = len(self._scene.lights) + virtual
+        # A grid alone on the device is read where it lies, not uploaded twice.
         shared = media.atlas.texture if media.atlas is not None and media.atlas.is_alone else None
+        # Each solver has the kernels for all media that its own may meet.
         every = sum(map(len, volumes))
         return [
             PopSolver(
