@@ -13,6 +13,7 @@
     let normal = textureLoad(normals, id.xy, 0).xyz;
     // All lattices have the same axes.
     let n = lattice_from_world(lattices[0], normal);
+    // Nested lattices fade into each other, the finest first.
     let last = arrayLength(&lattices) - 1u;
     var e = vec3f(0.0);
     var left = 1.0;

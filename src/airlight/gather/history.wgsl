@@ -57,6 +57,7 @@ fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
     var k = 0;
     loop {
         if (then.z <= 0.0) { break; }
+        // Each of the nine, by its distance in the image and its likeness.
         let other = vec2i(round(at)) + vec2i(k % 3, k / 3) - 1;
         if (all(other >= vec2i(0)) && all(other <= last)) {
             let index = u32(other.y) * params.reduced.x + u32(other.x);
@@ -98,6 +99,7 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
     loop {
         let other = vec2i(texel) + vec2i(k % 5, k / 5) - 2;
         if (all(other >= vec2i(0)) && all(other <= last)) {
+            // Whatever a like neighbour has, in sums of its light and of the squares.
             let its = textureLoad(places, other, 0);
             let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, other, 0).xyz, texel_m);
             let weight = select(0.0, like, its.w > 0.0);
@@ -117,6 +119,7 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
         k++;
         if (k > 24) { break; }
     }
+    // The variance of the weighted mean: that of one, by the effective number of neighbours.
     let inverse = 1.0 / max(total, 1e-9);
     let of_mean = squared * inverse * inverse;
     out.surfaces *= inverse;

@@ -12,6 +12,7 @@
     let n = textureLoad(normals, id.xy, 0).xyz;
     var sum = sums[point];
     for (var k = 0u; k < params.rays; k++) {
+        // The first segment says where the light comes from, and whether that is far.
         let path = paths[2u * (point + k * count)];
         let direction = cosine_direction(n, ray_numbers(id.x, id.y, params.first_ray + k));
         let along = luminance(path.rgb) * flux_along(n, direction);

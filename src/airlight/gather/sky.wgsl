@@ -24,6 +24,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
     var k = 0u;
     loop {
         if (k >= sky.sky_rays) { break; }
+        // A direction chosen by brightness; what it counts, rays by the cosine know, too.
         let ray = sky_chosen(ray_numbers(id.x, id.y, sky.first_ray + k));
         let cosine = dot(ray.direction, n);
         if (cosine > 0.0) {
@@ -37,6 +38,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
         }
         k++;
     }
+    // Added to what rays by the cosine have found.
     let at = id.y * sky.reduced.x + id.x;
     sums[at].sky += sum;
     sums[at].sky_variance += squares;

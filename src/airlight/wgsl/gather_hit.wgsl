@@ -12,6 +12,11 @@ struct GatherHit {
     albedo: vec4f,
 }
 
+// Where no ray is sent: as if one had left the scene.
+fn no_ray() -> GatherHit {
+    return GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+}
+
 fn gather_hit(origin: vec3f, direction: vec3f) -> GatherHit {
     var found = GatherHit(vec4f(direction, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
     let hit = nearest_hit(origin, direction, 0.0, FARTHEST);
