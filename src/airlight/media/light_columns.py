@@ -186,6 +186,7 @@ class LightColumns:
 
     def _find(self, commands: Commands, stale: Sequence[int], first: int, lights: int) -> None:
         """Find the columns of some grids, as many as there is room for the planes of."""
+        # As large a dispatch as the largest of these grids needs.
         slabs = [self.regions[i].count for i in stale[first : first + self._at_once]]
         bound = {
             "grids": self._grids,

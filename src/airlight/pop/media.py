@@ -108,6 +108,7 @@ class PopMedia(Solver):
         scene = self._scene
         # Indirect light comes from virtual point lights or from lattices, not from both.
         has_reflected = scene.meshes and self._maps is None
+        # All that lights media: lights, sky, the eye and what surfaces reflect.
         lit = Illumination(
             scene.lights,
             scene.environment,
@@ -117,6 +118,7 @@ class PopMedia(Solver):
             Look(view.camera, view.size[0] / view.size[1]),
         )
         encode(commands, self.solvers, grouped(self._media_of(scene)), lit)
+        # What each medium scatters, by its rows in the table of media.
         sources, row = [], self._first_row
         for solver in self.solvers:
             sources += solver.sources(row)
