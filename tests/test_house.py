@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from airlight import env
+from airlight.gpu.source import LIBRARIES
 
 REPOSITORY = Path(__file__).parents[1]
 SOURCE = REPOSITORY / "src" / "airlight"
@@ -550,6 +551,54 @@ def test_no_file_names_the_machine_it_was_made_on():
             continue
         found += [f"{relative(path)}: {place}" for place in _MACHINE_PATHS if place in text]
     assert not found, "\n".join(found)
+
+
+_TOP_LEVEL = re.compile(
+    r"^(?:@\w+(?:\([^)]*\))?\s*)*(?:fn|struct|const|override|alias|var(?:<[^>]*>)?)\s+(\w+)",
+    re.MULTILINE,
+)
+"""The name of a declaration of WGSL, which stands at the beginning of a line."""
+
+
+def idle_uses(shader: str, libraries: dict[str, str]) -> list[str]:
+    """Parts that a shader's `//! use` lines name and of whose declarations it names none."""
+    words = set(re.findall(r"\w+", _without_comments(shader)))
+    return [
+        part
+        for part in re.findall(r"^//! use (\w+)\s*$", shader, re.MULTILINE)
+        if not words & set(_TOP_LEVEL.findall(_without_comments(libraries[part])))
+    ]
+
+
+def _without_comments(shader: str) -> str:
+    return re.sub(r"//.*", "", shader)
+
+
+def test_shaders_use_what_they_name():
+    """What a part itself needs, it uses; so a `//! use` line is for what stands below it."""
+    libraries = {
+        path.stem: path.read_text(encoding="utf-8")
+        for folder in LIBRARIES
+        for path in folder.glob("*.wgsl")
+    }
+    idle = [
+        f"{relative(path)}: //! use {part}"
+        for path in shaders()
+        for part in idle_uses(path.read_text(encoding="utf-8"), libraries)
+    ]
+    assert not idle, "\n".join(idle)
+
+
+def test_an_idle_use_is_found():
+    libraries = {
+        "one": "// two\nconst ONE = 1;\n",
+        "two": "@must_use fn two() -> i32 {\n    let ONE = 2;\n    return ONE;\n}\n",
+        "three": "struct Three {\n    three: i32,\n}\nvar<private> third: Three;\n",
+    }
+    head = "//! use one\n//! use two\n//! use three\n"
+    assert idle_uses(head + "fn f() { return; }  // ONE two Three", libraries) == [*libraries]
+    assert idle_uses(head + "fn f() -> i32 { return ONE; }", libraries) == ["two", "three"]
+    assert idle_uses(head + "fn f() { third.three = two(); }", libraries) == ["one"]
 
 
 @pytest.mark.needs("hatchling")

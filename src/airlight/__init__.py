@@ -47,58 +47,17 @@ if TYPE_CHECKING:
         PointLight,
         PointLights,
         Scene,
+        Sky,
         SpotLight,
         Texture,
         Volume,
+        with_sky,
     )
     from .scene import builtin as scenes
     from .scene.image import Image
     from .scene.io import load, with_defaults
 
 __version__ = "0.1.0"
-
-# Everything is imported on first use, so that `import airlight` takes a moment and Ctrl-C is heard.
-_ERRORS = (
-    "AirlightError",
-    "DeviceError",
-    "OutputError",
-    "ReferenceFailure",
-    "SceneError",
-    "SettingsError",
-)
-_SCENE = (
-    "AreaLight",
-    "Camera",
-    "DirectionalLight",
-    "Emission",
-    "Environment",
-    "Geometry",
-    "Light",
-    "Material",
-    "Medium",
-    "Mesh",
-    "PointLight",
-    "PointLights",
-    "Scene",
-    "Sky",
-    "SpotLight",
-    "Texture",
-    "Volume",
-)
-_LATER = {
-    **dict.fromkeys(_ERRORS, "errors"),
-    **dict.fromkeys(_SCENE, "scene"),
-    "Image": "scene.image",
-    "LightField": "exports.light_field",
-    "Renderer": "rendering",
-    "export_lattice": "exports.solved",
-    "load": "scene.io",
-    "render": "rendering",
-    "view": "app.view.notebook",
-    "with_defaults": "scene.io",
-    "with_sky": "scene",
-}
-_RENAMED = {"scenes": "scene.builtin"}
 
 __all__ = [
     "AirlightError",
@@ -137,10 +96,32 @@ __all__ = [
     "with_sky",
 ]
 
+# Everything is imported on first use, so that `import airlight` takes a moment and Ctrl-C is heard.
+_HOMES = {
+    "AirlightError": "errors",
+    "DeviceError": "errors",
+    "Image": "scene.image",
+    "LightField": "exports.light_field",
+    "OutputError": "errors",
+    "ReferenceFailure": "errors",
+    "Renderer": "rendering",
+    "SceneError": "errors",
+    "SettingsError": "errors",
+    "export_lattice": "exports.solved",
+    "load": "scene.io",
+    "render": "rendering",
+    "view": "app.view.notebook",
+    "with_defaults": "scene.io",
+}
+"""Modules of public names; the others' is `scene`."""
+_MODULES = {"reference": "reference", "scenes": "scene.builtin"}
+"""Public names that are modules."""
+
 
 def __getattr__(name: str) -> Any:
-    if name in _LATER:
-        value = getattr(importlib.import_module(f"{__name__}.{_LATER[name]}"), name)
+    if name in __all__ and name not in _MODULES:
+        home = _HOMES.get(name, "scene")
+        value = getattr(importlib.import_module(f"{__name__}.{home}"), name)
     else:
         value = _module(name)
     globals()[name] = value
@@ -151,7 +132,7 @@ def _module(name: str) -> Any:
     """A module of the package, as if it had been imported. Raises AttributeError."""
     import importlib.util
 
-    dotted = f"{__name__}.{_RENAMED.get(name, name)}"
+    dotted = f"{__name__}.{_MODULES.get(name, name)}"
     if name.startswith("_") or importlib.util.find_spec(dotted) is None:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     return importlib.import_module(dotted)

@@ -28,6 +28,7 @@ _SLOTS = (
 )
 _KERNEL = """
 //! use rays
+//! use ray_surface
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let o = origins[min(id.x, arrayLength(&origins) - 1u)];
     let d = directions[min(id.x, arrayLength(&origins) - 1u)];
@@ -89,7 +90,7 @@ class Rays:
             self.move(scene)
 
     def move(self, scene: Scene) -> None:
-        self.scene.update(self.commands, scene)
+        self.scene.update(scene)
 
     def send(self, origin: Any, direction: Any, t_min: float = 0.0, t_max: float = 3e38) -> Found:
         count = len(direction)

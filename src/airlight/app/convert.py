@@ -55,6 +55,7 @@ def command(
     reads(source)
     suffix = Path(source).suffix.lower()
     model_keys(source, **model)
+    # Images by their ending; all else is a scene or a model.
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
         check_writable(target, IMAGES_OUT)
         convert_image(

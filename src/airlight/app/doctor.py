@@ -92,6 +92,7 @@ def extras() -> dict[str, dict[str, Any]]:
     except metadata.PackageNotFoundError:
         requirements = []
     found: dict[str, dict[str, Any]] = {}
+    # Requirements of the package that belong to an extra, with what is installed of each.
     for match in filter(None, map(_REQUIREMENT.match, requirements)):
         package, extra = match.groups()
         if extra in _PROJECTS_OWN:

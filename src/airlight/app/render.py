@@ -141,6 +141,7 @@ def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
     """The arguments of `render`, checked against the scene. Raises SettingsError."""
     from ..techniques import checked_settings
 
+    # Mistakes are told before anything is rendered.
     checked_settings(options["technique"], scene, options["settings"])
     if options["time_s"] is not None and scene.animation is None:
         raise SettingsError(f"nothing moves in '{scene.name}'", remedy="Leave --time out.")

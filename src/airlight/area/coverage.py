@@ -86,6 +86,7 @@ class Coverage:
         `jitter_px`.
         """
         clip_from_world, world_from_clip, eye = camera
+        # The outline of each emitter in the image, as far as it is before the eye.
         found = []
         for emitter in emitters:
             corners = seen_corners(emitter, clip_from_world, eye, gbuffer.size)
@@ -97,11 +98,13 @@ class Coverage:
             self._drawn = Texture(
                 self.gpu, "coverage", gbuffer.size, "rgba32float", target=True, written=True
             )
+        # As tables of outlines and of their corners.
         self._outlines.write(pack_array(OutlineData, [_row(shape, len(c)) for shape, c in found]))
         packed = np.zeros((len(found), MOST_CORNERS, 4), np.float32)
         for row, (_, corners) in enumerate(found):
             packed[row, : len(corners), :3] = corners
         self._corners.write(packed)
+        # Each pixel takes of an emitter as much as it covers of it.
         bound = gbuffer.bound
         self._pass.draw(
             commands,

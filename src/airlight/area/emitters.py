@@ -38,10 +38,12 @@ class Emitters:
         `cell`, metres: of the lattice, which does not know what is closer to a light.
         """
         self._cell = cell
+        # Surfaces that glow, in groups near each other, and points that stand for them in media.
         own = self._grouping = grouping(scene)
         self._groups = own.groups(samples, most) if own.sources else []
         self._scattering = own.scattering(self._groups)
         self._first = self._groups, self._scattering, own.edges
+        # Fire and its like, in groups of blocks with the shadow maps that are left.
         self._glowing = GlowingMedia(scene)
         if self._glowing.is_any:
             taken = sum(group.layers for group in self._groups)
@@ -83,6 +85,7 @@ class Emitters:
             self._grouping = self._grouping.moved(scene)
             self._groups, self._scattering = self._grouping.again(self._first)
             self._bodies = self._radii()
+            # Lights without extent first, then what stands for groups, glowing media last.
             self._lights = self._as_points(scene)
             first = len(self._lights) - len(self._glowing.groups)
             stand_ins = self._stand_ins()
@@ -94,6 +97,7 @@ class Emitters:
         """The emitters with other samples on them, those of a still's sample `index`."""
         if index == 0:
             return self.list
+        # Other samples of the same strata, so that shadows in stills are soft without steps.
         surfaces = tuple(
             replace(
                 emitter,

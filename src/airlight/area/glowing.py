@@ -150,6 +150,7 @@ class GlowingMedia:
         if same and all(a is b for a, b in zip(seen, self._seen, strict=True)):
             return False
         self._seen = seen
+        # Buffers are made for as many blocks as the first scene has.
         blocks = emissive_blocks(scene)
         if blocks is None or len(blocks.volume) != len(self._blocks.volume if self._blocks else ()):
             raise SettingsError(
@@ -157,6 +158,7 @@ class GlowingMedia:
                 remedy="Make a new Renderer",
             )
         self._blocks = blocks
+        # The groups stay; how bright they are and where their middle is follows.
         found = [light_of(blocks, group.rows) for group in self.groups]
         self.lights = tuple(replace(light, extent=_CORE * light.extent) for light in found)
         return True

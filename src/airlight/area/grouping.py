@@ -88,11 +88,13 @@ class Grouping:
         cut, weights = self.cut, self.weights
         spots = [row for row, source in enumerate(self.sources) if source.spot]
         is_spot = np.isin(cut.source, spots)
+        # Spots stay alone, since they send by direction; all others are clustered.
         room = max(1, min(most, int(BUDGET * samples)) - len(spots))
         own = np.where(is_spot, 0.0, weights)
         groups = [(rows, -1) for rows in clusters(self._features(), own, self._atoms(), room)]
         groups += [(np.flatnonzero(cut.source == row), row) for row in spots]
         budget = int(BUDGET * samples)
+        # Fewer samples until the layers of all shadow maps fit.
         while True:
             made = self._sampled(groups, samples, budget)
             layers = sum(group.layers for group in made)
@@ -187,6 +189,7 @@ class Grouping:
         own = [group.rows for group in groups if group.spot < 0]
         if not own:
             return []
+        # More groups than media may have lights: groups are clustered again, whole.
         if len(own) > SCATTERING_MOST:
             number = np.zeros(len(self.weights), np.int64)
             is_own = np.zeros(len(self.weights), bool)
@@ -194,6 +197,7 @@ class Grouping:
                 number[rows], is_own[rows] = k, True
             weights = np.where(is_own, self.weights, 0.0)
             return clusters(self._features(), weights, number, SCATTERING_MOST)
+        # Else each group has points by its power.
         total = max(sum(float(self.weights[rows].sum()) for rows in own), 1e-300)
         found = []
         for rows in own:

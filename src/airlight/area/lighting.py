@@ -139,9 +139,11 @@ class AreaShadows:
         """`resolution`: side of a map, texels, where there are few."""
         self.emitters = emitters
         layers = max(1, emitters.layers)
+        # Shadow maps of all samples within a budget of texels.
         while resolution > 32 and layers * resolution**2 > MOST_TEXELS:
             resolution //= 2
         self.maps = ShadowMaps(gpu, "area shadows", resolution, layers, is_thinned=True)
+        # Tables of emitters, their corners and samples.
         self.table = Buffer(gpu, "emitters", EmitterData.dtype.itemsize * emitters.count)
         self.corners = Buffer(
             gpu, "emitter corners", CornerData.dtype.itemsize * MOST_CORNERS * emitters.count
@@ -229,6 +231,7 @@ class AreaLighting:
             )
         resolution = self.shadows.maps.resolution
         spans = map_spans(resolution)
+        # What every pixel needs of the camera, of maps and of emitters.
         values: dict[str, Any] = {
             "params": AreaLightingParams(
                 world_from_clip=camera[0],

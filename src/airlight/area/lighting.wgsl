@@ -1,7 +1,10 @@
+// Light of emitters with extent: polygons and spheres in closed form (Heitz2016), times the share of their samples that
+// shadow maps show; other shapes as the sum of their samples.
 //! use area_light
 //! use area_shadow
 //! use segment_light
 //! use specular_cosine
+//! use sampling
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
 //! needs fn media_passed(row: u32, count: u32, p: vec3f) -> vec3f
@@ -44,6 +47,7 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
         axes = orthonormal_frame(round.xyz);
         count = RIM_CORNERS;
     }
+    // Corner by corner, as seen by the cosine and by the lobe; the last one comes first, to close the outline.
     var at = count - 1u;
     var matt = Outline();
     var gloss = Outline();
@@ -139,6 +143,7 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
             let inverse = inverseSqrt(true_squared);
             sent = (sample.front * back * inverse + sample.even) * rise * inverse / squared;
         }
+        // What an emitter without closed form sends to the eye by this sample.
         let weight = sent * sample.brightness;
         var reflected = vec3f(0.0);
         if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
@@ -154,6 +159,7 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
             }
         }
         if (max(weight, max(reflected.x, max(reflected.y, reflected.z))) > 0.0) {
+            // As far as its shadow map shows the point, and within a spot's cone.
             var open = sample_visibility(first_view, is_cube, depth, at);
             if (HAS_SPOTS && e.cos_outer > -1.0) {
                 let away = normalize(s.p - sample.position);
@@ -185,6 +191,7 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     if (HAS_SAMPLES_ALONE && e.kind == SAMPLES) {
         return passed * summed(e, s, frame, lobe, is_glossy).light;
     }
+    // All of it in closed form, and the share of it that is seen.
     let found = analytic(i, e, s, frame, lobe.inverse, is_glossy);
     if (max(found.x, found.y) <= 0.0) {
         return vec3f(0.0);
@@ -197,6 +204,7 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     // Where no sample lies in the lobe, the share of all light is the best there is.
     let few = 1e-3 * seen.matt;
     let lobe_open = select(open, (seen.gloss.y + few.y) / (seen.gloss.x + few.x), seen.matt.x > 0.0);
+    // Fresnel towards the middle divides the light between coat and paint.
     let h = normalize(normalize(e.centre - s.p) + s.v);
     let f = fresnel(s.r.f0, saturate(dot(s.v, h)));
     let f90 = saturate(max(s.r.f0.x, max(s.r.f0.y, s.r.f0.z)) * 50.0);
@@ -212,6 +220,7 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     if (d <= 0.0) {
         return glow;
     }
+    // The surface, as the G-buffer has it.
     let base = textureLoad(albedo, pixel, 0);
     let bent = textureLoad(normal, pixel, 0);
     var s: Seen;

@@ -71,11 +71,13 @@ def fitted(group: Pieces, *, is_one: bool = False) -> Shape:
 def _outline(points: F64, centre: F64, normal: F64) -> tuple[F64, float]:
     """The convex polygon around flat points, and its area; round ones keep their area."""
     side, up = orthonormal_frame(normal)
+    # The convex hull in its plane.
     flat = np.stack([(points - centre) @ side, (points - centre) @ up], axis=1)
     hull = _hull(flat, _DIRECTIONS)
     area = _area(hull)
     if len(hull) > MOST_CORNERS:
         middle = _centroid(hull)
+        # Of many corners: a circle where it is round, else fewer corners of the same area.
         far = np.linalg.norm(hull - middle, axis=1)
         if np.ptp(far) < _ROUND * far.mean():
             radius = float(np.sqrt(area / np.pi))
@@ -125,11 +127,13 @@ def _sphere(group: Pieces, light: F64) -> Shape | None:
     radius = float(np.linalg.norm(points - middle, axis=1).mean())
     if radius <= 0.0:
         return None
+    # A sphere only where all corners lie on it, nothing is missing and it shines outwards.
     off = float(np.abs(np.linalg.norm(points - middle, axis=1) - radius).max())
     area = float(group.areas.sum())
     is_whole = abs(area / (4.0 * np.pi * radius**2) - 1.0) < _WHOLE
     faces_out = ((group.positions - middle) * group.normals).sum(axis=1).min() > 0.0
     if off > _ROUND * radius or not is_whole or not faces_out:
         return None
+    # Facets lie inside the sphere: of the same area it is a little smaller.
     radius = float(np.sqrt(area / (4.0 * np.pi)))
     return Shape(Kind.SPHERE, middle, np.array((0.0, 1.0, 0.0)), light / area, radius)

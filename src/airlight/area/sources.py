@@ -51,6 +51,7 @@ def sources(scene: Scene) -> list[Source]:
         if mesh.material.is_emissive and not isinstance(mesh, LightMesh)
         for side in _sides(mesh, eye)
     ]
+    # Area lights are surfaces of their own; points with a radius are balls.
     for row, light in enumerate(scene.lights):
         if isinstance(light, AreaLight) and max(light.radiance) > 0.0:
             sides = (1, -1) if light.two_sided and light.shape != "sphere" else (1,)

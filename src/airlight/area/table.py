@@ -136,6 +136,7 @@ def emitter_views(emitter: Emitter, low: F64, high: F64, resolution: int) -> lis
 
 def sample_views(sample: Sample, near: float, far: float, resolution: int) -> list[LightView]:
     """The views of a sample, in the order of their layers; `near`, `far`: their planes, m."""
+    # Three faces of a cube whose corner points along the normal, or all six.
     axes, span = frame(sample), map_spans(resolution)[sample.is_cube]
     views = []
     for sign in (1.0, -1.0) if sample.is_cube else (1.0,):

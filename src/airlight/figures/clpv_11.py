@@ -11,7 +11,7 @@ from typing import Any
 from ..app.compare.images import shown
 from ..scene.builtin import room
 from ..scene.builtin.patch import Finish, placed_at
-from ..scene.builtin.solids import box
+from ..scene.builtin.solids import box, shell
 from ..scene.camera import Camera
 from ..scene.lights import SpotLight
 from ..scene.material import Material
@@ -83,15 +83,7 @@ def two_rooms(wall_m: float | None) -> Scene:
     Behind the wall (`wall_m` thick; None: no wall) it is dark.
     """
     x, y, z = ROOM_M[0] / 2.0, ROOM_M[1], ROOM_M[2] / 2.0
-    t = _SHELL_M
-    slabs = [
-        box((-x - t, -t, -z - t), (x + t, 0.0, z + t)),
-        box((-x - t, y, -z - t), (x + t, y + t, z + t)),
-        box((-x - t, 0.0, -z - t), (-x, y, z + t)),
-        box((x, 0.0, -z - t), (x + t, y, z + t)),
-        box((-x, 0.0, -z - t), (x, y, -z)),
-        box((-x, 0.0, z), (x, y, z + t)),
-    ]
+    slabs = shell((-x, 0.0, -z), (x, y, z), _SHELL_M)
     if wall_m is not None:
         slabs.append(box((-0.5 * wall_m, 0.0, -z), (0.5 * wall_m, y, z)))
     white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))

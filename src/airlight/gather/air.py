@@ -77,6 +77,7 @@ class Air:
         start, and the hits where they end."""
         starts, hits = ends
         lattice = light.lattice
+        # One kernel for each number of sources and lattices, made when it is first needed.
         levels = min(len(lattice.levels), MAX_LEVELS_AT_ONCE) if lattice else 1
         variant = Variant(
             len(light.sources),
@@ -86,6 +87,7 @@ class Air:
         )
         if variant not in self._passes:
             self._passes[variant] = _Air(self._gpu, self.media, variant)
+        # Steps are as long as the finest cells that they read allow.
         cells = [s.cell_m for s in (*light.sources, lattice) if s is not None]
         self._passes[variant].dispatch(
             commands,

@@ -78,6 +78,7 @@ def albedo_map(material: Material) -> F64:
     colour_map, gloss_map = material.base_color_texture, material.metallic_roughness_texture
     size = _size(colour_map or gloss_map)
     colour = np.tile(np.asarray(material.base_color, np.float64), (*size, 1))
+    # Parameters at each texel of the colour; the gloss is its mean where both maps lie apart.
     metallic, roughness = np.full(size, material.metallic), np.full(size, material.roughness)
     if colour_map is not None:
         colour = colour * reduced(colour_map, size)
@@ -86,6 +87,7 @@ def albedo_map(material: Material) -> F64:
         is_alike = colour_map is None or uv_transform(colour_map) == uv_transform(gloss_map)
         gloss = reduced(gloss_map, size if is_alike else (1, 1))
         metallic, roughness = metallic * gloss[..., 2], roughness * gloss[..., 1]
+    # Reflected of light from all around: what the coat adds by grazing it is apart, in a.
     flat = [x.reshape(-1) for x in (metallic, roughness, np.full(size, material.specular))]
     whole = bihemispherical_albedo(colour.reshape(-1, 3), *flat)
     grazing = grazing_albedo(colour.reshape(-1, 3), *flat)

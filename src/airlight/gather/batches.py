@@ -42,12 +42,14 @@ class ViewBatches:
         rays, is_occluded = settings.gather_rays, kit.settings.ambient_occlusion
         self.rays = rays
         self.points = Points(gpu, size, is_occluded=is_occluded)
+        # As many rays of every point at once as an image of hits can hold.
         width, height = self.points.reduced
         most = gpu.limits["max-texture-dimension-2d"] // height
         self.batch = max(min(rays, RAYS), min(rays, most, MOST_HITS // self.points.count))
         hits = (width, height * self.batch)
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
+        # What becomes of their light.
         self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)
         most = settings.gather_history
@@ -59,6 +61,7 @@ class CellBatches:
 
     def __init__(self, gpu: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells) -> None:
         self.cells, self.points = cells, CellPoints(gpu, cells)
+        # As many rays of every point at once as an image of hits can hold.
         width, height = self.points.reduced
         most = gpu.limits["max-texture-dimension-2d"] // height
         self.rays = max(1, min(rays, most, MOST_HITS // self.points.count))

@@ -14,6 +14,7 @@ from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
 from ..lighting.kit import Kit
 from .points import Points
+from .sums import PointSums
 
 
 class BeamParams(Struct):
@@ -33,7 +34,7 @@ class _Beams(ComputePass):
         *CHANNEL_SLOTS,
         *BLOCKER_SLOTS,
         sampler("linear_clamp"),
-        storage("sums", "vec4f", "read_write"),
+        storage("sums", PointSums, "read_write"),
     )
     workgroup = (8, 8, 1)
     file = "beams.wgsl"

@@ -1,5 +1,5 @@
 // Light that media have scattered forwards alone, which no ray meets, added to what points have gathered.
-//! use gather
+//! use tone
 //! use lattice
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -13,6 +13,7 @@
     let normal = textureLoad(normals, id.xy, 0).xyz;
     // All lattices have the same axes.
     let n = lattice_from_world(lattices[0], normal);
+    // Nested lattices fade into each other, the finest first.
     let last = arrayLength(&lattices) - 1u;
     var e = vec3f(0.0);
     var left = 1.0;
@@ -29,7 +30,7 @@
     }
     // As the sum of the radiance that as many rays would have found.
     let sum = e * f32(params.rays) / 3.14159265;
-    let at = SUMS * (id.y * params.reduced.x + id.x);
-    sums[at] += vec4f(sum, 0.0);
-    sums[at + 2u] += vec4f(luminance(sum) * normal, 0.0);
+    let at = id.y * params.reduced.x + id.x;
+    sums[at].near += sum;
+    sums[at].near_flux += luminance(sum) * normal;
 }

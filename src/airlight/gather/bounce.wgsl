@@ -8,8 +8,9 @@
     }
     let place = textureLoad(places, id.xy, 0);
     let n = textureLoad(normals, id.xy, 0).xyz;
-    var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    var found = no_ray();
     if (place.w > 0.0) {
+        // Texels of one ray lie below those of the ray before it.
         let ray = params.first_ray + id.y / params.reduced.y;
         let y = id.y % params.reduced.y;
         let direction = cosine_direction(n, later_numbers(id.x, y, ray, params.segment));

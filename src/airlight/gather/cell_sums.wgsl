@@ -12,6 +12,7 @@ fn stored(a: f32, b: vec3f) -> vec4f {
     if (any(id >= lattice.count)) {
         return;
     }
+    // The gather point of the cell, as cell_points.wgsl laid it.
     let point = params.first + (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     let at = vec2u(point % params.width, point / params.width);
     var mean_radiance = vec3f(0.0);
@@ -34,6 +35,7 @@ fn stored(a: f32, b: vec3f) -> vec4f {
     let found = mean_radiance / f32(params.rays);
     let kept = mix(before[point].rgb, found, params.weight);
     before[point] = vec4f(kept, 0.0);
+    // The sums as marching reads them, scaled to half floats.
     textureStore(red, texel, stored(mean_radiance.r, flux[0]));
     textureStore(green, texel, stored(mean_radiance.g, flux[1]));
     textureStore(blue, texel, stored(mean_radiance.b, flux[2]));

@@ -161,6 +161,7 @@ class CellSums(ChannelTextures):
                 mean=self.mean,
                 before=self._before,
             )
+            # What rays of the next sample meet in the air: this, and the unscattered light.
             self._next.dispatch(
                 commands,
                 placement.count,
@@ -170,6 +171,7 @@ class CellSums(ChannelTextures):
                 unscattered=air.unscattered,
                 air=self._air,
             )
+        # The fields of before, with these textures in place of theirs.
         bound: dict[str, Any] = scattered.bound | self.bound
         in_air = {f"lattice_{name}": self._air for name in ("red", "green", "blue")}
         met = replace(air.mean, bound=air.mean.bound | in_air, mean=self._air)

@@ -10,7 +10,7 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
 from .points import Points
-from .sums import NBYTES
+from .sums import PointSums, new_sums
 
 STRIDES = (1, 2, 4)
 """Texels between the points of each pass."""
@@ -35,8 +35,8 @@ class _Filter(ComputePass):
         uniform("params", FilterParams),
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
-        storage("before", "vec4f"),
-        storage("after", "vec4f", "read_write"),
+        storage("before", PointSums),
+        storage("after", PointSums, "read_write"),
     )
     workgroup = (8, 8, 1)
     file = "filter.wgsl"
@@ -49,12 +49,10 @@ class Filtering:
         """`rays`: of a point."""
         self._points, self._rays = points, rays
         self._filter = _Filter(gpu)
-        self._between = [
-            Buffer(gpu, f"filtered sums {i}", NBYTES * points.count) for i in range(len(STRIDES))
-        ]
+        self._between = [new_sums(gpu, f"filtered sums {i}", points) for i in range(len(STRIDES))]
 
     def encode(self, commands: Commands, view: View, sums: Buffer, sky_rays: int) -> Buffer:
-        """The filtered `sums` of a view's points, which are as `Sums` has them.
+        """The filtered `sums` of a view's points, both `PointSums`.
 
         `sky_rays`: of a point, beside those by the cosine.
         """

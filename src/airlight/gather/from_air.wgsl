@@ -6,9 +6,10 @@
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
         return;
     }
+    // Texels of one ray lie below those of the ray before it.
     let at = vec2u(id.x, id.y % params.reduced.y);
     let place = textureLoad(places, at, 0);
-    var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    var found = no_ray();
     if (place.w > 0.0) {
         let ray = params.first_ray + id.y / params.reduced.y;
         found = gather_hit(place.xyz, sphere_direction(ray_numbers(at.x, at.y, ray)));

@@ -53,11 +53,13 @@ class Glosses:
 def gloss_row(material: Material) -> dict[str, object]:
     """The values of a material's GlossData: maps by their means."""
     glow, gloss = np.asarray(material.emission, np.float64), np.ones(3)
+    # A row has no texels: of textures it takes the mean.
     if material.emission_texture is not None:
         glow = glow * reduced(material.emission_texture, (1, 1))[0, 0]
     if material.metallic_roughness_texture is not None:
         gloss = reduced(material.metallic_roughness_texture, (1, 1))[0, 0]
     roughness = material.roughness * float(gloss[1])
+    # What the coat alone mirrors of light from all around.
     coat = bihemispherical_albedo(np.zeros((1, 3)), [0.0], [roughness], [material.specular])
     return {
         "glow": tuple(glow),

@@ -10,18 +10,25 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from .points import Points
-from .sums import NBYTES
+from .sums import PointSums, new_sums
 
 MOST_NUMBERS = 1 << 16
 """Frames after which rays take the numbers of the first once more."""
-_PLACE_NBYTES = 32
+
+
+class PlaceBefore(Struct):
+    """Where a point of the frame before was, and how long its mean is."""
+
+    place = vec3f("m")
+    frames = f32("that are in its mean, 0 where there is no surface")
+    normal = vec3f("of its plane")
 
 
 class HistoryParams(Struct):
@@ -42,11 +49,11 @@ class _Reproject(ComputePass):
         uniform("params", HistoryParams),
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
-        storage("sums", "vec4f"),
-        storage("sums_before", "vec4f"),
-        storage("places_before", "vec4f"),
-        storage("sums_after", "vec4f", "read_write"),
-        storage("places_after", "vec4f", "read_write"),
+        storage("sums", PointSums),
+        storage("sums_before", PointSums),
+        storage("places_before", PlaceBefore),
+        storage("sums_after", PointSums, "read_write"),
+        storage("places_after", PlaceBefore, "read_write"),
     )
     workgroup = (8, 8, 1)
     file = "history.wgsl"
@@ -55,9 +62,8 @@ class _Reproject(ComputePass):
 class History:
     """Sums of a view's points -> their mean over frames.
 
-    Of each point it keeps the sums, as `Sums` has them, and two vec4f: its place, m, with the
-    number of frames that are in its mean (0 where there is no surface), and the normal of its
-    plane. The w of the last of its sums says for how many frames what was found before counts.
+    Of each point it keeps `PointSums`, whose `frames` says for how many what was found before
+    counts, and `PlaceBefore`.
     """
 
     def __init__(self, gpu: Gpu, points: Points, most: int) -> None:
@@ -65,8 +71,8 @@ class History:
         self._points, self._most, self._pass = points, most, _Reproject(gpu)
         self._kept = [
             (
-                Buffer(gpu, f"sums of frames {i}", NBYTES * points.count),
-                Buffer(gpu, f"places of frames {i}", _PLACE_NBYTES * points.count),
+                new_sums(gpu, f"sums of frames {i}", points),
+                Buffer(gpu, f"places of frames {i}", PlaceBefore.dtype.itemsize * points.count),
             )
             for i in range(2)
         ]
@@ -80,6 +86,7 @@ class History:
         `is_changing`: anything but the camera may have changed since the last of them.
         """
         points = self._points
+        # Two sets of buffers: one is read, the other written, and then they change places.
         before, after = self._kept[self.number % 2], self._kept[1 - self.number % 2]
         is_first = self._before is None
         self._pass.dispatch(
@@ -103,6 +110,7 @@ class History:
             sums_after=after[0],
             places_after=after[1],
         )
+        # The next frame looks points up in this camera, and its rays take the next numbers.
         self._before = np.array(view.clip_from_world)
         self.number = (self.number + 1) % MOST_NUMBERS
         return after[0]

@@ -2,8 +2,7 @@
 // then, where the same surface was there. Source: Schied2017 (temporal accumulation by moments of its length), at points.
 //! use gather
 //! use gather_history
-
-const PLACES = 2u;          // vec4f of a point, see gather/history.py
+//! use tone
 
 // A place in the image of a camera, in texels from the middle of the first; w: whether it is before the eye.
 fn texel_of(clip_from_world: mat4x4f, place: vec3f) -> vec3f {
@@ -15,8 +14,33 @@ fn texel_of(clip_from_world: mat4x4f, place: vec3f) -> vec3f {
 
 // What was found before, and for how many frames it counts.
 struct Before {
-    sums: array<vec4f, SUMS>,
+    sums: PointSums,
     frames: f32,
+}
+
+// a + weight * b, of all that is added up for a point.
+fn plus(a: PointSums, weight: f32, b: PointSums) -> PointSums {
+    var out = a;
+    out.near += weight * b.near;
+    out.far_share += weight * b.far_share;
+    out.near_flux += weight * b.near_flux;
+    out.open += weight * b.open;
+    out.far += weight * b.far;
+    out.far_rays += weight * b.far_rays;
+    out.far_flux += weight * b.far_flux;
+    out.far_inverse_m += weight * b.far_inverse_m;
+    out.later += weight * b.later;
+    out.later_rays += weight * b.later_rays;
+    out.later_flux += weight * b.later_flux;
+    out.far_begins += weight * b.far_begins;
+    out.sky += weight * b.sky;
+    out.sky_variance += weight * b.sky_variance;
+    out.sky_flux += weight * b.sky_flux;
+    out.squares += weight * b.squares;
+    out.met_rays += weight * b.met_rays;
+    out.products += weight * b.products;
+    out.sides += weight * b.sides;
+    return out;
 }
 
 fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
@@ -27,22 +51,22 @@ fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
     let at = then.xy - within;
     let last = vec2i(params.reduced) - 1;
     let texel_m = params.texel * place.w;
+    var sum: PointSums;
     var total = 0.0;
     var best = 0.0;
     var k = 0;
     loop {
         if (then.z <= 0.0) { break; }
+        // Each of the nine, by its distance in the image and its likeness.
         let other = vec2i(round(at)) + vec2i(k % 3, k / 3) - 1;
         if (all(other >= vec2i(0)) && all(other <= last)) {
             let index = u32(other.y) * params.reduced.x + u32(other.x);
-            let its = places_before[PLACES * index];
-            var like = likeness(place.xyz, n, its.xyz, places_before[PLACES * index + 1u].xyz, texel_m);
-            like = select(0.0, like, its.w > 0.0);
+            let its = places_before[index];
+            var like = likeness(place.xyz, n, its.place, its.normal, texel_m);
+            like = select(0.0, like, its.frames > 0.0);
             let weight = like * texel_share(vec2f(other) - at);
-            for (var i = 0u; i < SUMS; i++) {
-                out.sums[i] += weight * sums_before[SUMS * index + i];
-            }
-            out.frames += weight * its.w;
+            sum = plus(sum, weight, sums_before[index]);
+            out.frames += weight * its.frames;
             total += weight;
             best = max(best, like);
         }
@@ -50,9 +74,7 @@ fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
         if (k > 8) { break; }
     }
     let inverse = select(0.0, 1.0 / total, total > 1e-9);
-    for (var i = 0u; i < SUMS; i++) {
-        out.sums[i] *= inverse;
-    }
+    out.sums = plus(PointSums(), inverse, sum);
     out.frames = frames_kept(out.frames * inverse, best, params.most);
     return out;
 }
@@ -77,12 +99,13 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
     loop {
         let other = vec2i(texel) + vec2i(k % 5, k / 5) - 2;
         if (all(other >= vec2i(0)) && all(other <= last)) {
+            // Whatever a like neighbour has, in sums of its light and of the squares.
             let its = textureLoad(places, other, 0);
             let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, other, 0).xyz, texel_m);
             let weight = select(0.0, like, its.w > 0.0);
-            let index = SUMS * (u32(other.y) * params.reduced.x + u32(other.x));
-            let surfaces = sums[index].rgb + sums[index + 6u].rgb + sums[index + 9u].rgb;
-            let sky = sums[index + 1u].rgb;
+            let index = u32(other.y) * params.reduced.x + u32(other.x);
+            let surfaces = sums[index].near + sums[index].far + sums[index].later;
+            let sky = sums[index].sky;
             let light = luminance(surfaces + sky);
             out.surfaces += weight * surfaces;
             out.sky += weight * sky;
@@ -96,6 +119,7 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
         k++;
         if (k > 24) { break; }
     }
+    // The variance of the weighted mean: that of one, by the effective number of neighbours.
     let inverse = 1.0 / max(total, 1e-9);
     let of_mean = squared * inverse * inverse;
     out.surfaces *= inverse;
@@ -116,22 +140,24 @@ fn all_followed(before: vec3f, mean: vec3f, variance: vec3f) -> vec3f {
 fn following(before: Before, around: Around) -> Before {
     var out = before;
     // Light of near surfaces and of far ones, together.
-    let lit = before.sums[0].rgb + before.sums[6].rgb + before.sums[9].rgb;
+    let lit = before.sums.near + before.sums.far + before.sums.later;
     let surfaces = all_followed(lit, around.surfaces, around.surfaces_variance);
     let share = surfaces / max(lit, vec3f(1e-20));
-    let sky = all_followed(before.sums[1].rgb, around.sky, around.sky_variance);
     let ratio = luminance(surfaces) / max(luminance(lit), 1e-20);
-    let sky_ratio = luminance(sky) / max(luminance(before.sums[1].rgb), 1e-20);
     // Where there was none, all of it is near by.
-    out.sums[0] = vec4f(select(share * before.sums[0].rgb, surfaces, lit <= vec3f(0.0)), before.sums[0].w);
-    out.sums[6] = vec4f(share * before.sums[6].rgb, before.sums[6].w);
-    out.sums[7] = vec4f(ratio * before.sums[7].xyz, before.sums[7].w);
-    out.sums[9] = vec4f(share * before.sums[9].rgb, before.sums[9].w);
-    out.sums[10] = ratio * before.sums[10];
-    out.sums[1] = vec4f(sky, sky_ratio * sky_ratio * before.sums[1].w);
-    out.sums[2] = vec4f(ratio * before.sums[2].xyz, before.sums[2].w);
-    out.sums[3] *= sky_ratio;
-    let light = luminance(lit + before.sums[1].rgb);
+    out.sums.near = select(share * before.sums.near, surfaces, lit <= vec3f(0.0));
+    out.sums.near_flux *= ratio;
+    out.sums.far *= share;
+    out.sums.far_flux *= ratio;
+    out.sums.later *= share;
+    out.sums.later_flux *= ratio;
+    // The sky's.
+    let sky = all_followed(before.sums.sky, around.sky, around.sky_variance);
+    let sky_ratio = luminance(sky) / max(luminance(before.sums.sky), 1e-20);
+    out.sums.sky = sky;
+    out.sums.sky_flux *= sky_ratio;
+    out.sums.sky_variance *= sky_ratio * sky_ratio;
+    let light = luminance(lit + before.sums.sky);
     out.frames = frames_believed(before.frames, light, around.light, around.light_variance);
     return out;
 }
@@ -150,13 +176,12 @@ fn following(before: Before, around: Around) -> Before {
             before = following(before, light_around(id.xy, place, n));
         }
     }
+    // The mean over frames of what was found before and of what this frame has.
     let share = 1.0 / (before.frames + 1.0);
-    for (var i = 0u; i < SUMS; i++) {
-        sums_after[SUMS * index + i] = mix(before.sums[i], sums[SUMS * index + i], share);
-    }
+    var mean = plus(plus(PointSums(), 1.0 - share, before.sums), share, sums[index]);
     // Filters narrow as frames add up, as they do in later samples of a still.
-    sums_after[SUMS * index + 3u].w = before.frames;
+    mean.frames = before.frames;
+    sums_after[index] = mean;
     let frames = select(0.0, before.frames + 1.0, place.w > 0.0);
-    places_after[PLACES * index] = vec4f(place.xyz, frames);
-    places_after[PLACES * index + 1u] = vec4f(n, 0.0);
+    places_after[index] = PlaceBefore(place.xyz, frames, n);
 }

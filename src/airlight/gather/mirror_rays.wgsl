@@ -2,6 +2,7 @@
 //! use pixel_point
 //! use gather
 //! use gather_hit
+//! use packed_pixel
 //! use flat_normal
 //! use ggx_sampling
 
@@ -12,17 +13,19 @@ const RAISED = 2e-4;        // of the distance to the eye: where rays start abov
         return;
     }
     let row = params.first + id.y * params.batch.x + id.x;
-    var hit = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    var hit = no_ray();
     var start = vec4f(0.0);
     if (row < found[0]) {
-        let pixel = vec2u(listed[row] & 0xffffu, listed[row] >> 16u);
+        let pixel = unpacked_pixel(listed[row]);
         let p = pixel_point(vec2f(pixel) + 0.5, textureLoad(depth, pixel, 0));
         let facing = textureLoad(normal, pixel, 0);
         let n = normalize(facing.xyz);
         let away = params.eye - p;
+        // The direction to the eye, about the normal.
         let frame = orthonormal_frame(n);
         var v = normalize(away) * frame;
         v.z = max(v.z, 1e-4);
+        // A microfacet that the eye sees, and the direction that it mirrors.
         let h = visible_normal(v, max(facing.w * facing.w, 0.002), ray_numbers(pixel.x, pixel.y, params.sample));
         let mirrored = reflect(-v, h);
         if (mirrored.z > 0.0) {

@@ -51,6 +51,7 @@ class Mirrors:
         self._resolve = Resolving(gpu, generated=KINDS)
         self._glosses = Glosses(gpu, kit.meshes.original)
         self._segments = segments if self._glosses.mirrors else 1
+        # The table of linearly transformed cosines, for the albedo of what is mirrored.
         table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
         table[:, :6] = cosine_table().reshape(-1, 6)
         self._cosines = buffer_of(gpu, "transformed cosines", table)
@@ -62,6 +63,7 @@ class Mirrors:
         self, commands: Commands, view: View, fields: Fields, rays: RayScene, albedos: Albedos
     ) -> Mirrored:
         """What the view's pixels mirror; its G-buffer is drawn."""
+        # Kernels are others once a mesh has moved.
         if self._rays is None or self._rays[0] != rays.constants:
             gpu, constants = self._kit.gpu, rays.constants
             self._rays = (
@@ -72,6 +74,7 @@ class Mirrors:
         self._glosses.follow(self._kit.meshes.current)
         sized = self._fitted(view.size)
         pixels = {**view.gbuffer.bound}
+        # Which pixels mirror: they are listed, and each texel of `rows` holds its row.
         with commands.stage("mirrored rays"):
             commands.encoder.clear_buffer(sized.found.handle)
             self._list.dispatch(
@@ -83,8 +86,10 @@ class Mirrors:
                 listed=sized.listed,
                 rows=sized.rows,
             )
+        # Rays of the listed pixels, as many at once as the images of hits hold.
         for first in range(0, view.size[0] * view.size[1], sized.count):
             self._follow(commands, view, fields, first, (rays, albedos))
+        # Each pixel takes its own ray and those of pixels around, by its own lobe.
         with commands.stage("mirrored rays"):
             self._resolve.dispatch(
                 commands,
@@ -158,17 +163,20 @@ class Mirrors:
         """Add the light of what a segment met, as far as it passes the media on its way."""
         assert self._sized is not None
         sized, air = self._sized, {}
+        # Media along the rays: their light, and their transmittance.
         if self._air is not None and sized.air is not None:
             with commands.stage("mirrored rays"):
                 ends, whole = (starts, hits), Segment(range(1), 0, 0.0)
                 self._air.encode(commands, hits.size, ends, whole, light_in(fields), sized.air)
                 air = {"air": sized.air}
         with commands.stage("mirrored light"):
+            # Hits lit as pixels are, by lights and by lattices.
             cache, lit = fields.irradiance or self._kit.no_irradiance, sized.layers.direct
             if self._segments > 1:
                 lit, _ = self.lighting.apart(commands, hits, sized.layers, cache, fields.sky)
             else:
                 self.lighting.encode(commands, hits, sized.layers, cache, fields.sky)
+            # Their radiance goes to the pixel that sent the ray, or on along the next ray.
             self._light.dispatch(
                 commands,
                 hits.size,
@@ -203,12 +211,15 @@ class _Sized:
     def __init__(self, gpu: Gpu, size: tuple[int, int], pairs: int, *, has_air: bool) -> None:
         self.size = size
         width, height = size
+        # An image of hits holds this many rays.
         batch = (width, max(1, min(height, MOST_HITS // width)))
         self.count = batch[0] * batch[1]
+        # Of the whole image: which pixels mirror, and what their rays found.
         self.found = Buffer(gpu, "mirroring pixels", 16)
         self.listed = Buffer(gpu, "list of mirroring pixels", 4 * width * height)
         self.mirrored = Buffer(gpu, "mirrored rays", 32 * width * height)
         self.rows = Texture(gpu, "rows of mirroring pixels", size, "r32uint", written=True)
+        # Of a batch: its rays, what they met, and how that is lit.
         self.hits, self.layers = (
             [Hits(gpu, batch) for _ in range(pairs)],
             RadianceLayers(gpu, batch),
@@ -219,6 +230,7 @@ class _Sized:
         ]
         self.ways = Buffer(gpu, "ways of mirrored rays", 16 * self.count)
         self.air = Buffer(gpu, "air along mirrored rays", 32 * self.count) if has_air else None
+        # What pixels mirror in the end.
         sky, light = (
             Texture(gpu, label, size, "rgba32float", written=True)
             for label in ("mirrored sky", "mirrored light")

@@ -12,6 +12,7 @@ override HAS_OCCLUSION: bool = false;
         return;
     }
     let size = vec2u(params.size);
+    // Pixels of the texel are tried from another one on in each sample, until one shows a surface.
     let count = params.scale * params.scale;
     let first = u32(f32(count) * r2_noise(id.x, id.y, params.sample));
     var place = vec4f(0.0);
@@ -26,6 +27,7 @@ override HAS_OCCLUSION: bool = false;
             if (d > 0.0) {
                 let p = pixel_point(vec2f(pixel) + 0.5, d);
                 place = vec4f(p, length(p - params.eye));
+                // What rays are distributed about, and which part of the hemisphere near occluders leave open.
                 let n = normalize(textureLoad(normal, pixel, 0).xyz);
                 let distance = 1.0 / (params.world_from_clip[2].w * d);
                 facing = vec4f(n, near_field_at(vec2f(pixel) + 0.5, distance).open);

@@ -14,7 +14,7 @@ from ..media.gpu_media import GpuMedia
 from ..rays.rays import RAY_SLOTS, RayScene
 from .points import Points
 from .sky_cells import SkyCells, SkyParams
-from .sums import Sums
+from .sums import PointSums, Sums
 
 _ALL_PASSED = """
 fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f { return vec3f(1.0); }
@@ -38,7 +38,7 @@ class _SkyRays(ComputePass):
             *RAY_SLOTS,
             *(media.medium_slots if media else ()),
             storage("sky_cells", "vec4f"),
-            storage("sums", "vec4f", "read_write"),
+            storage("sums", PointSums, "read_write"),
         )
         passed = media.medium_wgsl + _PASSED if media else _ALL_PASSED
         super().__init__(gpu, generated=passed, constants=constants)

@@ -2,6 +2,7 @@
 //! use gather
 //! use rays
 //! use sky_cells
+//! use tone
 //! needs fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f
 
 const FARTHEST = 1e30;      // m
@@ -23,6 +24,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
     var k = 0u;
     loop {
         if (k >= sky.sky_rays) { break; }
+        // A direction chosen by brightness; what it counts, rays by the cosine know, too.
         let ray = sky_chosen(ray_numbers(id.x, id.y, sky.first_ray + k));
         let cosine = dot(ray.direction, n);
         if (cosine > 0.0) {
@@ -36,7 +38,9 @@ const RAISED = 2e-4;        // as in trace.wgsl
         }
         k++;
     }
-    let at = SUMS * (id.y * sky.reduced.x + id.x);
-    sums[at + 1u] += vec4f(sum, squares);
-    sums[at + 3u] += vec4f(flux, 0.0);
+    // Added to what rays by the cosine have found.
+    let at = id.y * sky.reduced.x + id.x;
+    sums[at].sky += sum;
+    sums[at].sky_variance += squares;
+    sums[at].sky_flux += flux;
 }

@@ -58,9 +58,11 @@ class SkyCells:
         self._shown = environment
         rows, self.is_even = cell_rows(environment)
         bright = luminance(rows[..., 0, :3])
+        # A sky is mild where no part is so bright that rays find it by luck.
         self.is_mild = bool(bright.max() <= MILD * bright.mean())
         height, width = rows.shape[:2]
         self._rotation = float(np.radians(environment.rotation_deg)) if environment else 0.0
+        # Of another size, the buffer is made again.
         if rows.nbytes != self.buffer.nbytes:
             self._gpu.release()
             self.buffer = Buffer(self._gpu, "sky cells", rows.nbytes)
@@ -99,8 +101,10 @@ def cell_rows(environment: Environment | None) -> tuple[NDArray[np.float32], boo
     bright = luminance(radiance)
     power = float((bright * solid_angles).sum())
     rows = np.zeros((height, width, 2, 4), np.float32)
+    # Radiance of each cell, and how dense, sr^-1, rays by brightness are there.
     rows[..., 0, :3] = radiance
     rows[..., 0, 3] = bright / max(power, 1e-300)
+    # The alias table by which a ray chooses its cell.
     keep, other = alias_table((bright * solid_angles).ravel())
     rows[..., 1, 0], rows[..., 1, 1] = keep.reshape(height, width), other.reshape(height, width)
     return rows, environment.map is None or power <= 0.0

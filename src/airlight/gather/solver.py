@@ -178,9 +178,11 @@ class GatherSolver(Solver):
         count = self.settings.gather_bounces if self._bounces else 1
         hits, before = sized.hits
         for index in range(count):
+            # What each ray meets, from the surface that the one before it met.
             segment = Segment(numbers, index, self.kit.rays.raised)
             with commands.stage("gather rays"):
                 self._trace.encode(commands, sized.points, (before, hits), segment)
+            # What media along the segment scatter into it, and how much light they let by.
             if self._air is not None and sized.paths.air is not None:
                 way = (sized.points.places if index == 0 else before.positions, hits)
                 with commands.stage("gather air"):
@@ -197,6 +199,7 @@ class GatherSolver(Solver):
                 light = self._light(commands, sized, hits, fields, told, is_last=index + 1 == count)
                 sized.paths.encode(commands, hits, light, segment, rays, told)
             yield index
+            # The next segment starts where this one ended.
             hits, before = before, hits
 
     def _told(self, left: int, count: int) -> Lattices:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec2u
+from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
@@ -13,8 +13,36 @@ from .far import Far
 from .paths import Paths
 from .points import Points
 
-NBYTES = 176
-"""Of a point's sums."""
+
+class PointSums(Struct):
+    """What the rays of a point found, summed over them.
+
+    Light of surfaces is of three kinds, `near`, `far` and `later`, since light from afar, and what
+    near surfaces reflect of it, are alike at more of a point's neighbours than what lights shine on
+    near surfaces. Of these two a point takes the mean radiance of many neighbours, times the share
+    of rays that its closer ones send so far.
+    """
+
+    near = vec3f("W m^-2 sr^-1, radiance that first segments found at near surfaces")
+    far_share = f32("rays that met far surfaces, shared as `near` is")
+    near_flux = vec3f("where it comes from: `flux_along` times its luminance")
+    open = f32("share of the hemisphere that near occluders leave")
+    far = vec3f("W m^-2 sr^-1, radiance of far surfaces")
+    far_rays = f32("that met such")
+    far_flux = vec3f()
+    far_inverse_m = f32("m^-1, inverse lengths of those rays")
+    later = vec3f("W m^-2 sr^-1, radiance that later segments brought to near surfaces")
+    later_rays = f32("that met near surfaces")
+    later_flux = vec3f()
+    far_begins = f32("m^-1, inverse length at which far begins; no sum")
+    sky = vec3f("W m^-2 sr^-1, radiance of the environment")
+    sky_variance = f32("before filters the sum of its luminance squared")
+    sky_flux = vec3f()
+    frames = f32("before this one, in the means of `History`; no sum")
+    squares = vec3f("m^-1, `nearness` of what rays met: its squares")
+    met_rays = f32("that met surfaces")
+    products = vec3f("m^-1, its products")
+    sides = vec3f("m^-1, normals that rays met over their lengths")
 
 
 class SumParams(Struct):
@@ -35,7 +63,7 @@ class _Sums(ComputePass):
         storage("paths", "vec4f", "read_write"),
         storage("met", "u32"),
         storage("far", "f32"),
-        storage("sums", "vec4f", "read_write"),
+        storage("sums", PointSums, "read_write"),
     )
     workgroup = (8, 8, 1)
     file = "sums.wgsl"
@@ -47,37 +75,24 @@ class _LaterSums(ComputePass):
         texture("normals", "2d", "unfilterable-float"),
         storage("paths", "vec4f"),
         storage("far", "f32"),
-        storage("sums", "vec4f", "read_write"),
+        storage("sums", PointSums, "read_write"),
     )
     workgroup = (8, 8, 1)
     file = "later_sums.wgsl"
 
 
+def new_sums(gpu: Gpu, label: str, points: Points) -> Buffer:
+    """A buffer of `PointSums` for each of the points."""
+    return Buffer(gpu, label, PointSums.dtype.itemsize * points.count)
+
+
 class Sums:
-    """Eleven vec4f for each point.
-
-    The first: radiance that first segments found at near surfaces, summed, and how many rays met
-    far ones. The second: that of the environment, and the sum of its luminance squared. The third:
-    where the first's light comes from, as the sum of `maths.gather.flux_along` times its luminance,
-    and the share of the hemisphere that near occluders leave. The fourth: where the second's comes
-    from, and how many frames before are in the means of `History`. The next two: how near what its
-    rays met is, m^-1, as the sums of `maths.gather.nearness`: its squares and how many rays met
-    surfaces, and its products. The seventh and eighth: radiance of far surfaces and how many rays
-    met them; where it comes from, and the inverse lengths of those rays, m^-1. The ninth: the
-    normals that rays met over their lengths, m^-1, and the inverse length at which far begins.
-    The last two: radiance that later segments brought to near surfaces, and how many rays met such;
-    where it comes from.
-
-    The three kinds are apart, since light from afar, and what near surfaces reflect of it, are
-    alike at more of a point's neighbours than what lights shine on near surfaces. Of these two a
-    point takes the mean radiance of many neighbours, times the share of rays that its closer ones
-    send so far.
-    """
+    """`PointSums` for each point of a view."""
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
         self._points, self._far = points, Far(gpu, points)
         self._pass, self._later = _Sums(gpu), _LaterSums(gpu)
-        self.buffer = Buffer(gpu, "gathered sums", NBYTES * points.count)
+        self.buffer = new_sums(gpu, "gathered sums", points)
 
     def encode(
         self, commands: Commands, view: View, paths: Paths, numbers: range, sample: range

@@ -83,6 +83,7 @@ class Trace:
         """
         before, hits = pair
         is_first = segment.index == 0
+        # First segments start at points or cells, later ones where the last one met a surface.
         first = self._from_air if isinstance(points, CellPoints) else self._first
         used = first if is_first else self._next
         used.dispatch(

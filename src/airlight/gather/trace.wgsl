@@ -11,7 +11,7 @@ const RAISED = 2e-4;        // of the distance to the eye: where rays start abov
     let at = vec2u(id.x, id.y % params.reduced.y);
     let place = textureLoad(places, at, 0);
     let n = textureLoad(normals, at, 0).xyz;
-    var found = GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
+    var found = no_ray();
     if (place.w > 0.0) {
         let ray = params.first_ray + id.y / params.reduced.y;
         let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));

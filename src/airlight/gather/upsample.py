@@ -19,6 +19,7 @@ from ..lighting.kit import Kit
 from ..lighting.slots import LATTICE_SLOTS
 from ..lighting.view import View
 from .points import PointParams, Points
+from .sums import PointSums
 
 
 class _Upsample(FullscreenPass):
@@ -29,7 +30,7 @@ class _Upsample(FullscreenPass):
         texture("normal", "2d", "unfilterable-float"),
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
-        storage("sums", "vec4f"),
+        storage("sums", PointSums),
         *LATTICE_SLOTS,
     )
     targets = ("rgba16float", "rgba16float")
@@ -42,6 +43,7 @@ class Upsampling:
     def __init__(self, gpu: Gpu, kit: Kit, points: Points, rays: int) -> None:
         """`rays`: of a point."""
         self._kit, self._points, self._rays = kit, points, rays
+        # Where no point is like a pixel, lattices light it: as many as there are.
         light = LatticeLight(
             is_occluded=kit.settings.ambient_occlusion,
             has_sky=kit.sky.maps.layers > 0,
@@ -63,7 +65,7 @@ class Upsampling:
         irradiance: Irradiance,
         sky: SkyIrradiance,
     ) -> Gathered:
-        """The irradiance of a view's pixels; `sums` of its points, as `Sums` has them."""
+        """The irradiance of a view's pixels; `sums`: `PointSums` of its points."""
         points, gbuffer = self._points, view.gbuffer
         self._pass.draw(
             commands,

@@ -4,6 +4,8 @@
 //! use gather
 //! use flat_normal
 //! use mirrored_light
+//! use tone
+//! use near_field_lookup
 
 const LEAST = 1e-3;         // weight of what lattices say, where hardly any point is alike
 
@@ -12,9 +14,13 @@ struct Found {
     @location(1) sky: vec4f,
 }
 
-// What the points around a pixel say: their sums, and how far they are like it.
+// Of the points around a pixel: the sums of all light, as far as each is like it, and how far all are.
 struct Around {
-    sum: array<vec4f, LIGHTS>,
+    surfaces: vec3f,        // W m^-2 sr^-1
+    surfaces_flux: vec3f,
+    sky: vec3f,
+    sky_flux: vec3f,
+    open: f32,              // share of the hemisphere that near occluders leave
     total: f32,
 }
 
@@ -34,10 +40,12 @@ fn around(position: vec2f, p: vec3f, n: vec3f) -> Around {
         let near = mix(1.0 - t, t, corner) + 1e-3;
         let like = near.x * near.y * likeness(p, n, place.xyz, its, texel_m);
         let weight = select(0.0, like, place.w > 0.0);
-        let index = SUMS * u32(at.y * i32(params.reduced.x) + at.x);
-        for (var i = 0u; i < LIGHTS; i++) {
-            out.sum[i] += weight * sums[index + i];
-        }
+        let index = u32(at.y * i32(params.reduced.x) + at.x);
+        out.surfaces += weight * sums[index].near;
+        out.surfaces_flux += weight * sums[index].near_flux;
+        out.sky += weight * sums[index].sky;
+        out.sky_flux += weight * sums[index].sky_flux;
+        out.open += weight * sums[index].open;
         out.total += weight;
         k++;
         if (k > 3) { break; }
@@ -91,11 +99,9 @@ fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> 
     // Of cosine-distributed rays, pi times the mean radiance.
     let is_any = found.total > 1e-4 * LEAST;
     let scale = select(0.0, 3.14159265 / (f32(params.rays) * found.total), is_any);
-    let its_open = found.sum[2].w * select(0.0, 1.0 / found.total, is_any);
-    let surfaces = turned(scale * found.sum[0].rgb, scale * found.sum[2].xyz, n, seen,
-        interreflected(its_open, tint));
-    let of_sky = turned(scale * found.sum[1].rgb, scale * found.sum[3].xyz, n, vec3f(open),
-        vec3f(its_open));
+    let its_open = found.open * select(0.0, 1.0 / found.total, is_any);
+    let surfaces = turned(scale * found.surfaces, scale * found.surfaces_flux, n, seen, interreflected(its_open, tint));
+    let of_sky = turned(scale * found.sky, scale * found.sky_flux, n, vec3f(open), vec3f(its_open));
     let share = found.total / (found.total + LEAST);
     let unlike = of_lattices(p, n);
     return Found(vec4f(mix(seen * unlike.irradiance, surfaces, share), 1.0),

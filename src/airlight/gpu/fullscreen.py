@@ -51,16 +51,19 @@ class FullscreenPass(RasterPipeline):
 
     def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str, generated: str) -> Shader:
         gpu, formats = self.gpu, self.targets_used
+        # CPU adapters: a compute shader that stores pixels, where nothing is blended.
         if gpu.paths.stored_screens and not (self.blend or self.depth):
             if is_storable(text, formats, generated):
                 made = stored(self._slots, firsts, text, formats, generated)
                 if fits(gpu, made.slots):
                     return made
         elif gpu.paths.flat_interpolants:
+            # Else what is the same for all pixels comes as flat interpolants.
             most = 4 * gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
             made = interpolated(self._slots, firsts, text, most)
             if made.entry != "fragment":
                 return made
+        # On GPUs a triangle that covers the screen.
         before = _VERTEX + first_elements(self._slots, firsts)
         return Shader(self._slots, before, text, "fragment")
 

@@ -208,11 +208,13 @@ class Buffer(_Counted):
         gpu.require("max-buffer-size", nbytes, f"buffer '{label}'")
         if not (vertex or index):
             gpu.require("max-storage-buffer-binding-size", nbytes, f"buffer '{label}'")
+        # Every buffer may be copied and bound; vertices, indices and arguments are told.
         usage = wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.COPY_SRC | wgpu.BufferUsage.STORAGE
         usage |= wgpu.BufferUsage.VERTEX if vertex else 0
         usage |= wgpu.BufferUsage.INDEX if index else 0
         usage |= wgpu.BufferUsage.INDIRECT if indirect else 0
         self.gpu, self.label = gpu, label
+        # Whole words, and no empty binding.
         self.nbytes = max(16, -(-nbytes // 4) * 4)
         with gpu.guarded():
             self.handle = gpu.device.create_buffer(label=label, size=self.nbytes, usage=usage)

@@ -109,6 +109,7 @@ class RasterPipeline:
     def _compiled(self) -> Any:
         device = self.gpu.device
         module = compile_wgsl(device, self._source, self.label)
+        # The bindings of the pass, and those of each draw.
         groups = [b.layout for b in (self.bindings, self.second) if b]
         vertex = {
             "module": module,

@@ -167,6 +167,7 @@ def _connected(left: list[int], owner: NDArray[np.int64], which: Edges) -> list[
             index = group[index]
         return index
 
+    # Union-find: groups that share one become one.
     for a, b in np.unique(np.stack([one, two], axis=1), axis=0).tolist():
         group[root(a)] = root(b)
     return [[i for i in left if root(i) == head] for head in left if root(head) == head]

@@ -206,6 +206,7 @@ def _colour_and_cover(material: Material, uv: F64 | None, count: int) -> tuple[F
     rgb = texel[:, :3].astype(np.float64) / 255.0
     if texture.is_srgb:
         rgb = srgb_decode(rgb)
+    # Cut out, a texel blocks or does not; blended, it blocks by its share.
     if material.alpha_cutoff > 0.0:
         alpha = _filtered_alpha(texture, uv) * material.alpha
         cover *= alpha >= material.alpha_cutoff
@@ -220,6 +221,7 @@ def _metallic_and_roughness(material: Material, uv: F64 | None, count: int) -> t
     texture = material.metallic_roughness_texture
     if texture is None or uv is None:
         return metallic, roughness
+    # Green is roughness, and blue is metallic, as in glTF.
     texel = _texels(texture, uv).astype(np.float64) / 255.0
     return metallic * texel[:, 2], roughness * texel[:, 1]
 

@@ -8,6 +8,7 @@ maximum, which non-negative projected areas allow: a surface in two of them bloc
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -107,19 +108,14 @@ class _MergeSums(ComputePass):
     file = "merge_sums.wgsl"
 
 
-class ViewSurfels:
-    """Fills the sums of `blockers` from views, instead of the surfels of meshes.
+class ViewBlockers(ABC):
+    """Fills `blockers` from views, instead of their own passes; how, derived classes say.
 
-    `accumulates`: surfels of earlier frames stay until geometry or lattice change. `has_meshes`:
-    the surfels of the meshes are summed beside those of the views.
+    `accumulates`: surfels of earlier frames stay until geometry or lattice change.
     """
 
-    def __init__(
-        self, gpu: Gpu, blockers: Blockers, *, accumulates: bool, has_meshes: bool
-    ) -> None:
-        self.blockers, self.accumulates, self.has_meshes = blockers, accumulates, has_meshes
-        self._sums = Buffer(gpu, "surfels of a buffer", blockers.sums.nbytes)
-        self._sum, self._merge = _SumSides(gpu), _MergeSums(gpu)
+    def __init__(self, blockers: Blockers, *, accumulates: bool) -> None:
+        self.blockers, self.accumulates = blockers, accumulates
         self._made: tuple[int, Placement] | None = None
 
     def encode(
@@ -135,17 +131,47 @@ class ViewSurfels:
 
         `is_drawn`: a view was redrawn.
         """
-        blockers = self.blockers
-        made = (meshes.version, replace(blockers.placement, fade=None))
+        made = (meshes.version, replace(self.blockers.placement, fade=None))
         is_new, self._made = made != self._made, made
         if not (is_new or is_drawn):
             return False
         # What earlier frames saw stays, as long as it stands where it stood.
         if is_new or not self.accumulates:
-            blockers.clear(commands)
-            if self.has_meshes:
-                blockers.sum_meshes(commands)
-        # The surfels of each view, merged by the maximum.
+            self._clear(commands)
+        self._add(commands, maps, views)
+        return True
+
+    @abstractmethod
+    def _clear(self, commands: Commands) -> None:
+        """Forget the surfels of earlier frames."""
+
+    @abstractmethod
+    def _add(self, commands: Commands, maps: SurfelViews, views: Sequence[LightView]) -> None:
+        """Add the surfels of all views, and compute the blockers' faces."""
+
+
+class ViewSurfels(ViewBlockers):
+    """By the sums of `blockers`.
+
+    `has_meshes`: the surfels of the meshes are summed beside those of the views.
+    """
+
+    def __init__(
+        self, gpu: Gpu, blockers: Blockers, *, accumulates: bool, has_meshes: bool
+    ) -> None:
+        super().__init__(blockers, accumulates=accumulates)
+        self.has_meshes = has_meshes
+        self._sums = Buffer(gpu, "surfels of a buffer", blockers.sums.nbytes)
+        self._sum, self._merge = _SumSides(gpu), _MergeSums(gpu)
+
+    def _clear(self, commands: Commands) -> None:
+        self.blockers.clear(commands)
+        if self.has_meshes:
+            self.blockers.sum_meshes(commands)
+
+    def _add(self, commands: Commands, maps: SurfelViews, views: Sequence[LightView]) -> None:
+        """Merge the surfels of each view by the maximum."""
+        blockers = self.blockers
         commands.encoder.clear_buffer(self._sums.handle)
         for index, view in enumerate(views):
             params = ViewSurfelParams.of_view(blockers, maps, index, _FINER * UNITS, _FINER)
@@ -161,4 +187,3 @@ class ViewSurfels:
                     merged=blockers.sums,
                 )
         blockers.open(commands)
-        return True

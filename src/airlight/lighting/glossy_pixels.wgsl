@@ -2,6 +2,7 @@
 // lighting has listed with them, and with the share of it that counts. Their order differs from run to run, they do not.
 //! use pixel_point
 //! use mirrored_light
+//! use packed_pixel
 
 fn first_lattices() -> LatticeParams {
     return lattices[0];
@@ -51,7 +52,7 @@ fn add_mirrored(pixel: vec2u, rest: vec3f, rest_indirect: vec3f, share: f32) {
     loop {
         let direct = listed[2u * i];
         let indirect = listed[2u * i + 1u];
-        let pixel = vec2u(direct.w & 0xffffu, direct.w >> 16u);
+        let pixel = unpacked_pixel(direct.w);
         add_mirrored(pixel, bitcast<vec3f>(direct.xyz), bitcast<vec3f>(indirect.xyz),
             bitcast<f32>(indirect.w));
         i += groups.x * WX;

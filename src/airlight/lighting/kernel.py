@@ -50,9 +50,10 @@ TRACED_INLINE = """
 fn is_traced_separately(r: Reflector, n_v: f32) -> bool { return false; }
 """
 _LISTED = """
+//! use packed_pixel
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32) {
     let at = atomicAdd(&found[0], 1u);
-    listed[2u * at] = vec4u(bitcast<vec3u>(direct), pixel.x | (pixel.y << 16u));
+    listed[2u * at] = vec4u(bitcast<vec3u>(direct), packed_pixel(pixel));
     listed[2u * at + 1u] = vec4u(bitcast<vec3u>(indirect), bitcast<u32>(share));
 }
 """

@@ -48,7 +48,7 @@ class SceneRays:
         if self._made is None:
             self._made = RayScene(self._gpu, self._meshes)
         with commands.stage("rays"):
-            self._made.update(commands, self._scene)
+            self._made.update(self._scene)
         return self._made
 
     def shadows(self, commands: Commands) -> ShadowRays:

@@ -64,6 +64,7 @@ class Border(ComputePass):
         """
         # Power through a face goes with its area; both lattices count it in units of their own.
         inner = target.placement
+        # A face of a finer cell takes its share of the larger face that it lies in.
         area = (inner.cell / outer.cell) ** 2
         side = max(inner.count)
         self.dispatch(

@@ -11,7 +11,7 @@ would tear the signed lobes apart. A wall stays 3/4 closed, as two bands have it
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -19,9 +19,7 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..gpu.slots import image, storage, uniform
 from ..lattice.blockers import Blockers
-from ..lattice.placement import Placement
-from ..lattice.view_surfels import SumTexels, ViewSurfelParams
-from ..surface.geometry import GpuScene
+from ..lattice.view_surfels import SumTexels, ViewBlockers, ViewSurfelParams
 from ..surface.light_views import LightView
 from ..surface.surfel_views import SurfelViews
 
@@ -57,42 +55,26 @@ class _Faces(ComputePass):
     file = "geometry_faces.wgsl"
 
 
-class GeometryVolume:
-    """Fills `blockers.faces` instead of the blockers' own passes.
+class GeometryVolume(ViewBlockers):
+    """By two bands of spherical harmonics, from which it makes `blockers.faces`.
 
-    `accumulates`: surfels of earlier frames stay as long as geometry and lattice do (section 3.2).
+    Surfels of earlier frames stay as long as geometry and lattice do (section 3.2).
     """
 
     def __init__(self, gpu: Gpu, blockers: Blockers, *, accumulates: bool) -> None:
-        self.blockers, self.accumulates = blockers, accumulates
+        super().__init__(blockers, accumulates=accumulates)
         corners = blockers.corners
         self._sums = Buffer(gpu, "surfels of a view", corners * _VALUES * 4)
         self._volume = Buffer(gpu, "geometry volume", corners * 16)
         self._reflected = Buffer(gpu, "its reflectance", corners * 4)
         self._inject, self._merge, self._faces = _Inject(gpu), _Merge(gpu), _Faces(gpu)
-        self._made: tuple[int, Placement] | None = None
 
-    def encode(
-        self,
-        commands: Commands,
-        meshes: GpuScene,
-        maps: SurfelViews,
-        views: list[LightView],
-        *,
-        is_drawn: bool,
-    ) -> bool:
-        """Bring the blockers up to date with `maps`; returns whether anything changed.
+    def _clear(self, commands: Commands) -> None:
+        for buffer in (self._volume, self._reflected):
+            commands.encoder.clear_buffer(buffer.handle)
 
-        `is_drawn`: a view was redrawn.
-        """
-        made = (meshes.version, replace(self.blockers.placement, fade=None))
-        is_new, self._made = made != self._made, made
-        if not (is_new or is_drawn):
-            return False
-        # What earlier frames saw stays, as long as it stands where it stood.
-        if is_new or not self.accumulates:
-            for buffer in (self._volume, self._reflected):
-                commands.encoder.clear_buffer(buffer.handle)
+    def _add(self, commands: Commands, maps: SurfelViews, views: Sequence[LightView]) -> None:
+        """Merge the surfels of each view, and compute from them what blocks between cells."""
         commands.encoder.clear_buffer(self._sums.handle)
         for index in range(len(views)):
             self._add_view(commands, maps, index)
@@ -109,7 +91,6 @@ class GeometryVolume:
             visibility_a=blockers.visibility_a,
             visibility_b=blockers.visibility_b,
         )
-        return True
 
     def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
         """Sum the surfels of a view, and merge them into the volume by their maximum."""

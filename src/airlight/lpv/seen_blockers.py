@@ -8,7 +8,7 @@ from functools import partial
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..lattice.blockers import Blockers
-from ..lattice.view_surfels import ViewSurfels
+from ..lattice.view_surfels import ViewBlockers, ViewSurfels
 from ..lighting.kit import Kit
 from ..scene.scene import Scene
 from ..surface.light_views import light_views, view_count
@@ -30,7 +30,7 @@ class SeenBlockers:
         resolution, peels = settings.surfel_resolution, settings.peel_layers
         self.maps = SurfelViews(kit.gpu, resolution, count, peels)
         accumulates, source = settings.keep_surfels, settings.surfel_source
-        volume: Callable[[Gpu, Blockers], GeometryVolume | ViewSurfels] = (
+        volume: Callable[[Gpu, Blockers], ViewBlockers] = (
             partial(GeometryVolume, accumulates=accumulates)
             if settings.scheme == "paper"
             else partial(ViewSurfels, accumulates=accumulates, has_meshes=source == "both")

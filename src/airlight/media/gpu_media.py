@@ -155,6 +155,7 @@ class GpuMedia:
             and all(map(operator.is_, media, self._media))
         ):
             return False
+        # Kernels are made for these kinds of media.
         if _kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.

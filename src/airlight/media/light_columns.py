@@ -153,6 +153,7 @@ class LightColumns:
         """
         # Columns do not depend on how bright a light is, nor on what a grid is filled with.
         table = packed_lights(lights)
+        # A grid is stale once a light, its box or its voxels are others.
         placed = tuple(table[name][: len(lights)].tobytes() for name in _PLACED)
         grids = pack_array(
             ColumnGrid, [self._row(row, at) for row, at in zip(rows, self.regions, strict=True)]
@@ -165,6 +166,7 @@ class LightColumns:
         if not stale or not lights:
             return
         self._found = wanted
+        # Those alone are integrated again, as many at once as a dispatch holds.
         self._paths.write(_paths(rows, [at.count for at in self.regions], table[: len(lights)]))
         self._grids.write(grids)
         self._listed.write(np.array(stale, np.uint32))
@@ -184,6 +186,7 @@ class LightColumns:
 
     def _find(self, commands: Commands, stale: Sequence[int], first: int, lights: int) -> None:
         """Find the columns of some grids, as many as there is room for the planes of."""
+        # As large a dispatch as the largest of these grids needs.
         slabs = [self.regions[i].count for i in stale[first : first + self._at_once]]
         bound = {
             "grids": self._grids,

@@ -1,7 +1,6 @@
 // Indirect light of surfaces that a cell scatters towards the eye, per unit scattering coefficient:
 // the radiance of the lattice there, times the share that reaches the cell.
 //! use medium_grid
-//! use delta_beam
 //! use phase
 //! use lattice
 //! needs fn reduced_depth(n: u32, cell: u32) -> vec3f

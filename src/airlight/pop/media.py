@@ -78,7 +78,9 @@ class PopMedia(Solver):
         """A solver for each volume or its parts; a grid with its own texture is there already."""
         virtual = self._surfaces.virtual_lights if self._surfaces else 0
         lights = len(self._scene.lights) + virtual
+        # A grid alone on the device is read where it lies, not uploaded twice.
         shared = media.atlas.texture if media.atlas is not None and media.atlas.is_alone else None
+        # Each solver has the kernels for all media that its own may meet.
         every = sum(map(len, volumes))
         return [
             PopSolver(
@@ -106,6 +108,7 @@ class PopMedia(Solver):
         scene = self._scene
         # Indirect light comes from virtual point lights or from lattices, not from both.
         has_reflected = scene.meshes and self._maps is None
+        # All that lights media: lights, sky, the eye and what surfaces reflect.
         lit = Illumination(
             scene.lights,
             scene.environment,
@@ -115,6 +118,7 @@ class PopMedia(Solver):
             Look(view.camera, view.size[0] / view.size[1]),
         )
         encode(commands, self.solvers, grouped(self._media_of(scene)), lit)
+        # What each medium scatters, by its rows in the table of media.
         sources, row = [], self._first_row
         for solver in self.solvers:
             sources += solver.sources(row)

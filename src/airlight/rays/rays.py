@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..scene.mesh import Mesh, world_boxes
@@ -90,10 +89,10 @@ class RayScene:
             "bytes": sum(buffer.nbytes for buffer in self._buffers),
         }
 
-    def update(self, commands: Commands, scene: Scene) -> None:
+    def update(self, scene: Scene) -> None:
         """Follow the meshes of `scene`: those of creation, as they are in this frame.
 
-        What moved is uploaded before all that `commands` submits from here on.
+        What moved is uploaded before all that is submitted from here on.
         """
         if scene.meshes is not self._meshes:
             self._take(scene.meshes)

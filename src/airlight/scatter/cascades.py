@@ -61,12 +61,14 @@ def cascades(
         placement = level.placement
         cells = LatticeCells(gpu, level, light.media, settings, is_varied=varies)
         reduced = reduced_scene(scene)
+        # Stills may take more iterations than frames.
         frames, stills = (
             _schedule(reduced, settings, placement, is_still=s) for s in (False, True)
         )
         levels = Levels(
             gpu, placement.count, placement.cell, frames, cells.kind(scene, kit.placement)
         )
+        # What fills its cells with light, and what spreads that.
         injection = Injection(kit, scene, light, cells)
         made.append(Cascade(level, cells, injection, levels, (frames, stills)))
     return made

@@ -80,6 +80,7 @@ class Emission(ChannelTextures):
         # much the faces of finer cells are smaller; their sides are left.
         largest, placement = self.placement.cell, placement or self.placement
         self.scale = half_scale(flux * largest)
+        # One scale for all lattices, such that half floats hold the light that there is.
         params = EmissionParams(
             count=placement.count,
             scale=self.scale * largest / placement.cell,

@@ -1,6 +1,7 @@
 // Packs 0 and 1 of every cell (1 - b of Billeter2012 eq. 2): the open shares of the hops that its
 // neighbours send it, by the number of the hop that goes to the neighbour.
 //! use hops26
+//! use packed_hops
 
 // The open share of a neighbour's hop, as hops_leaving has packed it.
 fn open_leaving(cell: vec3i, hop: u32) -> f32 {
@@ -13,24 +14,17 @@ fn open_leaving(cell: vec3i, hop: u32) -> f32 {
     return unpack4x8unorm(word)[hop & 3u];
 }
 
+// What a neighbour's pack says of its hop hither, which is the opposite one.
+fn open_hop(at: vec3i, hop: u32) -> f32 {
+    return open_leaving(at + hop_offset(hop), 26u - hop);
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
         return;
     }
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
-    // What the neighbours' packs say of the hops hither, four to a word.
-    var words: array<u32, 8>;
-    for (var word = 0u; word < 7u; word++) {
-        var shares = vec4f(1.0);
-        for (var k = 0u; k < 4u; k++) {
-            let j = 4u * word + k;
-            // The neighbour's hop back is the opposite one.
-            if (j != 13u && j < 27u) {
-                shares[k] = open_leaving(vec3i(id) + hop_offset(j), 26u - j);
-            }
-        }
-        words[word] = pack4x8unorm(shares);
-    }
+    let words = packed_hops(vec3i(id));
     packs[4u * cell] = vec4u(words[0], words[1], words[2], words[3]);
     packs[4u * cell + 1u] = vec4u(words[4], words[5], words[6], 0u);
 }

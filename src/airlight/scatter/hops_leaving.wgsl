@@ -1,6 +1,7 @@
 // Packs 2 and 3 of every cell (1 - b of Billeter2012 eq. 2): the open shares of its own hops by their number, and the walls'
 // reflectance. maths.lattice26_walls.open_hops is the NumPy twin.
 //! use hops26
+//! use packed_hops
 //! use entering_share
 
 // The open share of the face that a step of `step` along an axis crosses into a cell; outside,
@@ -36,8 +37,10 @@ fn open_two(at: vec3i, step: vec3i, a: u32, b: u32) -> f32 {
         + open_one(at, step, b) * open_face(end, a, step[a]));
 }
 
-// Along all its axes: each of them last, equally likely.
-fn open_hop(at: vec3i, step: vec3i) -> f32 {
+// A hop across an edge or a corner goes along its axes in any order, past faces on each path: each of them last, equally
+// likely.
+fn open_hop(at: vec3i, hop: u32) -> f32 {
+    let step = hop_offset(hop);
     if (any(step == vec3i(0))) {
         let first = select(0u, 1u, step.x == 0);
         let second = select(1u, 2u, step.x == 0 || step.y == 0);
@@ -54,19 +57,7 @@ fn open_hop(at: vec3i, step: vec3i) -> f32 {
         return;
     }
     let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
-    // A hop across an edge or a corner goes along axes, in any order, past faces on each path.
-    var words: array<u32, 8>;
-    for (var word = 0u; word < 7u; word++) {
-        var shares = vec4f(1.0);
-        for (var k = 0u; k < 4u; k++) {
-            let j = 4u * word + k;
-            // Hop 13 would be the cell itself; there are 27 numbers.
-            if (j != 13u && j < 27u) {
-                shares[k] = open_hop(vec3i(id), hop_offset(j));
-            }
-        }
-        words[word] = pack4x8unorm(shares);
-    }
+    let words = packed_hops(vec3i(id));
     packs[4u * cell + 2u] = vec4u(words[0], words[1], words[2], words[3]);
     packs[4u * cell + 3u] = vec4u(words[4], words[5], words[6], reflectance[cell]);
 }

@@ -3,6 +3,7 @@
 //! use step26
 //! use open_line
 //! use outer_cells
+//! use channel_cells
 
 const DEPTH = 3;        // cells from the border that are asked whether light could leave
 
@@ -26,11 +27,6 @@ fn gain(sigma_t: f32) -> f32 {
         / mean_track(vec3f(sigma_t), lattice.cell).x;
 }
 
-fn outer_index(cell: vec3u, channel: u32) -> u32 {
-    let n = outer.count;
-    return ((channel * n.z + cell.z) * n.y + cell.y) * n.x + cell.x;
-}
-
 // The larger lattice's state at a place in its warped cells, trilinear.
 fn outer_state(place: vec3f, channel: u32) -> vec4f {
     let at = clamp(place, vec3f(0.5), vec3f(outer.count) - 0.5) - 0.5;
@@ -40,7 +36,7 @@ fn outer_state(place: vec3f, channel: u32) -> vec4f {
     for (var k = 0u; k < 8u; k++) {
         let corner = vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);
         let share = select(1.0 - t, t, corner == vec3u(1u));
-        sum += share.x * share.y * share.z * outer_sum[outer_index(first + corner, channel)];
+        sum += share.x * share.y * share.z * outer_sum[index_in(outer.count, first + corner, channel)];
     }
     return sum;
 }
@@ -70,7 +66,7 @@ fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
     let state = open * outer_state(place, channel);
     if (IS_VARIED) {
         let cell = vec3u(clamp(place, vec3f(0.0), vec3f(outer.count) - 0.5));
-        let there = outer_medium[outer_index(cell, channel)];
+        let there = outer_medium[index_in(outer.count, cell, channel)];
         return varied_cell(gain(there.y) * state, there);
     }
     return homogeneous_cell(gain(outside.sigma_t[channel]) * state
@@ -78,24 +74,20 @@ fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = params.count;
-    let channel = id.z / n.z;
-    if (id.x >= n.x || id.y >= n.y || channel >= 3u) {
-        return;
-    }
-    let at = vec3u(id.xy, id.z % n.z);
-    if (all(at > vec3u(0u)) && all(at < n - 1u)) {
+    let cell = channel_cell(params.count, id);
+    let is_within = all(cell.at > vec3u(0u)) && all(cell.at < params.count - 1u);
+    if (!cell.is_there || is_within) {
         return;
     }
     // The cell without light of its own, and its medium.
-    let index = ((channel * n.z + at.z) * n.y + at.y) * n.x + at.x;
+    let index = index_in(params.count, cell.at, cell.channel);
     var own = homogeneous_cell(vec4f(0.0));
-    var c = coefficients[params.row + channel];
+    var c = coefficients[params.row + cell.channel];
     if (IS_VARIED) {
         own = varied_cell(vec4f(0.0), medium[index]);
         c = varied_coefficients(own);
     }
     // Walls are asked above; between neighbours inside there is nothing to stop.
     var walls = no_walls();
-    cells[index] += exchanged(Here(vec3i(at), channel, own, c), &walls);
+    cells[index] += exchanged(Here(vec3i(cell.at), cell.channel, own, c), &walls);
 }

@@ -5,6 +5,7 @@
 //! use light_texel
 //! use media_light
 //! use sampling
+//! use lights
 
 // What the light sends along the texel's ray: W per metre squared (parallel) or per steradian of its measure.
 fn sent(light: LightData, direction: vec3f) -> vec3f {

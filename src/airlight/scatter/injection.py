@@ -40,6 +40,7 @@ class Injection:
         self._border: InjectBorder | None = None
         if is_endless:
             self._border = InjectBorder(gpu, cells.placement, light.media.lights)
+        # Light that changes with the sky alone is kept apart from what lights bring in each frame.
         self._sums = new_sums(gpu, cells.placement)
         self.black, self.static, self.reflected, self.source = (
             Buffer(gpu, name, 3 * count * 16)

@@ -2,6 +2,7 @@
 // cell before or behind it. A wall through the middle of a coarse cell closes both its faces: a
 // correction may be too small, but is never handed through a wall.
 //! use level_cells
+//! use channel_cells
 //! use entering_share
 
 // How closed fine plane `plane` (the low faces of cells there) is for hop 2 axis + side, averaged

@@ -4,6 +4,7 @@
 
 //! use hops26
 //! use level_cells
+//! use channel_cells
 //! use entering_share
 
 const CLOSED = 0.05;

@@ -61,6 +61,7 @@ class Levels:
         )
         if not schedule.is_empty:
             self._step.begin(count)
+        # What coarser levels are made by, and how corrections are sized.
         self._visibility = HopVisibility(gpu) if kind.has_walls else None
         self._restrict, self._prolong = Restrict(gpu), Prolong(gpu)
         self._restrict_medium = RestrictMedium(gpu) if kind.is_varied else None

@@ -75,6 +75,7 @@ class LightInAir:
         # Scaled as `Emission` scales: finer cells have smaller faces, of which marching knows.
         largest, place = self._kit.placement.cell, part.placement
         self.scale = half_scale(flux * largest)
+        # All light and the unscattered part of it, as mean radiance of each cell.
         self._pack.dispatch(
             commands,
             place.count,
@@ -90,6 +91,7 @@ class LightInAir:
             mean=self._mean,
             unscattered=self._unscattered,
         )
+        # Light that media only scatter forwards reaches surfaces apart.
         beams = part.injection.surface_beams
         self._has_forward = beams is not None
         if beams is not None:
@@ -106,6 +108,7 @@ class LightInAir:
             finer=places[:-1],
             mean=self._mean,
         )
+        # What rays read along their way, and what surfaces at their ends get besides.
         if not self._has_forward:
             return AirLight(mean, self._unscattered)
         table = self._table.filled([self._forward.params(place) for place in places])

@@ -2,6 +2,7 @@
 // correction takes off it. Within coarse cells the correction is rough, which smoothing mends.
 // An invocation adds up every PARTS-th coarse cell of a channel.
 //! use level_cells
+//! use channel_cells
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let channel = id.y;

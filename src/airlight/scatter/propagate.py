@@ -171,6 +171,7 @@ class Step:
     ) -> None:
         """after = source + K before; W per cell and channel, W m where the operator is a track."""
         nx, ny, nz = lattice.count
+        # CPU adapters: rows of lanes, in slabs for all cores; else a cell per invocation.
         by_rows = self._is_by_rows(nx)
         x, y, slabs = tiles(lattice.count, os.cpu_count() or 1) if by_rows else (nx, ny, nz)
         self._kernel(_Rows if by_rows else _Cells).dispatch(

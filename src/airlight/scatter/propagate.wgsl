@@ -1,12 +1,12 @@
 // One iteration of propagation to 26 neighbours, a cell and channel per invocation:
 // after = source + K before, where K makes the next state of one, or the track that it leaves.
 //! use step26
+//! use channel_cells
 
 // Beyond the lattice there is no light, and the medium goes on as at its border.
 fn cell_at(at: vec3i, channel: u32) -> Cell {
-    let n = params.count;
-    let inside = vec3u(clamp(at, vec3i(0), vec3i(n) - 1));
-    let index = ((channel * n.z + inside.z) * n.y + inside.y) * n.x + inside.x;
+    let inside = vec3u(clamp(at, vec3i(0), vec3i(params.count) - 1));
+    let index = index_in(params.count, inside, channel);
     let state = select(vec4f(0.0), before[index], all(vec3i(inside) == at));
     if (IS_VARIED) {
         return varied_cell(state, medium[index]);
@@ -28,21 +28,19 @@ fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = params.count;
-    let channel = id.z / n.z;
-    if (id.x >= n.x || id.y >= n.y || channel >= 3u) {
+    let cell = channel_cell(params.count, id);
+    if (!cell.is_there) {
         return;
     }
     // The cell, what its medium does to light, and the walls around it.
-    let at = vec3u(id.xy, id.z % n.z);
-    let cell = (at.z * n.y + at.y) * n.x + at.x;
-    let own = cell_at(vec3i(at), channel);
-    var c = coefficients[params.row + channel];
+    let at = vec3i(cell.at);
+    let own = cell_at(at, cell.channel);
+    var c = coefficients[params.row + cell.channel];
     if (IS_VARIED && HANDED_ON == 0.0) {
         c = varied_coefficients(own);
     }
-    var walls = walls_at(cell, channel);
+    var walls = walls_at(index_in(params.count, cell.at, 0u), cell.channel);
     // Whatever its 26 neighbours send, and what it keeps of what it sends them.
-    let index = channel * n.x * n.y * n.z + cell;
-    after[index] = source[index] + exchanged(Here(vec3i(at), channel, own, c), &walls);
+    let index = index_in(params.count, cell.at, cell.channel);
+    after[index] = source[index] + exchanged(Here(at, cell.channel, own, c), &walls);
 }

@@ -137,10 +137,12 @@ class ScatterSolver(Solver):
         """The fields, with what was solved."""
         # What surfaces read; then what media scatter, which surfaces also reflect into others.
         placements = self.kit.lattices.placements
+        # Of surfaces: their irradiance, by lattice.
         table = self.kit.lattices.table.filled(
             [self.surfaces.params(placement) for placement in placements]
         )
         irradiance = Irradiance({"lattices": table, **self.surfaces.bound}, is_reflected=True)
+        # Of media: mean radiance in cells, and light by light what goes forwards.
         has_beams = self.media.has_forward and self.kit.lights.count > 0
         light = self.emission.source(
             self.kit.blockers.bound,
@@ -148,6 +150,7 @@ class ScatterSolver(Solver):
             finer=placements[:-1],
             is_reduced_medium=self.media.is_reduced,
         )
+        # The same light as media get from surfaces; it changes with whatever lights or blocks.
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
         fields = dataclasses.replace(
             fields, irradiance=irradiance, scattered=light, reflected=ReflectedLight(light, version)

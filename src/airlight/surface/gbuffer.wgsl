@@ -1,3 +1,4 @@
+// The G-buffer: what lighting needs of the nearest surface in each pixel.
 //! use half_range
 //! use mesh
 

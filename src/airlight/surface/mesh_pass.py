@@ -241,6 +241,7 @@ class MeshPass:
         kind = self.kind if is_cutout else self.opaque
         maps = draw.maps & frozenset(kind.maps)
         has_map_transform = draw.has_map_transform and bool(maps)
+        # A pipeline for each kind of draw, made when one comes first.
         key = (is_cutout, is_culled, draw.is_mirrored, maps, has_map_transform)
         if key not in self._pipelines:
             cull = "back" if is_culled else "none"

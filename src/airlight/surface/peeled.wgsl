@@ -1,3 +1,4 @@
+// One layer of translucent surfaces: the nearest behind those already taken, as the G-buffer has surfaces.
 //! use half_range
 //! use mesh
 

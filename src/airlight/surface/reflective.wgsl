@@ -1,3 +1,4 @@
+// A reflective shadow map (Kaplanyan2010 section 3.1): normal and reflected power of each texel, as a virtual light.
 //! use mesh
 //! use reflected_power
 

@@ -1,3 +1,4 @@
+// Surfels of a view: normal and reflectance of the surface that each texel shows, a layer behind the one before it.
 //! use mesh
 
 override IS_CUTOUT: bool = false;

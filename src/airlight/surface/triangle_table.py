@@ -165,6 +165,7 @@ _IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
 
 def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
     """The values of `MATERIAL`."""
+    # Packed maps, and the factors that half floats hold.
     texels, size, flags, levels = maps.of(m) or (0, 1 | 1 << 16, 0, 1)
     metallic = m.metallic * (metallic_factor(m) or 0.0)
     emission = np.minimum(m.emission, _HALF_MAX)

@@ -17,11 +17,13 @@ struct ReflectiveOut {
 @fragment fn fragment(@builtin(position) position: vec4f) -> ReflectiveOut {
     let seen = textureLoad(triangle_ids, vec2i(position.xy), 0).xy;
     let point = visible_point(seen, position.xy);
+    // Its reflectance, from packed maps.
     let m = point.material;
     let gloss = select(1.0, point.texel.surface.w, (m.maps.z & MAPS_ROUGHNESS) != 0u);
     let albedo = bihemispherical_albedo(
         m.color.rgb * point.texel.light, m.color.a, saturate(m.roughness * gloss), m.emission.a);
     let size = bitcast<vec2f>(two_words(instances[9u * (seen.y & 0xffffu) + 8u].x)).y;
+    // Texels that see nothing send nothing.
     let is_seen = seen.x != 0u;
     var out: ReflectiveOut;
     out.normal = select(vec4f(0.0), vec4f(point.normal, size), is_seen);

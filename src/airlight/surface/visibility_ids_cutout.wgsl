@@ -21,6 +21,7 @@ struct Seen {
 }
 
 @fragment fn fragment(in: Seen) -> @location(0) vec2u {
+    // Alpha alone of the material: the triangle shades later.
     let m = materials[in.what.y >> 16u];
     var alpha = m.alpha;
     if (HAS_BASE_COLOR_MAP) {

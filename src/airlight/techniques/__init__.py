@@ -90,6 +90,7 @@ def checked_settings(name: str, scene: Scene, given: Mapping[str, Any]) -> Any:
     chosen = chosen_recipe(name, scene)
     merged, known = {**scene.settings.get(name, {}), **given}, RECIPES[chosen].settings
     where = f"technique {name}" if chosen == name else f"technique {name}, here {chosen}"
+    # A name that another technique knows is an error that says whose it is.
     for key in merged:
         if key in known.__dataclass_fields__:
             continue

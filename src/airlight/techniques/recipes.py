@@ -270,6 +270,7 @@ def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
 
     Raises SettingsError where more lattices are asked for than the paper's parts know.
     """
+    # The paper's blockers and schemes know one lattice; nested ones are ours.
     if settings.blockers == "maps" or settings.scheme.startswith("paper"):
         if settings.cascades > 1:
             raise SettingsError(
@@ -279,6 +280,7 @@ def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
             )
         settings = replace(settings, cascades=1)
     nest = cascades_nest(context.scene, settings, in_medium=True)
+    # Blockers of the paper come from six maps around the scene.
     if settings.blockers == "maps":
         from ..scatter.map_blockers import MapBlockers
 

@@ -1,5 +1,4 @@
 // Irradiance of polygons and spheres in closed form, radiance 1, seen from the origin along +z; twins of maths/area_light.py.
-//! use sampling
 //! use surface_reflection
 
 const RIM_CORNERS = 12u;

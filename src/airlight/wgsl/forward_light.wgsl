@@ -1,6 +1,6 @@
 // Emission of light that the reduced medium transmits, light by light; see
 // media/march/forward_source.py. The including pass binds forward_slots and what march.wgsl does.
-//! use lights
+//! use light_kinds
 //! use fused_phase
 //! use march_lattice
 //! use media_here

@@ -1,10 +1,7 @@
 // Which rays a gather point sends, and how far its neighbours' rays stand for its own: the twin of
 // maths/gather.py, which says where the numbers come from.
 //! use sampling
-//! use tone
 
-const SUMS = 11u;            // vec4f of a point, see gather/sums.py
-const LIGHTS = 4u;          // of those, what light is there
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.0025;
 const REACH = 0.1;

@@ -2,6 +2,7 @@
 //! use rays
 //! use hit_albedo
 //! use hit_code
+//! use ray_surface
 
 const FARTHEST = 1e30;      // m
 
@@ -9,6 +10,11 @@ struct GatherHit {
     position: vec4f,        // m, hit_code; where the ray left the scene its direction, 0
     normal: vec4f,          // w: what light from all around adds to the albedo
     albedo: vec4f,
+}
+
+// Where no ray is sent: as if one had left the scene.
+fn no_ray() -> GatherHit {
+    return GatherHit(vec4f(0.0, 1.0, 0.0, 0.0), vec4f(0.0, 1.0, 0.0, 1.0), vec4f(0.0));
 }
 
 fn gather_hit(origin: vec3f, direction: vec3f) -> GatherHit {

@@ -4,6 +4,7 @@
 // _LAST.
 //! use octahedron
 //! use march_lattice
+//! use medium
 //! needs fn half_space_forward(p: vec3f, travel: vec3f) -> vec3f
 
 // The share of a step's middle that no lattice holds.

@@ -1,7 +1,7 @@
 // Forward light of directional lights in a half space: light that the reduced medium transmits,
 // with the fused phase function of its scattering depth; see scatter/forward.wgsl. The including
 // pass binds what forward_light.wgsl and half_space.wgsl do.
-//! use lights
+//! use light_kinds
 //! use fused_phase
 
 fn half_space_forward(p: vec3f, travel: vec3f) -> vec3f {

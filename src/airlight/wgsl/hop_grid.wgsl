@@ -1,4 +1,3 @@
-//! use medium_grid
 //! use octahedron
 
 // Grids that light hops in; see maths/ordinate_grid.py and maths/radial_grid.py. The including pass

@@ -1,6 +1,9 @@
 // What all lattices give to a surface, the finest that has it first. The including pass binds what
 // sky_reflected needs, and declares `is_traced_separately`.
 //! use sky_reflected
+//! use near_field_lookup
+//! use near_field
+//! use mirrored_light
 //! needs fn is_traced_separately(r: Reflector, n_v: f32) -> bool
 
 override DAMPING: f32 = 0.0;

@@ -1,10 +1,5 @@
 // Two lattices of a multigrid stack: a coarse cell holds 2 x 2 x 2 fine ones, fewer at the far border.
 
-// Where a cell's value is, of a lattice laid out [channel][z][y][x].
-fn index_in(count: vec3u, at: vec3u, channel: u32) -> u32 {
-    return ((channel * count.z + at.z) * count.y + at.y) * count.x + at.x;
-}
-
 // Fine cell k of the eight in a coarse cell; it may lie beyond the lattice.
 fn fine_cell(coarse: vec3u, k: u32) -> vec3u {
     return 2u * coarse + vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);

@@ -3,7 +3,7 @@
 // adapters run both sides of every branch, and bodies of loops once before a test at their head.
 //! use media_ray
 //! use media_light
-//! use light_reach
+//! use lights
 
 // Where the straight path back to the light leaves the one medium's box: its length at the eye, and the slope of
 // that along the ray, per axis; the least one counts.

@@ -5,7 +5,7 @@
 // adapters run a body once more than a test before it passes.
 //! use media_ray
 //! use media_light
-//! use light_reach
+//! use lights
 
 const OPAQUE_DEPTH = 14.0;    // optical depth beyond which nothing is seen
 

@@ -2,7 +2,6 @@
 // table `lattices`, the finest first, and adds LATTICES_AT_ONCE, how many fade into each other at one
 // place, and what samples their textures (media/march/march.py). Loops are tested at their ends: CPU
 // adapters run a body once more than a test before it passes.
-//! use media
 //! use lattice
 
 // Texture coordinates of the step's middle, and their weight; the first is 0 where there are none.

@@ -1,6 +1,6 @@
 // How media attenuate light on its path from a light to a point. The including pass declares LightData too.
 //! use media
-//! use lights
+//! use light_kinds
 //! needs fn light_columns_size() -> vec3f
 //! needs fn light_columns_texel(at: vec3f) -> vec4f
 

@@ -5,7 +5,6 @@
 //! use glossy
 //! use lattice
 //! use ambient_cube
-//! use near_field
 
 override HAS_OCCLUSION: bool = false;
 override HAS_GLOSS: bool = false;

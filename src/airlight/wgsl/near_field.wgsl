@@ -1,7 +1,6 @@
 // The lattices' light from near occluders. The including pass binds what lattice and near_field_lookup need.
 //! use occlusion
-//! use lattice
-//! use near_field_lookup
+//! use near_field_texel
 
 // Irradiance, W m^-2, that the lattice has coming from the near occluders that show their light.
 fn from_occluders(lattice: LatticeParams, uvw: vec3f, near: NearField) -> vec3f {

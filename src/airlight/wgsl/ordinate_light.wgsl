@@ -1,4 +1,3 @@
-//! use medium_grid
 //! use ordinate_kind
 
 // An ordinate's light in a cell; see maths/delta_beam.py and maths/point_light_beam.py. The including pass

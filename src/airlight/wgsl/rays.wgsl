@@ -1,5 +1,4 @@
 //! use ray_boxes
-//! use ray_surface
 //! use ray_triangles
 //! needs fn ray_rows(pair: RayPair) -> RayRows
 

@@ -1,9 +1,8 @@
 // Single scattering along one eye ray, by lit intervals over every shadow map. The including pass binds rays,
 // shafts, the lights, their maps and bounds, and the media.
 // Interface: the including pass takes lit_interval.wgsl or lit_interval_grids.wgsl (media/shafts/shadow_rays.py).
-//! use eye_ray
 //! use shadow_walk
-//! needs fn light_span(light: LightData, origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f
+//! use light_reach
 //! needs fn lit_interval(light: LightData, index: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> vec3f
 //! needs fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f
 //! needs fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f)

@@ -1,5 +1,5 @@
 // The sky's light that surfaces send to the eye. The including pass binds what mirrored_light needs.
-//! use mirrored_light
+//! use surface_reflection
 //! use occlusion
 
 struct SkyReflected {

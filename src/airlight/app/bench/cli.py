@@ -226,6 +226,7 @@ def _growth(
     from .frames import PAPER_LATTICE
     from .growth import axes, table
 
+    # Those settings alone that the lattice knows, as many as the plan has time for.
     known = [axis for axis in axes(is_long=plan.is_long) if axis.is_known(LpvSettings)][
         : plan.growth_tables
     ]

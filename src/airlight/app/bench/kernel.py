@@ -140,6 +140,7 @@ def c_runner(program: Path | None, given: list[str]) -> Iterator[Callable[[], fl
     if program is None:
         yield lambda: 0.0
         return
+    # The C program measures whenever it is sent a line: both are measured in turns.
     words = [str(program), "serve", *given]
     child = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert child.stdin is not None and child.stdout is not None

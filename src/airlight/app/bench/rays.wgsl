@@ -1,4 +1,5 @@
 //! use rays
+//! use ray_surface
 
 // One ray a pixel. KIND: 0 from the eye, 1 from what that met, by the cosine, 2 the same, for any hit.
 

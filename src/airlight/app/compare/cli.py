@@ -161,6 +161,7 @@ def _say(comparison: Comparison, folder: Path) -> None:
     """The numbers on stdout, failures on stderr; SettingsError where no technique worked."""
     from .page import number
 
+    # A line for each technique; one that failed is a warning, and an error only if all did.
     for o in comparison.outcomes:
         if o.metrics is not None:
             m = o.metrics

@@ -108,6 +108,7 @@ def _finished(client: Any, pending: set[Any], address: str, patience_s: float) -
             done, _ = wait(pending, timeout=_POLL_S, return_when="FIRST_COMPLETED")
         except TimeoutError:
             done = set()
+        # Frames that are done are given on; one that is lost ends it.
         pending -= done
         for future in done:
             if future.status in ("cancelled", "lost"):

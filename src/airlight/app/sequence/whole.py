@@ -51,6 +51,7 @@ def _exr(file: BinaryIO, size: int) -> bool:
     """As `scene.io.exr` writes them: one part, ZIP compression, 16 lines to a block."""
     if struct.unpack("<i", file.read(8)[:4])[0] != _EXR_MAGIC:
         return False
+    # The header: attributes by name, each with its type and length.
     known: dict[bytes, bytes] = {}
     while name := _text(file):
         _text(file)
@@ -58,6 +59,7 @@ def _exr(file: BinaryIO, size: int) -> bool:
         if not 0 <= length <= size - file.tell():
             return False
         known[name] = file.read(length)
+    # How many blocks there must be, by the rows of the image.
     if known.get(b"compression") != bytes([_EXR_ZIP]):
         return False
     _, low, _, high = struct.unpack("<4i", known.get(b"dataWindow", b""))

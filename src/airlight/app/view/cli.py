@@ -68,6 +68,7 @@ def command(scene: str, place: str, **options: Any) -> None:
         adapter=options["adapter"],
         model=options["model"],
     )
+    # A window of its own, or a page that a browser shows.
     if place == "window":
         from .window import open_window
 

@@ -100,6 +100,7 @@ class Panel:
                 _wrapped(said, ERROR)
         if state.notice:
             _wrapped(f"{state.notice}   {session.progress}".rstrip(), NOTICE)
+        # How far the still is, and what it is drawn with.
         if session.renderer is not None:
             imgui.push_style_color(imgui.Col_.plot_histogram, ACCENT)
             imgui.progress_bar(session.share, (-1.0, 3.0), "")

@@ -27,6 +27,7 @@ def sky_pad(label: str, angles: tuple[float, float]) -> tuple[bool, tuple[float,
         x, y = (mouse.x - centre[0]) / radius, (mouse.y - centre[1]) / radius
         azimuth, elevation = sky_angles_deg(x, y)
     _pad(centre, radius, azimuth, elevation)
+    # Beside it both angles as numbers.
     imgui.same_line()
     imgui.begin_group()
     imgui.text(label.partition("##")[0])

@@ -61,6 +61,7 @@ class Page:
         """Tell the page what has changed since it was told last."""
         # Each part goes out only where it differs from what the page has.
         self._tell("status", self._status())
+        # The panel's sections with their widgets, as JSON.
         listed = [
             {
                 "name": section.name,
@@ -70,6 +71,7 @@ class Page:
             for section in sections(self.session, self.saver)
         ]
         self._tell("panel", {"sections": listed})
+        # Gizmos over the image.
         marks = [
             {"kind": m.kind, "points": m.points, "colour": m.colour, "width": m.width}
             for m in self.marks

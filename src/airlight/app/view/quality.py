@@ -101,6 +101,7 @@ class Quality:
         slow_ms = _SLOW_MS if plan.is_moving else _BLOCKING_MS
         # One slow frame may be another program's doing, or a shader's first use.
         before, self._slow_ms = self._slow_ms, ms if ms > slow_ms else 0.0
+        # A still that holds up the viewer twice becomes coarser by as much as it was late.
         if not plan.is_moving:
             if ms > slow_ms and before and not self._is_last:
                 share = (min(ms, before) / _STILL_MS) ** 0.5

@@ -63,6 +63,7 @@ def _technique(session: Session) -> Iterator[Widget]:
 
 def _settings(session: Session) -> Iterator[Widget]:
     state = session.state
+    # Settings of the scene, under those chosen here.
     given = {**state.scene.settings.get(state.technique, {}), **state.chosen_settings}
     for control in controls(settings_class(state.technique, state.scene)):
         yield Widget(
@@ -222,6 +223,7 @@ def _passes(session: Session) -> Iterator[Widget]:
     yield Widget("times", "flag", "measure", state.shows_times, measure)
     if not state.shows_times:
         return
+    # The longest first, each by its share of them all.
     times = sorted(session.times_ms.items(), key=lambda item: -item[1])
     whole = sum(ms for _, ms in times) or 1.0
     for name, ms in times:

@@ -64,6 +64,7 @@ def _sources_wgsl(variant: Variant) -> str:
     parts = ["    lattice_enter(p);\n"] if has_lattices else []
     parts += ["    var left = 1.0;\n"] if any(variant.fading) else []
     parts += [_source_wgsl(i, variant.fading) for i in range(sources)]
+    # Lattices hold the light of the true medium or of the reduced one.
     lattices = ""
     if variant.has_lattice:
         lattices = "    sum += lattice_emission(p, travel);\n"
@@ -175,11 +176,13 @@ def _emission_wgsl(name: str) -> str:
     Media whose single scattering comes with a source of its own do not scatter it.
     """
     # Samples of three channels, then what each medium scatters of them by its own g.
+    # Two bands of each channel, and the third of the sky, seen along the ray.
     samples = "".join(
         f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
         for c in ("red", "green", "blue")
     )
     third = "g.{0} * g.{0} * third.{0}, 0.0, 0.0, 0.0" if name == "sky" else "0.0"
+    # The phase function in the same bands: of direct light each medium keeps g.
     channels = ", ".join(
         f"lattice_radiance({c} + vec4f({third.format(c[0])}), along, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")

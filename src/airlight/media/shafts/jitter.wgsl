@@ -2,6 +2,7 @@
 //! use eye_ray
 //! use media_light
 //! use media_ray
+//! use lights
 
 // Sixteen offsets in a step, in the order of a 4 x 4 Bayer matrix.
 fn bayer(pixel: vec2u) -> f32 {

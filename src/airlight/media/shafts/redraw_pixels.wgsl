@@ -1,5 +1,7 @@
 // Redraws the listed pixels. Their order differs from run to run, their values do not.
 //! use shaft_rays
+//! use eye_ray
+//! use packed_pixel
 
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
@@ -11,7 +13,7 @@
     }
     loop {
         let entry = chosen[i];
-        let pixel = vec2u(entry.w & 0xffffu, entry.w >> 16u);
+        let pixel = unpacked_pixel(entry.w);
         let direction = pixel_direction(rays.world_from_clip, vec2f(pixel) + 0.5, vec2f(rays.size));
         let reach = pixel_distance(
             rays.world_from_clip, direction, textureLoad(depth, vec2i(pixel), 0));

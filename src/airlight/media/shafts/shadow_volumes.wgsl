@@ -3,6 +3,7 @@
 //! use facets
 //! use eye_ray
 //! use lit_interval
+//! use light_reach
 
 // The space of a map is left-handed, and so is that of an image.
 const FRONT_IS_IN = true;

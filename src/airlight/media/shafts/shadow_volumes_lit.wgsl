@@ -1,6 +1,7 @@
 // Single scattering of all lights towards the eye, without shadows.
 //! use eye_ray
 //! use lit_interval
+//! use light_reach
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let centre = position.xy * f32(rays.scale);

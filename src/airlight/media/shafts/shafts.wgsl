@@ -1,5 +1,6 @@
 // Single scattering along the ray of every texel of an image.
 //! use shaft_rays
+//! use eye_ray
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let texel = min(id.xy, rays.reduced - 1u);

@@ -1,6 +1,7 @@
 // The power that leaves all beams in a cell, and the net power that it carries on; see
 // maths/delta_beam.py, deposit.
 //! use beam_light
+//! use medium_grid
 //! needs fn leaving_beams(cell: u32) -> vec3f
 //! needs fn leaving_forward(cell: u32) -> vec3f
 //! needs fn reduced_depth(n: u32, cell: u32) -> vec3f

@@ -1,7 +1,8 @@
 // What goes from every cell towards the eye as diffuse light per unit of extinction, the extinction that it
 // meets, m^-1, and what the medium scatters there smoothly. Behind what the cells hold of diffuse light already.
-//! use diffusion
+//! use medium_grid
 //! use outgoing_light
+//! needs fn absorbing(cell: u32) -> vec3f
 //! needs fn leaving_beams(cell: u32) -> vec3f
 //! needs fn leaving_forward(cell: u32) -> vec3f
 //! needs fn leaving_phase(cell: u32, mu: vec3f, sharpness: vec3f) -> vec3f

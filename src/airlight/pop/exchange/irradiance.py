@@ -139,6 +139,7 @@ class InterMediumLight:
     ) -> None:
         """Sum up the blocks of one of the other media."""
         receiver, sender = self._receiver, self._receiver.others[index]
+        # From the cells of the sender to the frame of the receiver.
         to_world = sender.placement.world_from_medium
         params = BlockParams(
             receiver_from_sender=np.linalg.inv(receiver.placement.world_from_medium) @ to_world,

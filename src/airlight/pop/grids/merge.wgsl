@@ -1,5 +1,6 @@
 // The light of all grids in a cell of the medium (Elek2014 section 5.3), and the residuum there.
 //! use hop_grid
+//! use medium_grid
 
 // What a grid holds at a point, weighted.
 struct GridLight {

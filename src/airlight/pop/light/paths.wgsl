@@ -2,6 +2,7 @@
 // the transmittance that starts an ordinate's light (Elek2014 section 4.1; maths.delta_beam.light).
 //! use ordinate_light
 //! use medium
+//! use medium_grid
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells || id.y >= params.ordinate_count) {

@@ -2,6 +2,7 @@
 // whole medium's; added to that inside. See paths.wgsl.
 //! use ordinate_light
 //! use medium
+//! use medium_grid
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells || id.y >= params.ordinate_count || reach[id.x] == 0u) {

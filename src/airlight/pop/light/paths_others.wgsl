@@ -3,6 +3,7 @@
 // beyond it.
 //! use ordinate_light
 //! use other_media
+//! use medium_grid
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.cells || id.y >= params.ordinate_count || reach[id.x] == 0u) {

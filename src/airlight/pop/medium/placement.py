@@ -87,10 +87,12 @@ def placed(volume: Volume, resolution: int) -> MediumPlacement:
     """A grid of about `resolution`^3 cells over the box of a volume, whatever its sides."""
     low, high = np.asarray(volume.bounds, dtype=np.float64)
     world_from_unit = np.asarray(volume.world_from_volume) @ _scaled(high - low, low)
+    # Axes along its sides, in metres: shear is left to the lookup of its density.
     rotation, low_corner, extent = _frame(world_from_unit)
     world_from_medium = np.eye(4)
     world_from_medium[:3, :3] = rotation
     world_from_medium[:3, 3] = rotation @ low_corner
+    # Cells are about cubes, as many as a cube of `resolution` cells has; long sides have more.
     cell = float(np.cbrt(np.prod(extent))) / resolution
     count = np.clip(np.round(extent / cell), 2, _STRETCH * resolution).astype(int)
     return MediumPlacement(
@@ -201,6 +203,7 @@ class PlacedVolume:
         """The values of `MediumParams` by name, for passes over so many `ordinates`."""
         volume, placement, width = self.volume, self.placement, self.width
         voxels = np.array(shape_density(volume, SPHERE_SIDE).shape[::-1])
+        # So many samples of the density along each side of a cell as it has voxels.
         per_cell = -(-voxels // np.array(placement.fine_count))
         return {
             "unit_from_medium": placement.unit_from_medium,

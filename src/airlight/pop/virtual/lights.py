@@ -186,6 +186,7 @@ class VirtualLights:
         # Texels count by what they send into the sphere around the whole medium, of which a finer
         # grid holds a part.
         whole = self._medium.whole.placement
+        # The ball around the whole medium: virtual point lights are chosen by what they send there.
         half = 0.5 * whole.extent
         centre = whole.world_from_medium[:3, :3] @ half + whole.world_from_medium[:3, 3]
         to_world = self._medium.placement.world_from_medium

@@ -11,7 +11,7 @@ from ..medium import Medium, extinction_and_albedo
 from ..mesh import Mesh
 from ..scene import Scene
 from .patch import Finish, placed_at
-from .solids import box
+from .solids import box, shell
 
 HALL_M = (8.0, 4.0, 6.0)
 """Inside, x y z; with 32 cells along x a cell is 0.28 m."""
@@ -82,15 +82,8 @@ def _before() -> Camera:
 
 def _walls(reflectance: float) -> tuple[Mesh, ...]:
     """Six slabs around the hall."""
-    x, y, z, t = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0, _SHELL_M
-    slabs = [
-        box((-x - t, -t, -z - t), (x + t, 0.0, z + t)),
-        box((-x - t, y, -z - t), (x + t, y + t, z + t)),
-        box((-x - t, 0.0, -z - t), (-x, y, z + t)),
-        box((x, 0.0, -z - t), (x + t, y, z + t)),
-        box((-x, 0.0, -z - t), (x, y, -z)),
-        box((-x, 0.0, z), (x, y, z + t)),
-    ]
+    x, y, z = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0
+    slabs = shell((-x, 0.0, -z), (x, y, z), _SHELL_M)
     grey = _lambert("grey", reflectance)
     here = [placed_at(0.0, 0.0, 0.0)]
     return tuple(mesh for slab in slabs for mesh in grey.meshes(slab, here, "wall"))

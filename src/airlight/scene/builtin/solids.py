@@ -33,6 +33,19 @@ def box(low: Vec3, high: Vec3, faces: tuple[str, ...] = ALL_FACES) -> Geometry:
     return patches([_face(np.array(low), np.array(high), face, 0.0) for face in faces])
 
 
+def shell(low: Vec3, high: Vec3, thick: float) -> list[Geometry]:
+    """Floor, ceiling and walls `thick` metres thick around a box of air, a slab each."""
+    (x0, y0, z0), (x1, y1, z1), t = low, high, thick
+    return [
+        box((x0 - t, y0 - t, z0 - t), (x1 + t, y0, z1 + t)),
+        box((x0 - t, y1, z0 - t), (x1 + t, y1 + t, z1 + t)),
+        box((x0 - t, y0, z0 - t), (x0, y1, z1 + t)),
+        box((x1, y0, z0 - t), (x1 + t, y1, z1 + t)),
+        box((x0, y0, z0 - t), (x1, y1, z0)),
+        box((x0, y0, z1), (x1, y1, z1 + t)),
+    ]
+
+
 def rounded_box(low: Vec3, high: Vec3, radius: float) -> Geometry:
     """A box whose edges are rounded (two facets an edge, smooth normals), 108 triangles.
 

@@ -1,6 +1,6 @@
 // The piece of an eye ray that a light can reach: what lies in its cone, if it has one. The including pass declares
 // LightData.
-//! use lights
+//! use light_kinds
 //! use medium
 
 fn light_span(light: LightData, origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f {
