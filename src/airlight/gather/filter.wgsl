@@ -11,6 +11,7 @@ struct Point {
     place: vec4f,           // m; w: from the eye, 0 where there is no surface
     normal: vec3f,
     sums: PointSums,
+    sky: vec2f,             // luminance of its light there, and the variance of that
 }
 
 // How far the light of a neighbour stands for that of a point: of near surfaces, of far ones, what near surfaces reflect
@@ -27,11 +28,6 @@ struct Shared {
     total: Weights,
 }
 
-fn point_at(texel: vec2i) -> Point {
-    let index = u32(texel.y) * params.reduced.x + u32(texel.x);
-    return Point(textureLoad(places, texel, 0), textureLoad(planes, texel, 0).xyz, before[index]);
-}
-
 // Luminance of the sky's light in a point's sums, and its variance: of the first pass's sums by their squares, and by
 // the frames before that are in them.
 fn sky_noise(sums: PointSums) -> vec2f {
@@ -39,6 +35,11 @@ fn sky_noise(sums: PointSums) -> vec2f {
     let rays = params.rays + params.sky_rays;
     let found = variance_of_sum(sum, sums.sky_variance, rays) / (1.0 + sums.frames);
     return vec2f(sum, select(sums.sky_variance, found, params.stride == 1u));
+}
+
+fn point_at(texel: vec2i) -> Point {
+    let sums = before[u32(texel.y) * params.reduced.x + u32(texel.x)];
+    return Point(textureLoad(places, texel, 0), textureLoad(planes, texel, 0).xyz, sums, sky_noise(sums));
 }
 
 // The third factor of what near surfaces send: by the mean of `nearness` over the rays of both points.
@@ -68,15 +69,14 @@ fn weights_of(own: Point, its: Point, faded: f32, texel_m: f32) -> Weights {
     // From twice as far as what lights shine on near surfaces.
     w.later = faded * like * far_close * sqrt(sqrt(close));
     // Of the sky, what is no noise but the edge of a shadow stays.
-    let sky = sky_noise(own.sums);
-    let its_sky = sky_noise(its.sums);
-    w.sky = w.near * sameness(sky.x, its_sky.x, sky.y + its_sky.y);
+    w.sky = w.near * sameness(own.sky.x, its.sky.x, own.sky.y + its.sky.y);
     return w;
 }
 
-// `so_far`, and of a neighbour's sums each kind of light with its weight.
-fn with_neighbour(so_far: Shared, its: PointSums, w: Weights) -> Shared {
+// `so_far`, and of a neighbour each kind of light with its weight.
+fn with_neighbour(so_far: Shared, other: Point, w: Weights) -> Shared {
     var out = so_far;
+    let its = other.sums;
     // Near surfaces: what lights shine on them, and how near they are.
     out.sums.near += w.near * its.near;
     out.sums.far_share += w.near * its.far_share;
@@ -101,7 +101,7 @@ fn with_neighbour(so_far: Shared, its: PointSums, w: Weights) -> Shared {
     // The sky, and the variance of its mean.
     out.sums.sky += w.sky * its.sky;
     out.sums.sky_flux += w.sky * its.sky_flux;
-    out.sums.sky_variance += w.sky * w.sky * sky_noise(its).y;
+    out.sums.sky_variance += w.sky * w.sky * other.sky.y;
     out.total.sky += w.sky;
     return out;
 }
@@ -169,7 +169,7 @@ fn put_together(sums: PointSums) -> PointSums {
         if (all(at >= vec2i(0)) && all(at <= last)) {
             let its = point_at(at);
             let faded = select(0.0, exp(-falloff * f32(dot(offset, offset))), its.place.w > 0.0);
-            sum = with_neighbour(sum, its.sums, weights_of(own, its, faded, texel_m));
+            sum = with_neighbour(sum, its, weights_of(own, its, faded, texel_m));
         }
         k++;
         if (k >= 25) { break; }
