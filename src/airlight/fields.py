@@ -75,7 +75,8 @@ class LatticeSource:
     (wgsl/third_band.wgsl). `forward`: light that was only scattered forwards and is still near
     its beam. `mean`: the constant terms a of the three channels as rgb, for isotropic media: one
     load instead of three. `is_reduced_medium`: the light is that of the reduced medium
-    (similarity theory), through which it is marched.
+    (similarity theory), through which it is marched. `is_inscattered`: `mean` is what media scatter
+    towards the eye, per sigma_s, as their phase functions have it, and is all that there is of a.
     """
 
     placement: Placement
@@ -87,6 +88,7 @@ class LatticeSource:
     mean: Texture | None = None
     third: Texture | None = None
     is_reduced_medium: bool = False
+    is_inscattered: bool = False
 
     @property
     def levels(self) -> tuple[Placement, ...]:

@@ -10,6 +10,7 @@ from ..fields import AirLight
 from ..gpu.device import Gpu
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
+from ..media.gpu_media import GpuMedia
 from ..surface.hits import Hits
 from .calibration import RAYS
 from .cells import CellPoints, CellSums
@@ -59,8 +60,10 @@ class ViewBatches:
 class CellBatches:
     """Of so many `cells` of lattices; `rays` of each at once, and what samples before found."""
 
-    def __init__(self, gpu: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells) -> None:
-        self.cells, self.points = cells, CellPoints(gpu, cells)
+    def __init__(
+        self, gpu: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells, media: GpuMedia
+    ) -> None:
+        self.cells, self.points = cells, CellPoints(gpu, cells, media)
         # As many rays of every point at once as an image of hits can hold.
         width, height = self.points.reduced
         most = gpu.limits["max-texture-dimension-2d"] // height

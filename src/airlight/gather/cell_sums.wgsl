@@ -1,12 +1,7 @@
-// The radiance along the rays of each cell in two bands, as marching reads lattices (scatter/emission.py).
+// The radiance along the rays of each cell: its mean, and what of it media there scatter towards the eye.
 //! use gather
-//! use lattice_axes
 
 const LARGEST_HALF = 65504.0;
-
-fn stored(a: f32, b: vec3f) -> vec4f {
-    return clamp(params.scale * vec4f(a, b), vec4f(-LARGEST_HALF), vec4f(LARGEST_HALF));
-}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
@@ -15,30 +10,26 @@ fn stored(a: f32, b: vec3f) -> vec4f {
     // The gather point of the cell, as cell_points.wgsl laid it.
     let point = params.first + (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     let at = vec2u(point % params.width, point / params.width);
+    let axis = textureLoad(axes, at, 0);
+    let g = textureLoad(cosines, at, 0).rgb;
     var mean_radiance = vec3f(0.0);
-    var flux: array<vec3f, 3>;
+    var towards_eye = vec3f(0.0);
     var k = 0u;
     loop {
         if (k >= params.rays) { break; }
+        // Each ray counts by how likely its direction was (balance heuristic, Veach1995).
         let radiance = paths[2u * (point + k * params.points)].rgb;
-        let direction = sphere_direction(ray_numbers(at.x, at.y, params.first_ray + k));
-        // Light travels against the ray that found it.
-        let along = -3.0 * lattice_from_world(lattice, direction);
-        mean_radiance += radiance;
-        flux[0] += radiance.r * along;
-        flux[1] += radiance.g * along;
-        flux[2] += radiance.b * along;
+        let direction = lobe_direction(-axis.xyz, axis.w, ray_numbers(at.x, at.y, params.first_ray + k));
+        let cosine = -dot(direction, axis.xyz);
+        let found = radiance / lobe_density(cosine, axis.w);
+        mean_radiance += PHASE_ISOTROPIC * found;
+        towards_eye += scattering_phase(cosine, g) * found;
         k++;
     }
     let texel = id + vec3u(0u, lattice.first_row, 0u);
     // What rays of the next sample meet in the air: the mean of this and earlier samples, the later ones more.
-    let found = mean_radiance / f32(params.rays);
-    let kept = mix(before[point].rgb, found, params.weight);
+    let kept = mix(before[point].rgb, mean_radiance / f32(params.rays), params.weight);
     before[point] = vec4f(kept, 0.0);
-    // The sums as marching reads them, scaled to half floats.
-    textureStore(red, texel, stored(mean_radiance.r, flux[0]));
-    textureStore(green, texel, stored(mean_radiance.g, flux[1]));
-    textureStore(blue, texel, stored(mean_radiance.b, flux[2]));
-    let mean_stored = min(params.scale * mean_radiance, vec3f(LARGEST_HALF));
-    textureStore(mean, texel, vec4f(mean_stored, 1.0));
+    // The sum as marching reads it, scaled to half floats.
+    textureStore(inscattered, texel, vec4f(min(params.scale * towards_eye, vec3f(LARGEST_HALF)), 1.0));
 }

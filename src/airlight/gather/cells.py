@@ -3,9 +3,10 @@
 Cells of a lattice know the light that came to them through the faces between; a window of two
 cells is nearly shut to it, and a wall between cells is no sharper than they are. Rays from the
 middles of the cells find instead what surfaces and the air beyond send there, as the rays of pixels
-do. They go into all directions alike, and their radiance is kept in two bands, as marching reads
-the lattice itself. The first sample's rays meet the light in air that the lattice solved, later
-ones' what earlier samples found.
+do. Half of them go into all directions alike, half where the media's phase function towards the eye
+is large; what it scatters of their radiance is kept, and the mean for the rays of the next sample.
+The first sample's rays meet the light in air that the lattice solved, later ones' what earlier
+samples found.
 """
 
 from __future__ import annotations
@@ -13,15 +14,18 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..fields import AirLight, LatticeSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32
+from ..gpu.layout import Struct, f32, u32, vec3f
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, texture, uniform
-from ..lattice.lookup import CHANNEL_IMAGES, ChannelTextures
 from ..lattice.placement import LatticeParams, Placement
+from ..lighting.view import View
+from ..media.gpu_media import GpuMedia
 
 _WIDTH = 1024
 CellLight = tuple[LatticeSource, AirLight]
@@ -33,6 +37,8 @@ class CellPointParams(Struct):
 
     first = u32("points")
     width = u32("texels")
+    eye = vec3f("world, m")
+    ahead = vec3f("unit length, where it looks")
 
 
 class CellSumParams(Struct):
@@ -55,13 +61,20 @@ class CellAirParams(Struct):
 
 
 class _CellPoints(ComputePass):
-    slots = (
-        uniform("params", CellPointParams),
-        uniform("lattice", LatticeParams),
-        texture("lattice_walls", "3d"),
-        image("places", "rgba32float"),
-    )
     workgroup = (32, 8, 1)
+
+    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        self.slots = (  # type: ignore[misc]
+            uniform("params", CellPointParams),
+            uniform("lattice", LatticeParams),
+            texture("lattice_walls", "3d"),
+            *media.medium_slots,
+            image("places", "rgba32float"),
+            image("axes", "rgba16float"),
+            image("cosines", "rgba16float"),
+        )
+        super().__init__(gpu, generated=media.medium_wgsl)
+
     file = "cell_points.wgsl"
 
 
@@ -70,8 +83,9 @@ class _CellSums(ComputePass):
         uniform("params", CellSumParams),
         uniform("lattice", LatticeParams),
         storage("paths", "vec4f"),
-        *CHANNEL_IMAGES,
-        image("mean", FILTERED, "3d"),
+        texture("axes", "2d", "unfilterable-float"),
+        texture("cosines", "2d", "unfilterable-float"),
+        image("inscattered", FILTERED, "3d"),
         storage("before", "vec4f", "read_write"),
     )
     workgroup = (32, 8, 1)
@@ -91,42 +105,57 @@ class _CellAir(ComputePass):
 
 
 class CellPoints:
-    """The middles of all cells of nested lattices, as `points.Points` has those of an image."""
+    """The middles of all cells of nested lattices, as `points.Points` has those of an image.
 
-    def __init__(self, gpu: Gpu, cells: int) -> None:
-        """For so many `cells`, of all lattices together."""
+    `normals`: in place of a surface's the direction to the eye, with the mean of the three
+    `cosines`, by which the media of the cell scatter.
+    """
+
+    def __init__(self, gpu: Gpu, cells: int, media: GpuMedia) -> None:
+        """For so many `cells`, of all lattices together, in `media`."""
         self.reduced = (_WIDTH, -(-cells // _WIDTH))
         self.places = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
-        self.normals = Texture(gpu, "cell normals", self.reduced, "rgba16float", written=True)
-        self._pass = _CellPoints(gpu)
+        self.normals, self.cosines = (
+            Texture(gpu, f"cell {name}", self.reduced, "rgba16float", written=True)
+            for name in ("axes", "mean cosines")
+        )
+        self._pass, self._media = _CellPoints(gpu, media), media
 
     @property
     def count(self) -> int:
         """How many there are room for: whole rows of texels."""
         return self.reduced[0] * self.reduced[1]
 
-    def encode(self, commands: Commands, placements: tuple[Placement, ...], walls: Texture) -> None:
+    def encode(
+        self, commands: Commands, view: View, placements: tuple[Placement, ...], walls: Texture
+    ) -> None:
         """Take the middles of the cells of these lattices; `walls` as of their blockers."""
+        ahead = np.subtract(view.camera.target, view.camera.position)
+        ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
         for first, placement in _numbered(placements):
             self._pass.dispatch(
                 commands,
                 placement.count,
-                params=CellPointParams(first=first, width=_WIDTH),
+                params=CellPointParams(
+                    first=first, width=_WIDTH, eye=view.eye, ahead=ahead.tolist()
+                ),
                 lattice=placement.params(),
                 lattice_walls=walls,
+                **self._media.medium_bound,
                 places=self.places,
+                axes=self.normals,
+                cosines=self.cosines,
             )
 
 
-class CellSums(ChannelTextures):
+class CellSums:
     """The radiance that arrives in cells, in textures such as `LatticeSource` binds."""
 
     def __init__(self, gpu: Gpu, points: CellPoints, size: tuple[int, int, int]) -> None:
         """`size` in cells: of the textures that lattices share."""
-        super().__init__(gpu, "gathered", size)
-        self.mean, self._air = (
+        self._inscattered, self._air = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
-            for name in ("gathered mean", "gathered light in air")
+            for name in ("gathered in-scattering", "gathered light in air")
         )
         self._before = Buffer(gpu, "light in air before", 16 * points.count)
         self._points, self._pass, self._next = points, _CellSums(gpu), _CellAir(gpu)
@@ -157,8 +186,9 @@ class CellSums(ChannelTextures):
                 ),
                 lattice=placement.params(),
                 paths=paths,
-                **self.written,
-                mean=self.mean,
+                axes=self._points.normals,
+                cosines=self._points.cosines,
+                inscattered=self._inscattered,
                 before=self._before,
             )
             # What rays of the next sample meet in the air: this, and the unscattered light.
@@ -172,10 +202,10 @@ class CellSums(ChannelTextures):
                 air=self._air,
             )
         # The fields of before, with these textures in place of theirs.
-        bound: dict[str, Any] = scattered.bound | self.bound
-        in_air = {f"lattice_{name}": self._air for name in ("red", "green", "blue")}
+        in_air: dict[str, Any] = {f"lattice_{name}": self._air for name in ("red", "green", "blue")}
         met = replace(air.mean, bound=air.mean.bound | in_air, mean=self._air)
-        return replace(scattered, bound=bound, mean=self.mean), replace(air, mean=met)
+        seen = replace(scattered, mean=self._inscattered, is_inscattered=True)
+        return seen, replace(air, mean=met)
 
 
 def _numbered(placements: tuple[Placement, ...]) -> list[tuple[int, Placement]]:

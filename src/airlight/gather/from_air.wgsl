@@ -1,4 +1,5 @@
-// Rays from points in the air into all directions alike; each writes the surface that it meets.
+// Rays from points in the air, half of them into all directions alike, half where media scatter towards the eye
+// from; each writes the surface that it meets.
 //! use gather
 //! use gather_hit
 
@@ -12,7 +13,10 @@
     var found = no_ray();
     if (place.w > 0.0) {
         let ray = params.first_ray + id.y / params.reduced.y;
-        found = gather_hit(place.xyz, sphere_direction(ray_numbers(at.x, at.y, ray)));
+        let axis = textureLoad(normals, at, 0);
+        // Light travels against the ray that finds it.
+        let direction = lobe_direction(-axis.xyz, axis.w, ray_numbers(at.x, at.y, ray));
+        found = gather_hit(place.xyz, direction);
     }
     textureStore(hit_positions, id.xy, found.position);
     textureStore(hit_normals, id.xy, found.normal);

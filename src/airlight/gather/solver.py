@@ -149,11 +149,13 @@ class GatherSolver(Solver):
         cells = sum(placement.cells for placement in source.levels)
         if self._in_air is None or self._in_air.cells != cells:
             self._air_scope.release()
-            self._in_air = CellBatches(self._air_scope, self.kit, cells, rays, self._cells)
+            self._in_air = CellBatches(
+                self._air_scope, self.kit, cells, rays, self._cells, self._air.media
+            )
         sized = self._in_air
         with commands.stage("gather points"):
             walls = self.kit.blockers.bound["lattice_walls"]
-            sized.points.encode(commands, source.levels, walls)
+            sized.points.encode(commands, view, source.levels, walls)
         # Rays of later samples meet what those of earlier ones found.
         given, number = fields.air, sized.number_of(view.sample, fields.air)
         met = fields if number == 0 else replace(fields, air=sized.found)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .phase import ISOTROPIC, henyey_greenstein
 from .sampling import orthonormal_frame, pcg_hash, uniform_from_hash
 
 F64 = NDArray[np.float64]
@@ -112,6 +113,35 @@ def sphere_direction(numbers: ArrayLike) -> F64:
     z, angle = 1.0 - 2.0 * u[..., 0], 2.0 * np.pi * u[..., 1]
     radius = np.sqrt(np.maximum(1.0 - z * z, 0.0))
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
+
+
+def lobe_direction(axis: ArrayLike, g: ArrayLike, numbers: ArrayLike) -> F64:
+    """Unit directions (..., 3): half of them all alike, half by HG of `g` (...) about `axis`.
+
+    `axis` (..., 3) is of unit length; `numbers` (..., 2) in [0, 1), uniform. As `lobe_density` has
+    them, neither the mean over all directions nor that by the phase function is left to luck.
+    """
+    n, u = np.asarray(axis, dtype=np.float64), np.asarray(numbers, dtype=np.float64)
+    # One half of the first number chooses the kind, where it lies in that half is the direction.
+    is_lobe = u[..., 0] >= 0.5
+    again = np.stack([2.0 * u[..., 0] - is_lobe, u[..., 1]], axis=-1)
+    # The inverse of Henyey and Greenstein's cumulative distribution (Pharr2016, 15.2.3).
+    c = np.broadcast_to(np.asarray(g, dtype=np.float64), again.shape[:-1])
+    is_flat = np.abs(c) < 1e-3
+    safe = np.where(is_flat, 1.0, c)
+    square = (1.0 - safe * safe) / (1.0 + safe - 2.0 * safe * again[..., 0])
+    bent = (1.0 + safe * safe - square * square) / (2.0 * safe)
+    z = np.clip(np.where(is_flat, 1.0 - 2.0 * again[..., 0], bent), -1.0, 1.0)
+    radius, angle = np.sqrt(1.0 - z * z), 2.0 * np.pi * again[..., 1]
+    tangent, bitangent = orthonormal_frame(n)
+    x, y = (radius * f(angle) for f in (np.cos, np.sin))
+    lobe = x[..., None] * tangent + y[..., None] * bitangent + z[..., None] * n
+    return np.asarray(np.where(is_lobe[..., None], lobe, sphere_direction(again)))
+
+
+def lobe_density(cosine: ArrayLike, g: ArrayLike) -> F64:
+    """sr^-1, of `lobe_direction` at a `cosine` from its axis."""
+    return np.asarray(0.5 * (ISOTROPIC + henyey_greenstein(cosine, g)))
 
 
 def likeness(

@@ -1,5 +1,6 @@
 // Which rays a gather point sends, and how far its neighbours' rays stand for its own: the twin of
 // maths/gather.py, which says where the numbers come from.
+//! use phase
 //! use sampling
 
 const NORMAL_POWER = 8.0;
@@ -45,6 +46,24 @@ fn sphere_direction(numbers: vec2f) -> vec3f {
     let radius = sqrt(max(1.0 - z * z, 0.0));
     let angle = 6.2831853 * numbers.y;
     return vec3f(radius * cos(angle), radius * sin(angle), z);
+}
+
+fn lobe_direction(axis: vec3f, g: f32, numbers: vec2f) -> vec3f {
+    let is_lobe = numbers.x >= 0.5;
+    let again = vec2f(2.0 * numbers.x - select(0.0, 1.0, is_lobe), numbers.y);
+    let is_flat = abs(g) < 1e-3;
+    let safe = select(g, 1.0, is_flat);
+    let square = (1.0 - safe * safe) / (1.0 + safe - 2.0 * safe * again.x);
+    let bent = (1.0 + safe * safe - square * square) / (2.0 * safe);
+    let z = clamp(select(bent, 1.0 - 2.0 * again.x, is_flat), -1.0, 1.0);
+    let radius = sqrt(1.0 - z * z);
+    let angle = 6.2831853 * again.y;
+    let lobe = orthonormal_frame(axis) * vec3f(radius * cos(angle), radius * sin(angle), z);
+    return select(sphere_direction(again), lobe, is_lobe);
+}
+
+fn lobe_density(cosine: f32, g: f32) -> f32 {
+    return 0.5 * (PHASE_ISOTROPIC + henyey_greenstein(cosine, g));
 }
 
 fn flux_along(normal: vec3f, direction: vec3f) -> vec3f {

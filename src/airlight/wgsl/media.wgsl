@@ -116,6 +116,24 @@ fn media_coefficients(p: vec3f) -> MediaCoefficients {
     return sum;
 }
 
+// The mean cosine by which all media together scatter at a point, by what each scatters there.
+fn media_mean_cosine(p: vec3f) -> vec3f {
+    var scattering = vec3f(0.0);
+    var forward = vec3f(0.0);
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, p, 0.0);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        let m = visit.medium;
+        let held = medium_density(m, p) * media[m].sigma_t * media[m].albedo;
+        scattering += held;
+        forward += held * media[m].g;
+    }
+    return forward / max(scattering, vec3f(1e-20));
+}
+
 // Whether shafts draw what medium m scatters once of a local light, or of another; 1 or 0.
 fn has_shafts(m: u32, is_local: bool) -> f32 {
     return select(0.0, 1.0, media[m].shafts == SHAFTS_OF_ALL

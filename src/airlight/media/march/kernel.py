@@ -52,9 +52,12 @@ class SourceData(Struct):
     fade_high_width = vec3f()
 
 
-LatticeForm = Literal["none", "mean", "two bands", "reduced medium"]
+LatticeForm = Literal["none", "mean", "two bands", "reduced medium", "in-scattering"]
 """What is read of a lattice: means alone, where phase functions are isotropic; both bands; means
-that reduced media scatter, with both bands for what they are at the eye."""
+that reduced media scatter, with both bands for what they are at the eye; what media scatter towards
+the eye."""
+MEAN_FORMS: tuple[LatticeForm, ...] = ("mean", "reduced medium", "in-scattering")
+"""Those that read the texture of means."""
 SkyForm = Literal["none", "mean", "two bands", "three bands"]
 """Likewise; three bands where phase functions are strongly anisotropic."""
 Written = Literal["light and transmittance", "light", "transmittance"]
@@ -66,7 +69,8 @@ class Variant:
 
     `fading`: which sources are finer grids inside the next one, () if none is. `levels`: how many
     nested lattices there are at one point. `half_space_side`: directions along a side of the table
-    of an endless medium, if any. `writes`: what the targets are.
+    of an endless medium, if any. `is_reduced_medium`: whether the lattice was solved for reduced
+    media, through which forward light goes on to the eye. `writes`: what the targets are.
     """
 
     sources: int = 0
@@ -76,6 +80,7 @@ class Variant:
     has_forward: bool = False
     levels: int = 1
     half_space_side: int = 0
+    is_reduced_medium: bool = False
     writes: Written = "light and transmittance"
 
     @property
@@ -87,11 +92,6 @@ class Variant:
     def has_sky(self) -> bool:
         """Whether there is the sky's lattice."""
         return self.sky != "none"
-
-    @property
-    def is_reduced_medium(self) -> bool:
-        """Whether the lattice holds light of reduced media."""
-        return self.lattice == "reduced medium"
 
 
 def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
@@ -117,7 +117,7 @@ def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
-    names += ["lattice_mean"] * (variant.lattice in ("mean", "reduced medium"))
+    names += ["lattice_mean"] * (variant.lattice in MEAN_FORMS)
     names += ["sky_mean"] * (variant.sky == "mean")
     names += ["sky_third"] * (variant.sky == "three bands")
     made += [texture(name, "3d") for name in names]

@@ -37,6 +37,7 @@ def generated(variant: Variant) -> str:
     if variant.half_space_side:
         half_space = half_space_wgsl(variant.half_space_side, has_forward=variant.has_forward)
     reduced = f"const IS_REDUCED_MEDIUM = {str(variant.is_reduced_medium).lower()};\n"
+    reduced += f"const IS_INSCATTERED = {str(variant.lattice == 'in-scattering').lower()};\n"
     return (
         _targets_wgsl(variant)
         + reduced
@@ -70,7 +71,8 @@ def _sources_wgsl(variant: Variant) -> str:
         lattices = "    sum += lattice_emission(p, travel);\n"
     if variant.has_lattice and variant.half_space_side:
         lattices += "    sum += half_space_emission(p, travel);\n"
-    if not variant.is_reduced_medium:
+    is_reduced = variant.lattice == "reduced medium"
+    if not is_reduced:
         parts.append(lattices)
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
     uses += _step_share_wgsl(variant)
@@ -79,7 +81,7 @@ def _sources_wgsl(variant: Variant) -> str:
         + "".join(parts)
         + "    return sum;\n}\nfn reduced_emission_at(p: vec3f, travel: vec3f) -> vec3f {\n"
         + "    var sum = vec3f(0.0);\n"
-        + lattices * variant.is_reduced_medium
+        + lattices * is_reduced
         + "    return sum;\n}\n"
     )
 
@@ -131,14 +133,14 @@ def _step_share_wgsl(variant: Variant) -> str:
 def _lattice_wgsl(variant: Variant) -> str:
     """`lattice_emission`, `lattice_two_bands`, and how many lattices fade into each other."""
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
-    if variant.is_reduced_medium:
+    if variant.lattice == "reduced medium":
         two_bands = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_two_bands")
         return count + _isotropic_wgsl("lattice") + two_bands
-    return (
-        count
-        + _NO_TWO_BANDS
-        + (_isotropic_wgsl("lattice") if variant.lattice == "mean" else _emission_wgsl("lattice"))
-    )
+    emission = {
+        "mean": _isotropic_wgsl("lattice"),
+        "in-scattering": _isotropic_wgsl("lattice", "lit_scattering_of"),
+    }
+    return count + _NO_TWO_BANDS + emission.get(variant.lattice, _emission_wgsl("lattice"))
 
 
 def _sky_wgsl(variant: Variant) -> str:
@@ -219,14 +221,15 @@ fn sky_reduced_here() -> vec3f {
 """
 
 
-def _isotropic_wgsl(name: str) -> str:
-    """The same for isotropic phase functions: of the means of three channels."""
+def _isotropic_wgsl(name: str, scattering: str = "reduced_sigma_s_of") -> str:
+    """The same for isotropic phase functions, or light that has been through them: of the means of
+    three channels. `scattering`: the coefficient of a medium."""
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
         "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
         "        let k = medium_here(j);\n"
-        "        sum += media_density_here[k] * reduced_sigma_s_of(ray_medium(k));\n"
+        f"        sum += media_density_here[k] * {scattering}(ray_medium(k));\n"
         f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

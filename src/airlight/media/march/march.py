@@ -28,6 +28,7 @@ from ..gpu_media import GpuMedia
 from ..rays import Rays
 from .forward_source import fused_rows
 from .kernel import (
+    MEAN_FORMS,
     MarchParams,
     SourceData,
     Variant,
@@ -170,7 +171,7 @@ class March:
                 "forward_blurred": forward.blurred,
                 "fused": self._fused_rows(),
             }
-        if lattice is not None and variant.lattice in ("mean", "reduced medium"):
+        if lattice is not None and variant.lattice in MEAN_FORMS:
             values["lattice_mean"] = lattice.mean
         if sky is not None and variant.sky == "three bands":
             values["sky_third"] = sky.third

@@ -126,10 +126,14 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
                 eye_path += reduced.path;
                 let own_light = forward_light(q, -ray.direction, reached, reduced_reached);
                 // Beside single scattering of the sky, and what media emit, what is scattered
-                // forwards of both.
-                L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction) + own_light.on
-                    + max(reduced_reached - reached, vec3f(0.0))
-                    * (sky_reduced_at() + emitted_here);
+                // forwards of both. Gathered light has the second, and that of lights but for their
+                // last scattering.
+                let forward = max(reduced_reached - reached, vec3f(0.0));
+                L_reduced += forward * sky_reduced_at();
+                if (!IS_INSCATTERED) {
+                    L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction)
+                        + own_light.on + forward * emitted_here;
+                }
                 L_two_bands += reached * lattice_two_bands(q, -ray.direction) + own_light.last;
                 eye_depth += 0.5 * reduced.scattered;
                 T_reduced *= T_reduced_step;
@@ -146,7 +150,11 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
         // Close to surfaces two bands represent their light better.
         let is_sky = ray.distance >= EYE_RAY_FAR;
         let all = L_reduced + light_behind(eye, ray, t, T, T_reduced);
-        L += mix(all, L_two_bands, select(T_reduced, vec3f(0.0), is_sky));
+        if (IS_INSCATTERED) {
+            L += all + L_two_bands;
+        } else {
+            L += mix(all, L_two_bands, select(T_reduced, vec3f(0.0), is_sky));
+        }
     }
     return marched(vec4f(L, ray.distance), sky, T);
 }

@@ -39,6 +39,7 @@ def variant_of(light: MarchedLight, sharpest: float) -> Variant:
         has_forward=light.lattice is not None and light.lattice.forward is not None,
         levels=min(len(one.levels), MAX_LEVELS_AT_ONCE) if one else 1,
         half_space_side=light.half_space.side if light.half_space else 0,
+        is_reduced_medium=light.lattice is not None and light.lattice.is_reduced_medium,
     )
 
 
@@ -52,6 +53,8 @@ def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm
     """`sharpest`: the largest |g| of all media."""
     if lattice is None:
         return "none"
+    if lattice.is_inscattered:
+        return "in-scattering"
     if lattice.is_reduced_medium:
         return "reduced medium"
     return "mean" if sharpest == 0.0 and lattice.mean is not None else "two bands"
