@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tests.gather.test_solver import LPV, X, Y, Z, rectangle
 
+from airlight.maths.phase import henyey_greenstein
 from airlight.rendering import Renderer, render
 from airlight.scene import Camera, DirectionalLight, Material, Medium, Scene
 
@@ -59,3 +60,42 @@ def test_area_lights_shine_on_what_rays_of_cells_meet_in_the_first_frame():
         frames = [renderer.frame(samples=1).layers["multiple_scatter"] for _ in range(2)]
     assert frames[1].mean() > 0.0
     np.testing.assert_array_equal(frames[0], frames[1])
+
+
+def test_air_that_scatters_anisotropically_shows_what_its_phase_function_says():
+    """The same floor, seen from above and from below a thin slab: HG of the angle of its light."""
+    floor = rectangle(-2 * X - 2 * Z, 4 * X, 4 * Z, PAINT)
+    sun = DirectionalLight((0, -1, 0), (np.pi,) * 3)
+    found = {}
+    for g in (0.0, 0.7, -0.5):
+        box = ((-2.0, 1.0, -2.0), (2.0, 1.5, 2.0))
+        air = Medium((SIGMA,) * 3, (1.0,) * 3, (g,) * 3, bounds=box)
+        # A level view through the slab, and one from high above that looks down at the floor.
+        for name, eye in (("level", (0.0, 1.25, 4.0)), ("down", (0.0, 6.0, 0.01))):
+            target = (0.0, 1.25, 0.0)
+            camera = Camera(eye, target, fov_y_deg=4.0)
+            scene = Scene((floor,), (sun,), camera=camera, medium=air)
+            settings = {**SETTINGS, "gather_air": 32, "march_resolution": "full"}
+            image = render(scene, "lpv-scatter", (8, 6), samples=8, settings=settings)
+            found[name, g] = image.layers["multiple_scatter"].mean()
+    # Everywhere the floor sends .8: the mean of the phase function over the square, as it is seen
+    # from places along the view, 1.25 m above it.
+    u = (np.arange(160) + 0.5) / 160 * 4.0 - 2.0
+    x, z = np.meshgrid(u, u, indexing="ij")
+    along = {"level": (np.arange(16) + 0.5) / 4.0 - 2.0, "down": np.zeros(1)}
+    towards = {"level": (0.0, 0.0, 1.0), "down": (0.0, 1.0, 0.0)}
+
+    def scattered(name, g):
+        sums = 0.0
+        for at in along[name]:
+            way = np.stack([-x, np.full_like(x, 1.25), at - z], axis=-1)
+            reach = np.linalg.norm(way, axis=-1)
+            cosine = (way / reach[..., None]) @ np.array(towards[name])
+            sums += (henyey_greenstein(cosine, g) * 1.25 / reach**3).sum()
+        return sums
+
+    for name, g in found:
+        ratio = found[name, g] / found[name, 0.0]
+        expected = scattered(name, g) / scattered(name, 0.0)
+        # 256 rays of each of eight cells along the view, which stand for places within half a metre.
+        assert ratio == pytest.approx(expected, rel=0.08), (name, g)

@@ -194,6 +194,19 @@ def test_light_from_afar_is_shared_beside_a_wall_and_not_through_it():
     assert gather.far_closeness((0.0, 0.0, 1.0), 0.1, left, right) == pytest.approx(np.exp(-1.0))
 
 
+@pytest.mark.parametrize("g", [0.0, 0.7, -0.5])
+def test_directions_about_a_lobe_have_its_density(g):
+    """Weighted by it they have no mean direction; unweighted half the mean cosine of the lobe."""
+    axis = np.array([0.48, 0.6, 0.64])
+    d = gather.lobe_direction(np.tile(axis, (200_000, 1)), g, RNG.random((200_000, 2)))
+    np.testing.assert_allclose(np.linalg.norm(d, axis=-1), 1.0, atol=1e-12)
+    weight = 1.0 / (4.0 * np.pi * gather.lobe_density(d @ axis, g))
+    # Weights lie below 2: deviations of 200 000 are below .005.
+    np.testing.assert_allclose(weight.mean(), 1.0, atol=0.01)
+    np.testing.assert_allclose((weight[:, None] * d).mean(axis=0), 0.0, atol=0.01)
+    np.testing.assert_allclose((d @ axis).mean(), 0.5 * g, atol=0.01)
+
+
 def test_twins(wgsl):
     n = fibonacci_sphere(500)
     x, y, k = (RNG.integers(0, 5000, 500).astype(np.uint32) for _ in range(3))
@@ -208,6 +221,11 @@ def test_twins(wgsl):
     np.testing.assert_allclose(found, gather.cosine_direction(n, u), atol=2e-4)
     found = wgsl("gather", "sphere_direction", u, returns="vec3f")
     np.testing.assert_allclose(found, gather.sphere_direction(u), atol=2e-4)
+    g = RNG.uniform(-0.9, 0.9, 500)
+    found = wgsl("gather", "lobe_direction", n, g, u, returns="vec3f")
+    np.testing.assert_allclose(found, gather.lobe_direction(n, g, u), atol=5e-4)
+    found = wgsl("gather", "lobe_density", n[:, 0], g, returns="f32")
+    np.testing.assert_allclose(found, gather.lobe_density(n[:, 0], g), rtol=1e-4)
     p, q = RNG.normal(size=(2, 500, 3))
     m, texel = fibonacci_sphere(500)[::-1], RNG.random(500) + 0.5
     like = wgsl("gather", "likeness", p, n, q, m, texel, returns="f32")

@@ -3,6 +3,22 @@
 //! use lattice_space
 //! use media
 
+const AROUND = 0.75;        // cells
+const FARTHER = 1e-3;       // of each step's weight
+
+// The mean cosine of what a cell scatters, or of what the nearest cells do: it is read between their middles.
+fn cosine_around(id: vec3u) -> vec3f {
+    var sum = MeanCosine(vec3f(0.0), vec3f(0.0));
+    for (var k = 0u; k < 27u; k++) {
+        let step = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
+        let one = media_mean_cosine(unwarped_point(lattice, id, 0.5 + AROUND * step));
+        let weight = pow(FARTHER, dot(step, step));
+        sum.scattering += weight * one.scattering;
+        sum.forward += weight * one.forward;
+    }
+    return sum.forward / max(sum.scattering, vec3f(1e-20));
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
@@ -12,7 +28,7 @@
     let p = unwarped_point(lattice, id, vec3f(0.5));
     textureStore(places, texel, vec4f(p, 1.0));
     // What the eye sees is before it. So is all of the cell that it is in, seen from a cell behind it.
-    let g = media_mean_cosine(p);
+    let g = cosine_around(id);
     let way = params.eye - lattice.cell * params.ahead - p;
     let towards = way / max(length(way), 1e-6);
     textureStore(axes, texel, vec4f(towards, dot(g, vec3f(1.0 / 3.0))));

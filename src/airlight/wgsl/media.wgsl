@@ -116,10 +116,11 @@ fn media_coefficients(p: vec3f) -> MediaCoefficients {
     return sum;
 }
 
-// The mean cosine by which all media together scatter at a point, by what each scatters there.
-fn media_mean_cosine(p: vec3f) -> vec3f {
-    var scattering = vec3f(0.0);
-    var forward = vec3f(0.0);
+// What all media together scatter at a point, m^-1, and the same times their mean cosines.
+struct MeanCosine { scattering: vec3f, forward: vec3f }
+
+fn media_mean_cosine(p: vec3f) -> MeanCosine {
+    var sum = MeanCosine(vec3f(0.0), vec3f(0.0));
     var node = 0u;
     for (var v = 0u; v < MEDIA_NODES; v++) {
         let visit = visit_near(node, p, 0.0);
@@ -128,10 +129,10 @@ fn media_mean_cosine(p: vec3f) -> vec3f {
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
         let held = medium_density(m, p) * media[m].sigma_t * media[m].albedo;
-        scattering += held;
-        forward += held * media[m].g;
+        sum.scattering += held;
+        sum.forward += held * media[m].g;
     }
-    return forward / max(scattering, vec3f(1e-20));
+    return sum;
 }
 
 // Whether shafts draw what medium m scatters once of a local light, or of another; 1 or 0.
