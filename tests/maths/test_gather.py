@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from airlight.maths import gather
+from airlight.maths import gather, sampling
 from airlight.maths.sampling import fibonacci_sphere
 
 RNG = np.random.default_rng(17)
@@ -178,11 +178,11 @@ def _by_brightness(count: int, axis: np.ndarray) -> np.ndarray:
 def test_items_of_an_alias_table_come_by_their_weights():
     weights = RNG.random(500) ** 8
     weights[::7] = 0.0
-    keep, other = gather.alias_table(weights)
+    keep, other = sampling.alias_table(weights)
     chance = keep / 500.0
     np.add.at(chance, other, (1.0 - keep) / 500.0)
     np.testing.assert_allclose(chance, weights / weights.sum(), atol=1e-12)
-    np.testing.assert_allclose(gather.alias_table(np.zeros(4))[0], 1.0)
+    np.testing.assert_allclose(sampling.alias_table(np.zeros(4))[0], 1.0)
 
 
 def test_light_from_afar_is_shared_beside_a_wall_and_not_through_it():

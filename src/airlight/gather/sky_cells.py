@@ -9,8 +9,8 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u
 from ..gpu.memory import Buffer
 from ..maths.colour import luminance
-from ..maths.gather import alias_table
 from ..maths.latlong import latlong_row_solid_angles
+from ..maths.sampling import alias_table
 from ..scene.environment import Environment
 from ..surface.sky import shrunk_map
 from .cells import CellPoints

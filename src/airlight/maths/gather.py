@@ -27,7 +27,6 @@ NORMAL_POWER = 8.0
 """Of the cosine between two points' normals, by which their light stands for one another."""
 PLANE_SHARE = 0.0025
 """Distance from a point's plane, over its texel's width, at which a neighbour's weight is 1/e."""
-
 REACH = 0.1
 """Of the distance of a surface that all rays meet: how far towards it light counts 1/e."""
 LEAST_RAY = 3.0
@@ -52,7 +51,6 @@ TRUST = 0.1
 """Of gathered irradiance, what is there for whatever normal: light from beyond the horizon."""
 MOST_DETAIL = 4.0
 """How many times brighter or darker than its gather points a pixel is at most."""
-
 CALIBRATION_DOUBT = 0.3
 """How much the lattices' light is off from place to place, over how much it is as a whole."""
 MOST_CALIBRATION = 4.0
@@ -116,22 +114,19 @@ def sphere_direction(numbers: ArrayLike) -> F64:
 
 
 def lobe_direction(axis: ArrayLike, g: ArrayLike, numbers: ArrayLike) -> F64:
-    """Unit directions (..., 3): half of them all alike, half by HG of `g` (...) about `axis`.
+    """Unit directions (..., 3): half of them all alike, half by Henyey and Greenstein's function.
 
-    `axis` (..., 3) is of unit length; `numbers` (..., 2) in [0, 1), uniform. As `lobe_density` has
-    them, neither the mean over all directions nor that by the phase function is left to luck.
+    That has the mean cosine `g` (...) about the unit `axis` (..., 3); `numbers` (..., 2) in [0, 1).
     """
     n, u = np.asarray(axis, dtype=np.float64), np.asarray(numbers, dtype=np.float64)
     # One half of the first number chooses the kind, where it lies in that half is the direction.
-    is_lobe = u[..., 0] >= 0.5
+    is_lobe, c = u[..., 0] >= 0.5, np.asarray(g, dtype=np.float64)
     again = np.stack([2.0 * u[..., 0] - is_lobe, u[..., 1]], axis=-1)
-    # The inverse of Henyey and Greenstein's cumulative distribution (Pharr2016, 15.2.3).
-    c = np.broadcast_to(np.asarray(g, dtype=np.float64), again.shape[:-1])
-    is_flat = np.abs(c) < 1e-3
-    safe = np.where(is_flat, 1.0, c)
+    # The inverse of the function's cumulative distribution.
+    safe = np.where(np.abs(c) < 1e-3, 1.0, c)
     square = (1.0 - safe * safe) / (1.0 + safe - 2.0 * safe * again[..., 0])
     bent = (1.0 + safe * safe - square * square) / (2.0 * safe)
-    z = np.clip(np.where(is_flat, 1.0 - 2.0 * again[..., 0], bent), -1.0, 1.0)
+    z = np.clip(np.where(np.abs(c) < 1e-3, 1.0 - 2.0 * again[..., 0], bent), -1.0, 1.0)
     radius, angle = np.sqrt(1.0 - z * z), 2.0 * np.pi * again[..., 1]
     tangent, bitangent = orthonormal_frame(n)
     x, y = (radius * f(angle) for f in (np.cos, np.sin))
@@ -264,32 +259,6 @@ def sky_share(cosine: ArrayLike, density: ArrayLike, rays: int, sky_rays: int) -
     """
     by_cosine = rays * np.maximum(np.asarray(cosine, dtype=np.float64), 0.0) / np.pi
     return np.asarray(by_cosine / np.maximum(by_cosine + sky_rays * np.asarray(density), 1e-30))
-
-
-def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
-    """(keep, other) (n,): item i is taken with `keep`[i], else item `other`[i], i chosen evenly.
-
-    Items then come in proportion to their weights. Source: Vose1991.
-    """
-    w = np.asarray(weights, dtype=np.float64)
-    share = w * (len(w) / max(float(w.sum()), 1e-300))
-    keep, other = np.minimum(share, 1.0), np.arange(len(w))
-    small, large = np.flatnonzero(share < 1.0), np.flatnonzero(share >= 1.0)
-    if not len(large):
-        return np.ones(len(w)), other
-    # A large item gives until its rest is below 1; the next one then fills that up.
-    left = share[large].copy()
-    at = 0
-    stack = [int(i) for i in small]
-    while stack and at < len(large):
-        i = stack.pop()
-        other[i] = large[at]
-        left[at] -= 1.0 - keep[i]
-        if left[at] < 1.0:
-            keep[large[at]] = left[at]
-            stack.append(int(large[at]))
-            at += 1
-    return keep, other
 
 
 def calibration(traced: float, known: float, ends: float) -> float:

@@ -115,3 +115,29 @@ def orthonormal_frame(normal: ArrayLike) -> tuple[F64, F64]:
     b = x * y * a
     tangent = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=-1)
     return tangent, np.stack([b, sign + y * y * a, -y], axis=-1)
+
+
+def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
+    """(keep, other) (n,): item i is taken with `keep`[i], else item `other`[i], i chosen evenly.
+
+    Items then come in proportion to their weights. Source: Vose1991.
+    """
+    w = np.asarray(weights, dtype=np.float64)
+    share = w * (len(w) / max(float(w.sum()), 1e-300))
+    keep, other = np.minimum(share, 1.0), np.arange(len(w))
+    small, large = np.flatnonzero(share < 1.0), np.flatnonzero(share >= 1.0)
+    if not len(large):
+        return np.ones(len(w)), other
+    # A large item gives until its rest is below 1; the next one then fills that up.
+    left = share[large].copy()
+    at = 0
+    stack = [int(i) for i in small]
+    while stack and at < len(large):
+        i = stack.pop()
+        other[i] = large[at]
+        left[at] -= 1.0 - keep[i]
+        if left[at] < 1.0:
+            keep[large[at]] = left[at]
+            stack.append(int(large[at]))
+            at += 1
+    return keep, other
