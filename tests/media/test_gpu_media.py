@@ -11,7 +11,8 @@ import pytest
 from airlight.errors import SceneError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
-from airlight.media.gpu_media import GpuMedia, medium_box, voxel_m
+from airlight.media.gpu_media import GpuMedia, medium_box
+from airlight.media.media_rows import voxel_m
 from airlight.media.media_slots import light_groups
 from airlight.scene import Camera, DirectionalLight, Medium, PointLight, Scene, Volume
 

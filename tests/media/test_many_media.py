@@ -9,7 +9,7 @@ import pytest
 
 from airlight import Renderer
 from airlight.gpu.tally import Count, Tally
-from airlight.media import media_slots, media_tree
+from airlight.media import media_slots
 from airlight.scene import Camera, DirectionalLight, Geometry, Material, Mesh, PointLight, Scene
 from airlight.scene.volume import Volume
 
@@ -50,7 +50,6 @@ def puffs(count: int, seed: int = 2) -> Scene:
 def drawn(monkeypatch, scene: Scene, technique: str, *, has_tree: bool):
     most = 8 if has_tree else 10_000
     monkeypatch.setattr(media_slots, "LISTED_WHOLE", most)
-    monkeypatch.setattr(media_tree, "LISTED_WHOLE", most)
     settings = {k: v for k, v in SMALL.items() if technique != "single" or k != "resolution"}
     with Renderer(scene, technique, SIZE, settings=settings) as renderer:
         image = renderer.frame()
@@ -113,14 +112,14 @@ def grids(count: int) -> Scene:
     return dataclasses.replace(scene, volumes=tuple(volumes))
 
 
-def work(renderer: Renderer, **changes) -> Count:
-    """The passes that bring media and their columns up to date in a frame of `changes`."""
+def work(renderer: Renderer, stage: str, **changes) -> Count:
+    """The passes of a stage in a frame of `changes`: "air" finds columns towards lights."""
     tally = renderer.commands.tally = Tally()
     renderer.frame(**changes)
-    return tally.stages.get("air", Count())
+    return tally.stages.get(stage, Count())
 
 
-def works(count: int, technique: str) -> dict[str, Count]:
+def works(count: int, technique: str, stage: str = "air") -> dict[str, Count]:
     """The same after each of some changes to so many grids."""
     scene = grids(count)
     sun, *rest = scene.lights
@@ -132,10 +131,12 @@ def works(count: int, technique: str) -> dict[str, Count]:
     with Renderer(scene, technique, SIZE, settings=settings) as renderer:
         renderer.frame()
         return {
-            "view": work(renderer, camera=dataclasses.replace(scene.camera, fov_y_deg=40)),
-            "weaker": work(renderer, lights=(dataclasses.replace(sun, irradiance=(1,) * 3), *rest)),
-            "lit": work(renderer, lights=(turned, *rest)),
-            "moved": work(renderer, volumes=(moved, *scene.volumes[1:])),
+            "view": work(renderer, stage, camera=dataclasses.replace(scene.camera, fov_y_deg=40)),
+            "weaker": work(
+                renderer, stage, lights=(dataclasses.replace(sun, irradiance=(1,) * 3), *rest)
+            ),
+            "lit": work(renderer, stage, lights=(turned, *rest)),
+            "moved": work(renderer, stage, volumes=(moved, *scene.volumes[1:])),
         }
 
 
@@ -147,6 +148,15 @@ def test_work_is_linear_in_the_number_of_volumes() -> None:
     assert few["moved"].invocations == many["moved"].invocations
     assert many["moved"].invocations == pytest.approx(many["lit"].invocations / 40, rel=0.01)
     # Columns know where lights are, neither how bright they are nor who looks.
+    assert many["view"] == many["weaker"] == Count()
+
+
+def test_lists_of_media_are_made_where_something_moved() -> None:
+    """As many lists whatever the number of media, once for all tables; each looks at all media."""
+    few, many = (works(count, "lpv-scatter", "path lists") for count in (10, 40))
+    assert few["lit"].passes == many["lit"].passes == 1
+    assert few["lit"].invocations == pytest.approx(many["lit"].invocations, rel=0.3)
+    assert many["moved"].passes == 1
     assert many["view"] == many["weaker"] == Count()
 
 

@@ -74,6 +74,22 @@ def test_the_image_is_the_same(monkeypatch, everything, technique, settings):
     assert np.linalg.norm(plain - usual) <= AT_MOST * np.linalg.norm(usual)
 
 
+@pytest.mark.parametrize("technique", ["single", "lpv-scatter"])
+def test_many_volumes_are_the_same(monkeypatch, everything, technique):
+    """More than a tree takes one by one: passes bind lists of them besides."""
+    volumes = tuple(
+        dataclasses.replace(v, sigma_t=tuple(x / 5 for x in v.sigma_t))
+        for v in everything.volumes
+        for _ in range(5)
+    )
+    scene = dataclasses.replace(everything, volumes=volumes)
+    plain, usual = (
+        drawn(monkeypatch, scene, technique, SMALL, asked) for asked in ("default", "auto")
+    )
+    assert plain.max() > 0.0
+    assert np.linalg.norm(plain - usual) <= AT_MOST * np.linalg.norm(usual)
+
+
 @pytest.mark.parametrize("technique", ["direct", "single"])
 def test_lights_and_the_rest_are_the_whole(monkeypatch, foggy_box, technique):
     scene = dataclasses.replace(foggy_box, environment=Environment((0.4, 0.4, 0.4)))

@@ -9,9 +9,10 @@
 media            the solver that yields the light of the sky, and draws all of it
 media_image      the passes of one image; image_textures: what they draw to
 gpu_media        all media of a scene on the device; media_slots: what passes bind to read them
+media_rows       each medium as a row of their table
 atlas            their density grids in one texture; emission_grids: what they give off
 density_grids    that texture and the columns through it, once for all tables of media
-media_tree       their boxes, as rays walk them
+media_tree       their boxes, as rays walk them; path_lists: those between a point and a light
 light_columns    column density of density grids towards lights; detail: noise below their voxels
 rays             which eye ray each texel of a reduced image stands for
 pixel_list       pixels to redraw; settings: of all this

@@ -20,32 +20,51 @@ from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.shared import Shared
+from ..gpu.slots import Slot
 from ..maths.transforms import F64
 from ..scene.lights import Light
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
+from .atlas import LIMIT
 from .density_grids import ColumnPlan, density_atlas, light_columns
-from .detail import detail_bias, detail_periods, detail_texture
-from .emission_grids import NO_GRID, EmissionGrids, brightest_emission, glows, has_emission
-from .light_columns import side_lengths
+from .detail import detail_texture
+from .emission_grids import NO_GRID, EmissionGrids, glows, has_emission
+from .media_rows import (
+    BOX,
+    GRID,
+    NO_SHAFTS,
+    SHAFTS_OF_ALL,
+    SHAFTS_OF_LOCAL,
+    detail_fields,
+    gridded,
+    has_detail,
+    kind_of,
+    kinds_of,
+    medium_fields,
+    unit_from_box,
+    voxel_m,
+)
 from .media_slots import (
     MediumData,
     column_slots,
     column_wgsl,
     emission_slots,
     emission_wgsl,
+    has_tree,
+    list_texels,
     medium_slots,
     medium_wgsl,
+    path_list_reads,
+    path_list_slots,
+    path_list_wgsl,
 )
 from .media_tree import media_nodes
+from .path_lists import PathLists
 
 _OWN_COLUMNS = ColumnPlan()
 MAX_MEDIA = 256
 """A ray's list of media and their intervals are private to a shader, which WebGPU gives 8 KiB."""
-BOX, ELLIPSOID, GRID = 0, 1, 2
-NO_SHAFTS, SHAFTS_OF_ALL, SHAFTS_OF_LOCAL = 0, 1, 2
-"""Whose single scattering is drawn by shafts; as in `wgsl/media.wgsl`."""
 
 
 class GpuMedia:
@@ -63,18 +82,19 @@ class GpuMedia:
         light_count: int,
         columns: ColumnPlan = _OWN_COLUMNS,
         solved: Sequence[Medium | Volume] = (),
-        solved_shafts: int = NO_SHAFTS,
+        has_local_shafts: bool = False,
     ) -> None:
         """`light_count`: lights with columns through grids, 0 or all of them; `columns`: which.
 
-        `solved` media have single scattering in their source; they have `solved_shafts`.
+        `solved` media have single scattering in their source, with `has_local_shafts` not of local
+        lights.
         """
         self.gpu = gpu
         # By index: a frame may bring its volumes with other coefficients.
-        self._solved_shafts = solved_shafts
+        self._solved_shafts = SHAFTS_OF_LOCAL if has_local_shafts else NO_SHAFTS
         self._is_own_solved = any(scene.medium is s for s in solved)
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
-        self._kinds = _kinds(scene)
+        self._kinds = kinds_of(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
         if self.count > MAX_MEDIA:
             raise SceneError(
@@ -83,8 +103,8 @@ class GpuMedia:
             )
         # Media as rows of a table, their densities as boxes of a texture.
         self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
-        gridded, shared = _gridded(scene), columns.shared or Shared()
-        self.atlas = density_atlas(gpu, gridded, shared) if gridded else None
+        volumes, shared = gridded(scene), columns.shared or Shared()
+        self.atlas = density_atlas(gpu, volumes, shared) if volumes else None
         self._densities_seen = -1
         self._linear = linear_sampler(gpu, "media")
         self.rows: list[dict[str, Any]] = []
@@ -93,22 +113,21 @@ class GpuMedia:
         self._media: tuple[object, ...] = ()
         self._box: tuple[float, ...] = ()
         self.version = 0
-        self.has_emission = has_emission(scene)
-        has_glow = any(map(glows, scene.volumes))
+        self.has_emission, has_glow = has_emission(scene), any(map(glows, scene.volumes))
         self._emission = EmissionGrids(gpu, scene.volumes) if has_glow else None
         # What passes bind, and the WGSL that reads it: media alone, or with columns towards lights.
-        self._noise = detail_texture(gpu) if _has_detail(scene) else None
-        has_detail = self._noise is not None
+        is_detailed = has_detail(scene)
+        self._noise = detail_texture(gpu) if is_detailed else None
         self._repeat = linear_sampler(gpu, "media detail", wrap="repeat")
-        self.medium_slots = medium_slots(grids, has_detail=has_detail)
+        self.medium_slots = medium_slots(grids, has_detail=is_detailed)
         self.medium_slots += emission_slots(has_grids=has_glow)
-        self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=has_detail)
+        self.medium_wgsl = medium_wgsl(self.count, grids, has_detail=is_detailed)
         self.medium_wgsl += emission_wgsl(has_emission=self.has_emission, has_grids=has_glow)
         # A pass that needs no columns binds none, whatever lights the scene has.
         read = grids if light_count else 0
-        self.columns = light_columns(gpu, gridded, light_count, columns, shared) if read else None
-        self.slots = self.medium_slots + column_slots(read)
-        self.wgsl = self.medium_wgsl + column_wgsl(read, light_count)
+        self.columns = light_columns(gpu, volumes, light_count, columns, shared) if read else None
+        self.paths = self._path_lists(scene, light_count, columns.towards, shared)
+        self.slots, self.wgsl = self._towards_lights(read, light_count)
         self._lights: tuple[Light, ...] | None = None  # that columns were last asked for
 
     @property
@@ -140,10 +159,15 @@ class GpuMedia:
         """
         changed = self._take_media(scene, low, high)
         self.version += int(changed)
-        if self.columns is not None and (changed or scene.lights != self._lights):
-            self._lights = scene.lights
-            gridded = [row for row in self.rows if row["kind"] == GRID]
-            self.columns.encode(commands, scene.lights, gridded)
+        if not (changed or scene.lights != self._lights):
+            return
+        self._lights = scene.lights
+        if self.paths is not None:
+            with commands.stage("path lists"):
+                self.paths.encode(commands, self.table, scene.lights, self.rows)
+        if self.columns is not None:
+            rows = [row for row in self.rows if row["kind"] == GRID]
+            self.columns.encode(commands, scene.lights, rows)
 
     def _take_media(self, scene: Scene, low: F64, high: F64) -> bool:
         """Bring the table and the grids up to date; returns whether anything changed."""
@@ -156,7 +180,7 @@ class GpuMedia:
         ):
             return False
         # Kernels are made for these kinds of media.
-        if _kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
+        if kinds_of(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.
         changed = False
@@ -190,7 +214,26 @@ class GpuMedia:
     @property
     def bound(self) -> dict[str, Any]:
         """By slot name, for passes made with `slots`."""
-        return self.medium_bound | (self.columns.bound if self.columns else {})
+        bound = self.medium_bound | (self.columns.bound if self.columns else {})
+        return bound | (self.paths.bound if self.paths else {})
+
+    def _towards_lights(self, grids: int, light_count: int) -> tuple[tuple[Slot, ...], str]:
+        """The slots of passes that read columns and lists of paths as well, and their WGSL."""
+        slots = self.medium_slots + column_slots(grids)
+        wgsl = self.medium_wgsl + column_wgsl(grids, light_count)
+        wgsl += path_list_wgsl(self.count, self.paths.count if self.paths else None)
+        wgsl += path_list_reads(has_lists=self.paths is not None)
+        return slots + (path_list_slots() if self.paths else ()), wgsl
+
+    def _path_lists(
+        self, scene: Scene, light_count: int, towards: str, shared: Shared
+    ) -> PathLists | None:
+        """Lists for so many lights, once for all tables of the same media; None for few media."""
+        has_room = light_count * list_texels(self.count) <= self.gpu.limits[LIMIT]
+        if not light_count or not has_tree(self.count) or not has_room:
+            return None
+        key = ("path lists", self._kinds, light_count, towards)
+        return shared.once(key, lambda: PathLists(self.gpu, scene.bounds, self.count, light_count))
 
     def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
         # The scene's own medium comes first, then its volumes in their order.
@@ -198,16 +241,16 @@ class GpuMedia:
         if scene.medium is not None:
             box = medium_box(scene.medium, low, high, scene.camera.position)
             shafts = self._solved_shafts if self._is_own_solved else SHAFTS_OF_ALL
-            rows.append(_fields(scene.medium, BOX, _unit_from_box(*box), shafts=shafts))
+            rows.append(medium_fields(scene.medium, BOX, unit_from_box(*box), shafts=shafts))
         grids = iter(self.atlas.regions if self.atlas is not None else ())
         columns = iter(self.columns.regions if self.columns is not None else ())
         # Its box in the world, its coefficients and where its grids lie.
         for index, volume in enumerate(scene.volumes):
-            kind = _kind(volume)
+            kind = kind_of(volume)
             to_world = np.asarray(volume.world_from_volume)
-            matrix = _unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
+            matrix = unit_from_box(*np.asarray(volume.bounds)) @ np.linalg.inv(to_world)
             shafts = self._solved_shafts if index in self._solved else SHAFTS_OF_ALL
-            row = _fields(volume, kind, matrix, shafts=shafts)
+            row = medium_fields(volume, kind, matrix, shafts=shafts)
             place = self._emission.places[index] if self._emission else NO_GRID
             row |= {"emission_first": place.first, "emission_count": place.count}
             if kind == GRID:
@@ -224,75 +267,8 @@ class GpuMedia:
                         "columns_count": place_of.count,
                     }
                 if self._noise is not None and volume.detail > 0.0:
-                    row |= _detail_fields(volume)
+                    row |= detail_fields(volume)
             rows.append(row)
         # Media of the same mean cosine have the same number.
         phases = {g: i for i, g in enumerate(dict.fromkeys(tuple(row["g"]) for row in rows))}
         return [row | {"phase": phases[tuple(row["g"])]} for row in rows]
-
-
-def voxel_m(volume: Volume) -> float:
-    """The shortest side of a grid's cells in the world, metres."""
-    assert volume.density is not None
-    return float((side_lengths(volume) / np.array(volume.density.shape[::-1])).min())
-
-
-def _kind(volume: Volume) -> int:
-    return {"grid": GRID, "box": BOX, "sphere": ELLIPSOID}[volume.shape]
-
-
-def _gridded(scene: Scene) -> list[Volume]:
-    return [v for v in scene.volumes if v.density is not None]
-
-
-def _kinds(scene: Scene) -> tuple[int, ...]:
-    own = () if scene.medium is None else (BOX,)
-    return (*own, *(_kind(volume) for volume in scene.volumes))
-
-
-def _unit_from_box(low: F64, high: F64) -> F64:
-    """(4, 4): the box low..high to 0..1; a flat side is given a hair of thickness."""
-    size = np.maximum(np.subtract(high, low), 1e-9)
-    matrix = np.diag([*(1.0 / size), 1.0])
-    matrix[:3, 3] = -np.asarray(low) / size
-    return matrix
-
-
-def _fields(
-    of: Medium | Volume, kind: int, volume_from_world: F64, *, shafts: int
-) -> dict[str, Any]:
-    return {
-        "volume_from_world": volume_from_world,
-        "sigma_t": of.sigma_t,
-        "kind": kind,
-        "albedo": of.albedo,
-        "phase": 0,
-        "g": of.g,
-        "shafts": shafts,
-        "emission": brightest_emission(of),
-        "emission_first": NO_GRID.first,
-        "emission_count": NO_GRID.count,
-        "voxel": 0.0,
-        "detail": 0.0,
-        "detail_bias": 0.0,
-        "detail_periods": (0.0, 0.0, 0.0),
-        "grid_first": (0.0, 0.0, 0.0),
-        "grid_count": (1.0, 1.0, 1.0),
-        "columns_first": (0.0, 0.0, 0.0),
-        "columns_count": (2.0, 2.0, 2.0),
-        "nodes": np.zeros((4, 4)),
-    }
-
-
-def _has_detail(scene: Scene) -> bool:
-    return any(v.detail > 0.0 and v.density is not None for v in scene.volumes)
-
-
-def _detail_fields(volume: Volume) -> dict[str, Any]:
-    """The noise, and steps short enough to see it."""
-    return {
-        "detail": volume.detail,
-        "detail_bias": detail_bias(volume.detail),
-        "detail_periods": detail_periods(volume),
-        "voxel": 0.5 * voxel_m(volume),
-    }

@@ -1,17 +1,6 @@
 // The mean densities of grids towards four lights, at all texels; those of planes are known.
 //! use column_paths
 
-fn mean_at(grid: ColumnGrid, texel: vec3f, path: ColumnPath, slot: u32) -> f32 {
-    let count = vec3f(grid.count);
-    let depth = depth_of(path, texel, count);
-    let plane = floor(depth / path.thickness);
-    if (depth + 1.0 == (plane + 1.0) * path.thickness && depth < dot(abs(path.facing), count) - 1.0) {
-        let at = in_plane(path, texel);
-        return planes[plane_first(slot, plane) + u32(at.y * in_plane(path, count).x + at.x)];
-    }
-    return mean_towards(grid, path, texel, slot);
-}
-
 // Of some texels along z, towards four lights.
 var<private> means: array<vec4f, RUN>;
 
@@ -39,7 +28,7 @@ var<private> means: array<vec4f, RUN>;
             let z = first.z + i * apart;
             if (z >= grid.count.z) { break; }
             let texel = vec3f(vec3u(first.xy, z));
-            means[i][k] = mean_at(grid, texel, path, place * params.lights + light);
+            means[i][k] = mean_towards(grid, path, texel, place * params.lights + light);
         }
     }
     for (var i = 0u; i < RUN; i++) {

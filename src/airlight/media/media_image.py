@@ -25,7 +25,7 @@ from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
 from .density_grids import ColumnPlan
-from .gpu_media import NO_SHAFTS, SHAFTS_OF_LOCAL, GpuMedia
+from .gpu_media import GpuMedia
 from .image_textures import Drawn, ImageTextures
 from .march.march import March, MarchTargets, Steps
 from .march.marched_light import MarchedLight
@@ -73,7 +73,7 @@ class MediaImage:
             scene,
             light_count=lights.count,
             solved=e.solved,
-            solved_shafts=SHAFTS_OF_LOCAL if e.has_local_shafts else NO_SHAFTS,
+            has_local_shafts=e.has_local_shafts,
             columns=ColumnPlan(s.column_resolution, shared=e.shared),
         )
         # Shafts and marching take the same rays where both are reduced alike.

@@ -33,6 +33,56 @@ class MediumData(Struct):
     nodes = mat4x4f("two nodes of the tree: (low, after), (high, medium), twice; m")
 
 
+def has_tree(count: int) -> bool:
+    """Whether a tree of boxes finds which of so many media are met."""
+    return count > LISTED_WHOLE
+
+
+LIST_BITS = 128
+"""Media in a texel of a list of those on a path (`path_lists`)."""
+
+
+def list_texels(count: int) -> int:
+    """Texels of a list of so many media."""
+    return -(-count // LIST_BITS)
+
+
+def path_list_slots() -> tuple[Slot, ...]:
+    """The slot of lists of media on paths."""
+    return (texture("path_lists", "3d", "uint"),)
+
+
+def path_list_wgsl(count: int, blocks: tuple[int, int, int] | None) -> str:
+    """What `wgsl/path_lists.wgsl` needs of lists for so many `blocks`; None without lists."""
+    texels = list_texels(count) if blocks else 1
+    visits = count + texels if blocks else _tree_nodes(count)
+    nx, ny, nz = blocks or (1, 1, 1)
+    return (
+        f"const HAS_PATH_LISTS = {str(blocks is not None).lower()};\n"
+        f"const MEDIA_VISITS = {visits}u;\nconst PATH_TEXELS = {texels}u;\n"
+        f"const PATH_BLOCKS = vec3u({nx}u, {ny}u, {nz}u);\n"
+    )
+
+
+def path_list_reads(*, has_lists: bool) -> str:
+    """`path_list`, a texel of the lists."""
+    read = "textureLoad(path_lists, at, 0)" if has_lists else "vec4u(0u)"
+    return f"fn path_list(at: vec3u) -> vec4u {{ return {read}; }}\n"
+
+
+def tree_wgsl(count: int) -> str:
+    """The constants of `wgsl/media_tree.wgsl`."""
+    return (
+        f"const MEDIA_COUNT = {max(1, count)}u;\n"
+        f"const HAS_MEDIA_TREE = {str(has_tree(count)).lower()};\n"
+        f"const MEDIA_NODES = {_tree_nodes(count)}u;\n"
+    )
+
+
+def _tree_nodes(count: int) -> int:
+    return 2 * count - 1 if has_tree(count) else max(1, count)
+
+
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
     """The slots of the table of media, of the density grids, and of their noise."""
     slots: list[Slot] = [storage("media", MediumData)]
@@ -53,12 +103,9 @@ def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
     sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
     noise = sample if has_detail else "0.0"
     density, size = _read("media_densities", grids)
-    has_tree = count > LISTED_WHOLE
-    nodes = 2 * count - 1 if has_tree else max(1, count)
+    copied = 1 if has_tree(count) else max(1, count)
     return (
-        f"const MEDIA_COUNT = {max(1, count)}u;\nconst GRID_COUNT = {grids}u;\n"
-        f"const HAS_MEDIA_TREE = {str(has_tree).lower()};\nconst MEDIA_NODES = {nodes}u;\n"
-        f"const COPIED_MEDIA = {1 if has_tree else max(1, count)}u;\n"
+        f"{tree_wgsl(count)}const GRID_COUNT = {grids}u;\nconst COPIED_MEDIA = {copied}u;\n"
         f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
         f"fn densities_texel(at: vec3f) -> vec2f {{ return {density}.xy; }}\n"
         f"fn densities_size() -> vec3f {{ return {size}; }}\n"

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..maths.box_tree import box_tree
 from ..maths.transforms import F64
-from .media_slots import LISTED_WHOLE
+from .media_slots import has_tree
 
 NO_MEDIUM = 65535
 _CORNERS = np.stack(np.meshgrid(*[(0.0, 1.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -21,7 +21,7 @@ def media_nodes(rows: Sequence[dict[str, Any]], count: int) -> F64:
     Nodes 2i and 2i + 1 lie in row i: as (low, after) and (high, medium).
     """
     nodes = np.zeros((2 * count, 2, 4))
-    if len(rows) > LISTED_WHOLE:
+    if has_tree(len(rows)):
         tree = box_tree(*_world_boxes(rows))
         filled = nodes[: len(tree.after)]
         filled[:, 0, :3], filled[:, 0, 3] = tree.low, tree.after

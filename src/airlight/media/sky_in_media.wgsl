@@ -19,11 +19,11 @@ fn visibility(world: vec3f, i: u32) -> f32 {
 }
 
 // The irradiance of light i of the sky in the cell, through media, W m^-2.
-fn arriving(cell: vec3u, i: u32) -> vec3f {
+fn arriving(span: CellSpan, i: u32) -> vec3f {
     let light = lights[i];
     var share = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
-        let p = unwarped_point(lattice, cell, offset_in_cell(i, k));
+        let p = point_in_span(lattice, span, offset_in_cell(i, k));
         let open = visibility(p, i);
         if (open > 0.0) {
             share += open * media_light_transmittance(light, i, p);
@@ -37,9 +37,10 @@ fn arriving(cell: vec3u, i: u32) -> vec3f {
         return;
     }
     // Bands of the light of the whole sky, and the irradiance of six sides.
+    let span = cell_span(lattice, id);
     var light: SkyLight;
     for (var i = 0u; i < params.light_count; i++) {
-        let e = arriving(id, i);
+        let e = arriving(span, i);
         let d = lattice_from_world(lattice, lights[i].direction);
         light.fluence += e;
         let tensor = vec4f(d.x * d.x - 1.0 / 3.0, d.y * d.y - 1.0 / 3.0, d.x * d.y, d.x * d.z);

@@ -20,14 +20,11 @@ struct Depths {
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     let path = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
-    let ray = walked_ray(p, path.xyz, path.w);
-    var node = 0u;
-    for (var v = 0u; v < MEDIA_NODES; v++) {
-        let visit = visit_on_ray(node, ray);
-        node = visit.next;
-        if (visit.is_done) { break; }
-        if (visit.is_skipped) { continue; }
-        let m = visit.medium;
+    var walk = walk_towards(index, p, path);
+    for (var v = 0u; v < MEDIA_VISITS; v++) {
+        let m = next_towards(&walk);
+        if (walk.is_done) { break; }
+        if (m == NO_MEDIUM) { continue; }
         let column = media_light_column(m, index, p, path);
         let reduced = media[m].sigma_t * column;
         let isotropic = max(vec3f(1e-4), 1.0 - media[m].g);
@@ -88,10 +85,10 @@ struct Part {
 }
 
 // Of light i at part k of a cell.
-fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
+fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> Part {
     let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
     // What shines straight onto the part, as the true medium attenuates it.
-    var p = unwarped_point(lattice, id, half);
+    var p = point_in_span(lattice, span, half);
     let own = incoming(light, p);
     var lit = lit_point(light, own.to_light, p);
     // In the shade nothing arrives, and the way through the media need not be known.
@@ -138,11 +135,11 @@ fn forward_part(light: LightData, i: u32, id: vec3u, k: u32) -> Part {
 }
 
 // The direction in which light travels at the cell's centre.
-fn travel_of(light: LightData, id: vec3u) -> vec3f {
+fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     if (light.kind == LIGHT_DIRECTIONAL) {
         return light.direction;
     }
-    let away = unwarped_point(lattice, id, vec3f(0.5)) - light.position;
+    let away = point_in_span(lattice, span, vec3f(0.5)) - light.position;
     return away / max(length(away), 1e-6);
 }
 
@@ -150,6 +147,7 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
+    let span = cell_span(lattice, id);
     var fluence = vec3f(0.0);
     var flux = mat3x3f();   // columns x, y, z of rgb
     // Each light at eight points of the cell, or at a few where there are many lights.
@@ -160,13 +158,13 @@ fn travel_of(light: LightData, id: vec3u) -> vec3f {
         for (var k = 0u; k < 8u; k += params.stride) {
             // Of few parts the next light takes others.
             let turned = (k + select(0u, 3u * i, params.stride > 1u)) & 7u;
-            let part = forward_part(light, i, id, turned);
+            let part = forward_part(light, i, id, span, turned);
             sum += part.gained;
             passed += vec4f(part.straight + part.gained, part.depth);
         }
         sum *= f32(params.stride) / 8.0;
         store_light(id, i, f32(params.stride) / 8.0 * passed);
-        let along = lattice_from_world(lattice, travel_of(light, id));
+        let along = lattice_from_world(lattice, travel_of(light, span));
         fluence += sum;
         flux += mat3x3f(sum * along.x, sum * along.y, sum * along.z);
     }

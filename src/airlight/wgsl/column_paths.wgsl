@@ -33,10 +33,10 @@ fn plane_mean(slot: u32, plane: f32, at: vec2f, size: vec2f) -> f32 {
 }
 
 // The integral of density over `reach` metres of a path from a point of the box; `along`: of the box, a metre. Steps
-// of half a voxel. Each grid is filtered within its own part of the texture.
+// of a voxel. Each grid is filtered within its own part of the texture.
 fn path_column(grid: ColumnGrid, origin: vec3f, along: vec3f, reach: f32) -> f32 {
     let count = grid.grid_count;
-    let steps = clamp(ceil(reach / (0.5 * grid.voxel)), 1.0, MAX_COLUMN_STEPS);
+    let steps = clamp(ceil(reach * length(along * count)), 1.0, MAX_COLUMN_STEPS);
     let dt = reach / steps;
     let texel = 1.0 / vec3f(textureDimensions(densities));
     let first = grid.grid_first * texel;

@@ -81,11 +81,23 @@ fn warped_in_cells(lattice: LatticeParams, coordinates: vec3f) -> vec3f {
         warped_axis(coordinates.y, cell.y, low.y, high.y), warped_axis(coordinates.z, cell.z, low.z, high.z));
 }
 
+// A cell as the warp has it, in cells that are not warped; for passes that ask for many of its points.
+struct CellSpan { low: vec3f, side: vec3f }
+
+fn cell_span(lattice: LatticeParams, cell: vec3u) -> CellSpan {
+    let low = wall_shifts_low(lattice, vec3i(cell));
+    return CellSpan(vec3f(cell) + low, 1.0 + wall_shifts_high(lattice, vec3i(cell)) - low);
+}
+
+// The world point of a point inside it.
+fn point_in_span(lattice: LatticeParams, span: CellSpan, inside: vec3f) -> vec3f {
+    return world_from_cells(lattice, span.low + inside * span.side);
+}
+
 // The inverse, for a point inside a cell (0..1 on each axis): cells that are not warped.
 fn unwarped_coordinates(lattice: LatticeParams, cell: vec3u, inside: vec3f) -> vec3f {
-    let low = wall_shifts_low(lattice, vec3i(cell));
-    let high = wall_shifts_high(lattice, vec3i(cell));
-    return vec3f(cell) + low + inside * (1.0 + high - low);
+    let span = cell_span(lattice, cell);
+    return span.low + inside * span.side;
 }
 
 // The world point of that, m.

@@ -72,12 +72,16 @@ fn medium_grid_matter(m: u32, p: vec3f) -> vec2f {
 
 // Density of medium m at a point, dimensionless; 0 outside the medium.
 fn medium_density(m: u32, p: vec3f) -> f32 {
-    if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
-        return medium_grid_matter(m, p).x;
-    }
-    let uvw = medium_coordinates(m, p);
+    return medium_density_at(m, medium_coordinates(m, p));
+}
+
+// The same at coordinates in its box.
+fn medium_density_at(m: u32, uvw: vec3f) -> f32 {
     if (any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0))) {
         return 0.0;
+    }
+    if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
+        return medium_voxels(m, uvw).x * medium_detail(m, uvw);
     }
     let off = uvw - 0.5;
     return select(1.0, 0.0, media[m].kind == MEDIUM_ELLIPSOID && dot(off, off) > 0.25);

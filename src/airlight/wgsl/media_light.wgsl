@@ -1,5 +1,6 @@
 // How media attenuate light on its path from a light to a point. The including pass declares LightData too.
 //! use media
+//! use path_lists
 //! use light_kinds
 //! needs fn light_columns_size() -> vec3f
 //! needs fn light_columns_texel(at: vec3f) -> vec4f
@@ -49,14 +50,11 @@ fn media_light_column(m: u32, index: u32, p: vec3f, path: vec4f) -> f32 {
 fn media_light_depth(light: LightData, index: u32, p: vec3f) -> vec3f {
     let path = media_light_path(light, p);
     var sum = vec3f(0.0);
-    let ray = walked_ray(p, path.xyz, path.w);
-    var node = 0u;
-    for (var v = 0u; v < MEDIA_NODES; v++) {
-        let visit = visit_on_ray(node, ray);
-        node = visit.next;
-        if (visit.is_done) { break; }
-        if (visit.is_skipped) { continue; }
-        let m = visit.medium;
+    var walk = walk_towards(index, p, path);
+    for (var v = 0u; v < MEDIA_VISITS; v++) {
+        let m = next_towards(&walk);
+        if (walk.is_done) { break; }
+        if (m == NO_MEDIUM) { continue; }
         sum += media[m].sigma_t * media_light_column(m, index, p, path);
     }
     return sum;

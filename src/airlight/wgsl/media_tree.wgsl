@@ -42,19 +42,23 @@ fn visited(node: MediaNode, n: u32, is_met: bool) -> MediaVisit {
         n >= MEDIA_NODES);
 }
 
+// Where a ray is in the node's box; x > y where it misses.
+fn span_in_box(node: MediaNode, ray: WalkedRay) -> vec2f {
+    let a = (node.low - ray.origin) * ray.inverse;
+    let b = (node.high - ray.origin) * ray.inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    return vec2f(max(max(near.x, near.y), max(near.z, 0.0)), min(min(far.x, far.y), min(far.z, ray.reach)));
+}
+
 // Is the node's box on a ray?
 fn visit_on_ray(n: u32, ray: WalkedRay) -> MediaVisit {
     if (!HAS_MEDIA_TREE) {
         return MediaVisit(n + 1u, n, false, false);
     }
     let node = media_node(n);
-    let a = (node.low - ray.origin) * ray.inverse;
-    let b = (node.high - ray.origin) * ray.inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    let begin = max(max(near.x, near.y), max(near.z, 0.0));
-    let end = min(min(far.x, far.y), min(far.z, ray.reach));
-    return visited(node, n, begin <= end);
+    let span = span_in_box(node, ray);
+    return visited(node, n, span.x <= span.y);
 }
 
 // Is it within `reach` of a point along each axis?

@@ -1,0 +1,68 @@
+// Which media may lie between a point and a light: from a list of the block of space that the point lies in, where the
+// including pass has one (media/path_lists.py: HAS_PATH_LISTS, PATH_BLOCKS, .. and `path_list`), else by the tree. A walk goes
+//     var walk = walk_towards(index, p, path);
+//     for (var v = 0u; v < MEDIA_VISITS; v++) {
+//         let m = next_towards(&walk);
+//         if (walk.is_done) { break; }
+//         if (m == NO_MEDIUM) { continue; }
+//         .. m ..
+//     }
+//! use media_tree
+//! needs fn path_list(at: vec3u) -> vec4u
+
+const LISTED_AT_ONCE = 128u;    // media in a texel of a list
+
+struct LightWalk {
+    ray: WalkedRay,     // of walks through the tree
+    node: u32,          // the next one; of lists, media before those of this texel
+    bits: vec4u,        // media of this texel that are still to come
+    at: vec3u,          // the texel
+    is_done: bool,
+}
+
+// From p along `path` (its direction and length) towards the light in row `index`.
+fn walk_towards(index: u32, p: vec3f, path: vec4f) -> LightWalk {
+    if (!HAS_PATH_LISTS) {
+        return LightWalk(walked_ray(p, path.xyz, path.w), 0u, vec4u(0u), vec3u(0u), false);
+    }
+    // Light from beyond the box of all media meets what it meets from where it enters the box.
+    let all = media_node(0u);
+    let ray = walked_ray(p, path.xyz, path.w);
+    let span = span_in_box(all, ray);
+    let q = p + span.x * path.xyz;
+    let share = (q - all.low) / max(all.high - all.low, vec3f(1e-20));
+    let block = vec3u(clamp(vec3i(floor(share * vec3f(PATH_BLOCKS))), vec3i(0), vec3i(PATH_BLOCKS) - 1));
+    let at = vec3u(block.y * PATH_BLOCKS.x + block.x, block.z, index * PATH_TEXELS);
+    if (span.x > span.y) {
+        return LightWalk(ray, MEDIA_COUNT, vec4u(0u), at, false);
+    }
+    return LightWalk(ray, 0u, path_list(at), at, false);
+}
+
+// The next medium; NO_MEDIUM where this visit found none.
+fn next_towards(walk: ptr<function, LightWalk>) -> u32 {
+    if (!HAS_PATH_LISTS) {
+        let visit = visit_on_ray((*walk).node, (*walk).ray);
+        (*walk).node = visit.next;
+        (*walk).is_done = visit.is_done;
+        return select(visit.medium, NO_MEDIUM, visit.is_skipped);
+    }
+    // The lowest bit that is left of this texel's four words is the next medium.
+    let bits = (*walk).bits;
+    let is_any = bits != vec4u(0u);
+    let word = select(select(select(3u, 2u, is_any.z), 1u, is_any.y), 0u, is_any.x);
+    let lowest = select(select(select(bits.w, bits.z, is_any.z), bits.y, is_any.y), bits.x, is_any.x);
+    let m = (*walk).node + 32u * word + firstTrailingBit(lowest);
+    (*walk).bits = select(bits, bits & (bits - 1u), vec4u(0u, 1u, 2u, 3u) == vec4u(word));
+    if (lowest != 0u) {
+        return m;
+    }
+    // Of more media than a texel holds the list goes on in the next one.
+    (*walk).node += LISTED_AT_ONCE;
+    (*walk).is_done = (*walk).node >= MEDIA_COUNT;
+    if (!(*walk).is_done) {
+        (*walk).at.z += 1u;
+        (*walk).bits = path_list((*walk).at);
+    }
+    return NO_MEDIUM;
+}
