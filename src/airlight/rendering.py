@@ -55,6 +55,8 @@ class Renderer(DeviceLifetime):
     changes nothing: the next one recreates what it needs.
     """
 
+    _submits_at_once = True  # work of the device that can be done while the host makes the rest
+
     def __init__(
         self,
         scene: Scene | str | Path,
@@ -90,7 +92,8 @@ class Renderer(DeviceLifetime):
         self.commands = Commands(gpu)
         first = self._nearby.of(self._shown.of(self._first))
         self.meshes = GpuScene(gpu, first)
-        context = Context(gpu, first, self.meshes, self.size, self.commands)
+        at_once = self.commands if self._submits_at_once else None
+        context = Context(gpu, first, self.meshes, self.size, at_once)
         self.technique = make_technique(context, technique, settings, nearby=self._nearby)
         made.callback(self.technique.release)
         self.view = View(gpu, self.size)
