@@ -61,15 +61,15 @@ class Renderer(DeviceLifetime):
         self,
         scene: Scene | str | Path,
         technique: str = "auto",
-        size: tuple[int, int] = (1280, 720),
+        size: tuple[int, int] | None = None,
         *,
         settings: Mapping[str, Any] | None = None,
         adapter: str = "auto",
     ) -> None:
         super().__init__("this Renderer")
         self._began_s = perf_counter()
-        self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
+        self.size = checked_size(self.scene.camera.image_size if size is None else size)
         check_extent(self.scene)
         self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
         self._wanted = (technique, dict(settings or {}), adapter)
@@ -252,7 +252,7 @@ class Renderer(DeviceLifetime):
 def render(
     scene: Scene | str | Path,
     technique: str = "auto",
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] | None = None,
     *,
     settings: Mapping[str, Any] | None = None,
     samples: int | None = None,
@@ -263,7 +263,7 @@ def render(
 ) -> Image:
     """One anti-aliased image of `scene`, which may also be a file or builtin:NAME.
 
-    `size`: (width, height) in pixels. `samples` jittered images are averaged (8, or 64
+    `size`: (width, height) in pixels, by default the camera's. `samples` jittered images are averaged (8, or 64
     where the camera has a lens, or a shutter while things move). `settings` as in
     `airlight render -D`.
     `progress(stage, share)` is called after each step. `timed` renders a few more frames, for
