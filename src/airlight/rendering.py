@@ -263,9 +263,9 @@ def render(
 ) -> Image:
     """One anti-aliased image of `scene`, which may also be a file or builtin:NAME.
 
-    `size`: (width, height) in pixels, by default the camera's. `samples` jittered images are averaged (8, or 64
-    where the camera has a lens, or a shutter while things move). `settings` as in
-    `airlight render -D`.
+    `size`: (width, height) in pixels; the camera's by default. `samples` jittered images are
+    averaged (8, or 64 where the camera has a lens, or a shutter while things move). `settings` as
+    in `airlight render -D`.
     `progress(stage, share)` is called after each step. `timed` renders a few more frames, for
     `frame_ms` and the milliseconds of each pass in `image.stats`. `time`, seconds, is when a moving
     scene is shown; without it, one whose shutter is open is shown from its animation's start on.
