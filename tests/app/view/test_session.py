@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from airlight.app.view.controls import Turn
+from airlight.app.view.renderers import COARSER_SAMPLES
 from airlight.app.view.save import Saver
 from airlight.app.view.session import Session
 from airlight.errors import SettingsError
@@ -338,7 +339,7 @@ def test_a_still_view_ends_with_the_finest_image_and_moving_goes_back(gpu, scene
 
 def test_a_lost_device_is_said_in_the_panel_and_ends_the_viewer(child, scene_file):
     said = child(f"""
-    from airlight.app.view.session import Session
+from airlight.app.view.session import Session
     from airlight.gpu.memory import Texture
     from airlight.scene.io import load
     session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
@@ -362,7 +363,7 @@ def test_a_lost_device_is_said_in_the_panel_and_ends_the_viewer(child, scene_fil
 @pytest.mark.slow
 def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene_file):
     said = child(f"""
-    from airlight.app.view.session import Session
+from airlight.app.view.session import Session
     from airlight.gpu.memory import Texture
     from airlight.scene.io import load
     session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
@@ -418,6 +419,24 @@ def test_on_a_slow_machine_a_view_at_rest_ends_at_full_size(screen, monkeypatch,
     else:
         assert drew == coarser
         assert session.fine.shown[0].size == SIZE
+
+
+def test_another_size_of_the_window_has_a_finest_image_of_its_own(screen):
+    session, end = screen.session, time.monotonic() + 120.0
+    session.quality.samples = COARSER_SAMPLES  # as where a finer image follows
+    while not session.fine.is_shown:
+        screen.frame(0.5)
+        assert time.monotonic() < end
+    size = (SIZE[0] // 2, SIZE[1])
+    other = Texture(session.gpu, "surface", size, "rgba8unorm", target=True)
+    session.frame(other.resource, size, screen.now + 0.5)
+    assert not session.fine.is_shown  # it would be squeezed into the new shape
+    now = screen.now
+    while not session.fine.is_shown:
+        now += 0.5
+        session.frame(other.resource, size, now)
+        assert time.monotonic() < end
+    assert session.fine.shown[0].size == size
 
 
 def test_the_first_image_is_coarse_and_says_how_far_it_is(gpu, scene_file):

@@ -193,7 +193,8 @@ class Session(Renderers):
 
     def _has_changed(self) -> bool:
         s = self.state
-        now = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
+        seen = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
+        now = (*seen, self._size)
         if is_same(now, self._seen):
             return False
         self._seen = now
