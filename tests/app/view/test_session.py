@@ -339,7 +339,7 @@ def test_a_still_view_ends_with_the_finest_image_and_moving_goes_back(gpu, scene
 
 def test_a_lost_device_is_said_in_the_panel_and_ends_the_viewer(child, scene_file):
     said = child(f"""
-from airlight.app.view.session import Session
+    from airlight.app.view.session import Session
     from airlight.gpu.memory import Texture
     from airlight.scene.io import load
     session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
@@ -363,7 +363,7 @@ from airlight.app.view.session import Session
 @pytest.mark.slow
 def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene_file):
     said = child(f"""
-from airlight.app.view.session import Session
+    from airlight.app.view.session import Session
     from airlight.gpu.memory import Texture
     from airlight.scene.io import load
     session = Session(load({str(scene_file)!r}), technique="direct", settings=small)
