@@ -62,7 +62,7 @@ CAMERA = Table(
         Key(
             "film_px",
             checks.size_px,
-            "two numbers",
+            "two whole numbers",
             "width and height of images where no other size is asked for",
             "px",
             "[1280, 720]",
