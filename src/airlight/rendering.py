@@ -55,19 +55,21 @@ class Renderer(DeviceLifetime):
     changes nothing: the next one recreates what it needs.
     """
 
+    _submits_at_once = True  # work of the device that can be done while the host makes the rest
+
     def __init__(
         self,
         scene: Scene | str | Path,
         technique: str = "auto",
-        size: tuple[int, int] = (1280, 720),
+        size: tuple[int, int] | None = None,
         *,
         settings: Mapping[str, Any] | None = None,
         adapter: str = "auto",
     ) -> None:
         super().__init__("this Renderer")
         self._began_s = perf_counter()
-        self.size = checked_size(size)
         self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
+        self.size = checked_size(self.scene.camera.image_size if size is None else size)
         check_extent(self.scene)
         self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
         self._wanted = (technique, dict(settings or {}), adapter)
@@ -90,7 +92,8 @@ class Renderer(DeviceLifetime):
         self.commands = Commands(gpu)
         first = self._nearby.of(self._shown.of(self._first))
         self.meshes = GpuScene(gpu, first)
-        context = Context(gpu, first, self.meshes, self.size, self.commands)
+        at_once = self.commands if self._submits_at_once else None
+        context = Context(gpu, first, self.meshes, self.size, at_once)
         self.technique = make_technique(context, technique, settings, nearby=self._nearby)
         made.callback(self.technique.release)
         self.view = View(gpu, self.size)
@@ -249,7 +252,7 @@ class Renderer(DeviceLifetime):
 def render(
     scene: Scene | str | Path,
     technique: str = "auto",
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] | None = None,
     *,
     settings: Mapping[str, Any] | None = None,
     samples: int | None = None,
@@ -260,9 +263,9 @@ def render(
 ) -> Image:
     """One anti-aliased image of `scene`, which may also be a file or builtin:NAME.
 
-    `size`: (width, height) in pixels. `samples` jittered images are averaged (8, or 64
-    where the camera has a lens, or a shutter while things move). `settings` as in
-    `airlight render -D`.
+    `size`: (width, height) in pixels; the camera's by default. `samples` jittered images are
+    averaged (8, or 64 where the camera has a lens, or a shutter while things move). `settings` as
+    in `airlight render -D`.
     `progress(stage, share)` is called after each step. `timed` renders a few more frames, for
     `frame_ms` and the milliseconds of each pass in `image.stats`. `time`, seconds, is when a moving
     scene is shown; without it, one whose shutter is open is shown from its animation's start on.

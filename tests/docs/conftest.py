@@ -42,7 +42,8 @@ def small(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
         known = {field.name for field in dataclasses.fields(technique_settings(technique))}
         least = {name: value for name, value in LEAST.items() if name in known}
         asked = options.pop("settings", None) or {}
-        size = (min(size[0], LARGEST_PX[0]), min(size[1], LARGEST_PX[1]))
+        width, height = size or LARGEST_PX
+        size = (min(width, LARGEST_PX[0]), min(height, LARGEST_PX[1]))
         whole_init(self, scene, technique, size, settings={**asked, **least}, **options)
 
     def frame(self: Any, *, samples: int = 1, **options: Any) -> Any:

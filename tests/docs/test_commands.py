@@ -124,3 +124,13 @@ def test_what_is_not_there_is_found(line, says):
     for wrong in ("./run tests", "pip install '.[vew]'"):
         with pytest.raises(AssertionError):
             known(wrong, values=True)
+
+
+def test_the_extra_all_is_every_extra_that_is_not_for_work_on_airlight_itself():
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text("utf-8"))["project"]
+    (one,) = project["optional-dependencies"]["all"]
+    named = set(one.removeprefix("airlight[").removesuffix("]").split(","))
+    # `notebook` has `view` in it.
+    assert named | {"view", "all", "docs", "test", "test-view"} == extras()
+    installed = (REPOSITORY / "docs" / "install.md").read_text("utf-8")
+    assert all(f"| `{name}` |" in installed for name in {*named, "view", "all"})

@@ -22,13 +22,15 @@ MADE = {
     "sweep.py": ["sweep.csv", "sweep.png"],
 }
 NEEDS = {"cloud_from_netcdf.py": ["xarray", "scipy"], "pyvista_plume.py": ["pyvista"]}
-JAVASCRIPT = EXAMPLES / "read_light.mjs"
+OTHERS = ["read_light.mjs", "read_light.cpp"]
+"""Run by `tests/exports/test_light_field_file.py`."""
 NOTEBOOK = EXAMPLES / "compare_techniques.ipynb"
 
 
 def test_every_example_is_run_here_and_listed():
-    there = {path.name for path in EXAMPLES.iterdir() if path.suffix in (".py", ".ipynb", ".mjs")}
-    assert there == {*MADE, NOTEBOOK.name, JAVASCRIPT.name}
+    kinds = (".py", ".ipynb", ".mjs", ".cpp")
+    there = {path.name for path in EXAMPLES.iterdir() if path.suffix in kinds}
+    assert there == {*MADE, NOTEBOOK.name, *OTHERS}
     docs = (EXAMPLES.parent / "docs" / "examples.md").read_text("utf-8")
     readme = (EXAMPLES / "README.md").read_text("utf-8")
     for name in there:

@@ -54,6 +54,9 @@ def name_of(page: Path) -> str:
 
 
 RUN = ("python", "sh", "toml")
+BOX = """<scene version="3.0.0"><shape type="cube"/><emitter type="constant"/>
+<sensor type="perspective"><transform name="to_world">
+<lookat origin="0,1,4" target="0,1,0" up="0,1,0"/></transform></sensor></scene>"""
 PRINTED = ("scene-file.md", "command-line.md", "python.md")
 WITH_EXAMPLES = [
     page
@@ -70,6 +73,7 @@ def _parameter(page: Path) -> object:
 @pytest.mark.parametrize("page", [_parameter(page) for page in WITH_EXAMPLES])
 def test_what_a_page_shows_works(gpu, page, small, model, capsys):
     model("my.obj")
+    (small / "cbox.xml").write_text(BOX)
     np.save(small / "smoke.npy", np.ones((4, 5, 6), np.float32))
     save_cloud(small / "cloud.nc")
     namespace: dict[str, object] = {}

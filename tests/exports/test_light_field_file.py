@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import airlight as al
 from airlight.errors import OutputError, SceneError
 from airlight.exports.light_field import LatticeLight, LightField, VolumeLight
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "read_light.mjs"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+COMPILERS = ("c++", "g++", "clang++")
 RNG = np.random.default_rng(5)
 SHAPE = (4, 3, 2)
 
@@ -98,8 +100,36 @@ def test_where_it_cannot_be_written_is_said(field, tmp_path):
         field.save(tmp_path / "nowhere" / "light.npz")
 
 
-@pytest.mark.needs(("node", "nodejs"))
-def test_javascript_looks_up_what_numpy_does(tmp_path):
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory) -> dict[str, list[str | Path]]:
+    """Words that run the examples, by language, as far as they can be run here."""
+    found = dict[str, list[str | Path]]()
+    node = shutil.which("node") or shutil.which("nodejs")
+    if node:
+        found["javascript"] = [node, EXAMPLES / "read_light.mjs"]
+    compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
+    if compiler:
+        made = tmp_path_factory.mktemp("cpp") / "read_light"
+        strict = ("-std=c++17", "-O1", "-Wall", "-Wextra", "-pedantic", "-Werror")
+        subprocess.run([compiler, *strict, EXAMPLES / "read_light.cpp", "-o", made], check=True)
+        found["c++"] = [made]
+    return found
+
+
+LANGUAGES = [
+    pytest.param("javascript", marks=pytest.mark.needs(("node", "nodejs"))),
+    pytest.param("c++", marks=pytest.mark.needs(COMPILERS)),
+]
+
+
+def said_by(program: list[str | Path], folder: Path, point, normal) -> list[float]:
+    words = [*program, folder, *(str(v) for v in (*point, *normal))]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    return [float(v) for v in done.stdout.split()]
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_examples_look_up_what_numpy_does(programs, language, tmp_path):
     """A lattice that is turned and linear in space, where its own lookup is exact."""
     rng = np.random.default_rng(3)
     count = np.array([5, 4, 6])
@@ -123,21 +153,40 @@ def test_javascript_looks_up_what_numpy_does(tmp_path):
     for normal in (turned[0], turned[1], -turned[2]):
         own = np.array(cells.origin) + 0.25 * np.array([2.3, 1.8, 3.1])
         point = own @ turned
-        words = [str(v) for v in (*point, *normal)]
-        said = subprocess.run(
-            [_node(), EXAMPLE, tmp_path / "light", *words],
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
+        said = said_by(programs[language], tmp_path / "light", point, normal)
         # Half a cell before the surface, by the first order's formula.
         at = np.array([2.3, 1.8, 3.1]) + 0.5 * turned @ normal
         wanted = 2.0 + at @ np.random.default_rng(3).random((3, 12)) * 0.1
         wanted = wanted.reshape(3, 4) * np.array([1.0, 0.2, 0.1, -0.1])
         along = wanted[:, 1:] @ (turned @ normal)
         expected = np.pi * (wanted[:, 0] - 2.0 / 3.0 * along)
-        np.testing.assert_allclose([float(v) for v in said.split()], expected, rtol=1e-4)
+        np.testing.assert_allclose(said, expected, rtol=1e-4)
 
 
-def _node() -> str:
-    return shutil.which("node") or shutil.which("nodejs") or ""
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_examples_come_near_airlights_own_lookup(gpu, programs, language, tmp_path):
+    """Of a solved room: the same where a surface faces an axis between open cells (the back wall),
+    within a tenth on the ceiling, where cells end at other places (measured: .92 to 1.05)."""
+    folder = tmp_path / "light"
+    settings = {"resolution": 12}
+    field = al.export_lattice(al.scenes.cornell(), folder, technique="lpv", settings=settings)
+    rng = np.random.default_rng(1)
+    for place, normal, tolerance in (
+        (lambda x, y: (x, y + 2.7, -2.8), (0.0, 0.0, 1.0), 2e-3),
+        (lambda x, y: (x, 5.4, y), (0.0, -1.0, 0.0), 0.1),
+    ):
+        for x, y in rng.uniform(-2.0, 2.0, (4, 2)):
+            point = place(x, y)
+            own = field.irradiance(np.array([point]), np.array([normal]))[0]
+            said = said_by(programs[language], folder, point, normal)
+            assert min(own) > 0.05
+            np.testing.assert_allclose(said, own, rtol=tolerance)
+
+
+@pytest.mark.parametrize("language", LANGUAGES[1:])
+def test_a_folder_that_holds_no_light_is_refused_in_one_line(programs, language, tmp_path):
+    done = subprocess.run(
+        [*programs[language], tmp_path, *"000010"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert done.stderr == f"error: {tmp_path}/header.json: cannot be read\n"

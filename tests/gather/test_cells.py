@@ -97,5 +97,5 @@ def test_air_that_scatters_anisotropically_shows_what_its_phase_function_says():
     for name, g in found:
         ratio = found[name, g] / found[name, 0.0]
         expected = scattered(name, g) / scattered(name, 0.0)
-        # 256 rays of each of eight cells along the view, which stand for places within half a metre.
+        # 256 rays of each of eight cells along the view, which stand for places near them.
         assert ratio == pytest.approx(expected, rel=0.08), (name, g)

@@ -31,8 +31,8 @@ _EXTRA_PURPOSE = {
     "video": "videos of sequences",
     "farm": "sequences on several machines",
 }
-_PROJECTS_OWN = ("docs", "test", "test-view")
-"""Extras that nobody needs who only uses airlight."""
+_NOT_LISTED = ("docs", "test", "test-view", "all")
+"""Extras that nobody needs who only uses airlight, and the one that is all others."""
 _REQUIREMENT = re.compile(r"^([A-Za-z0-9._-]+).*[; ]extra\s*==\s*['\"]([\w-]+)['\"]$")
 
 
@@ -95,7 +95,7 @@ def extras() -> dict[str, dict[str, Any]]:
     # Requirements of the package that belong to an extra, with what is installed of each.
     for match in filter(None, map(_REQUIREMENT.match, requirements)):
         package, extra = match.groups()
-        if extra in _PROJECTS_OWN:
+        if extra in _NOT_LISTED:
             continue
         entry = found.setdefault(
             extra,

@@ -79,6 +79,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
             "target": scene.camera.target,
             "fov_y_deg": scene.camera.fov_y_deg,
         },
+        "image_size_px": list(scene.camera.image_size),
         "medium": None if scene.medium is None else _coefficients(scene.medium),
         "volumes": [_volume_facts(volume) for volume in scene.volumes],
         "animation": _animation_facts(scene),

@@ -133,10 +133,15 @@ def _lut(_: click.Context, __: click.Parameter, value: str | None) -> Lut | None
     return None if value is None else read_cube(Path(value))
 
 
-def size_option(default: str) -> Decorator:
-    """--size WxH, given to the command as (width, height) in pixels."""
+def size_option(default: str | None) -> Decorator:
+    """--size WxH, given to the command as (width, height) in pixels.
+
+    None without a default: the size that the scene's camera has.
+    """
+    help = "Pixels." if default else "Pixels.  [default: those of the file's film; or 1280x720]"
+    shows = default is not None
     return click.option(
-        "--size", default=default, show_default=True, metavar="WxH", callback=_size, help="Pixels."
+        "--size", default=default, show_default=shows, metavar="WxH", callback=_size, help=help
     )
 
 
@@ -205,7 +210,9 @@ def shared_settings(
     return own
 
 
-def _size(ctx: click.Context, param: click.Parameter, text: str) -> tuple[int, int]:
+def _size(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
         raise click.BadParameter(f"'{text}' is not a size such as 1280x720")

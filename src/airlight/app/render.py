@@ -36,7 +36,7 @@ _STARTED_S = time.perf_counter()
 @click.command("render")
 @output_option("FILE", "Image to write: .exr and .hdr are linear, .png and .jpg tone mapped.")
 @solving_options()
-@size_option("1280x720")
+@size_option(None)
 @samples_option(None, "Jittered samples per pixel.  [default: 8; 64 with a lens or a shutter]")
 @click.option(
     "--time",
@@ -147,7 +147,7 @@ def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
         raise SettingsError(f"nothing moves in '{scene.name}'", remedy="Leave --time out.")
     return {
         "technique": options["technique"],
-        "size": options["size"],
+        "size": options["size"] or scene.camera.image_size,
         "settings": options["settings"],
         "adapter": options["adapter"],
         "timed": options["stats"] is not None,

@@ -39,7 +39,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     check_sequence(output, {**options, "kind": None, "farm": None, "layers": False})
     loaded = around(load_scene(scene, options["model"]), options["seconds"], options["fps"])
     last = max(0, round(options["seconds"] * options["fps"]) - 1)
-    plan = plan_of(options, start_s=0.0, fps=options["fps"], first=0, last=last)
+    plan = plan_of(loaded, options, start_s=0.0, fps=options["fps"], first=0, last=last)
     make_sequence(plan, loaded, output, {**options, "farm": None, "keep_frames": not is_video})
 
 

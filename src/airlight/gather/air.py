@@ -42,6 +42,7 @@ _FIRST = "fn first_lattices() -> LatticeParams { return lattices[0]; }\n"
 
 class _Air(ComputePass):
     workgroup = (8, 8, 1)
+    in_bands = True
 
     def __init__(self, gpu: Gpu, media: GpuMedia, variant: Variant) -> None:
         self.slots = (  # type: ignore[misc]

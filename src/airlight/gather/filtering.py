@@ -39,6 +39,7 @@ class _Filter(ComputePass):
         storage("after", PointSums, "read_write"),
     )
     workgroup = (8, 8, 1)
+    in_bands = True
     file = "filter.wgsl"
 
 

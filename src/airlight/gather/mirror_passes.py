@@ -72,6 +72,7 @@ class FirstRays(ComputePass):
         image("hit_normals", "rgba16float"),
         image("hit_albedos", "rgba16float"),
     )
+    in_bands = True
     file = "mirror_rays.wgsl"
 
 
@@ -99,6 +100,7 @@ class LaterRays(ComputePass):
 class MirrorLight(ComputePass):
     """Adds up what rays found, with its light."""
 
+    in_bands = True
     file = "mirror_light.wgsl"
 
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
@@ -130,4 +132,5 @@ class Resolving(ComputePass):
         image("mirrored_sky", "rgba32float"),
         image("mirrored_light", "rgba32float"),
     )
+    in_bands = True
     file = "mirrors.wgsl"

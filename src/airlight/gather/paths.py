@@ -74,6 +74,7 @@ _SLOTS = (
 
 class _Fold(ComputePass):
     workgroup = (8, 8, 1)
+    in_bands = True
 
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
         self.slots = _SLOTS + (storage("air", "vec4f"),) * has_air  # type: ignore[misc]

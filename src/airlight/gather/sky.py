@@ -29,6 +29,7 @@ fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f {
 
 class _SkyRays(ComputePass):
     workgroup = (8, 8, 1)
+    in_bands = True
 
     def __init__(self, gpu: Gpu, media: GpuMedia | None, constants: dict[str, float]) -> None:
         self.slots = (  # type: ignore[misc]

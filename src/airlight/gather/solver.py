@@ -173,13 +173,15 @@ class GatherSolver(Solver):
     ) -> Iterator[int]:
         """Trace paths of several segments; lattices light what the last of them meets.
 
-        Yields the number of each segment once its light is in the paths.
+        Yields the number of each segment once its light is in the paths; none where nobody waits.
         """
         assert self._trace is not None
         rays = sized.rays
         count = self.settings.gather_bounces if self._bounces else 1
         hits, before = sized.hits
         for index in range(count):
+            if not commands.is_wanted:
+                return
             # What each ray meets, from the surface that the one before it met.
             segment = Segment(numbers, index, self.kit.rays.raised)
             with commands.stage("gather rays"):
@@ -252,7 +254,8 @@ class GatherSolver(Solver):
     def _gathers(self, view: View) -> bool:
         """Whether this view does. Lights by the thousand are in lattices alone, and seen there."""
         is_wanted = view.is_still or self.settings.gather == "always"
-        return is_wanted and bool(self.kit.meshes.draws) and not self._scene.light_groups
+        can_gather = view.may_gather and not self._scene.light_groups
+        return is_wanted and can_gather and bool(self.kit.meshes.draws)
 
     def _make(self, commands: Commands) -> None:
         """Bring the hierarchy up to date, and the passes that look into it."""

@@ -53,6 +53,7 @@ class _Trace(ComputePass):
         image("hit_albedos", "rgba16float"),
     )
     workgroup = (8, 8, 1)
+    in_bands = True
     file = "trace.wgsl"
 
 

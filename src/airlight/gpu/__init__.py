@@ -10,7 +10,7 @@ failures, demands            what the device refuses, with pass, limit and remed
 process, one_thread          which process and which thread may use it
 lifetime                     from opening to closing, whole again after an error
 canvas                       a window, or a browser's image, to draw into
-sliced, tally                commands pass by pass in the background; counted as they are encoded
+sliced, bands, tally         commands in the background, long passes in bands; counted
 quick_types                  C types of wgpu-py, declared sooner
 interpolants, lanes          flat interpolants and lanes of vectors, on CPU adapters
 """

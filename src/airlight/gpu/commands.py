@@ -7,7 +7,7 @@ rewritten between dispatches of one submit would show only its last value to all
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -29,6 +29,11 @@ class Commands:
 
     is_recordable = True
     """Whether dispatches in a row may share a pass, and so be replayed (see recorded)."""
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anybody waits for what is encoded; else its longest parts may be left out."""
+        return True
 
     def __init__(self, gpu: Gpu) -> None:
         self.gpu = gpu
@@ -85,6 +90,14 @@ class Commands:
             yield render_pass
         finally:
             render_pass.end()
+
+    def bands(self, key: Hashable, count: int, layer: int = 1) -> Iterator[tuple[int, int]]:
+        """The bands of a pass of `count` rows, as (first, how many): here, one.
+
+        `key` names the pass, and what else its time depends on. A band is whole layers, of so many
+        rows, or lies within a `layer`.
+        """
+        yield 0, count
 
     def put(self, params: object) -> int:
         """Store `params` until the submit; returns their offset in the arena.

@@ -13,6 +13,8 @@ from math import prod
 from pathlib import Path
 from typing import Any, ClassVar
 
+from .bands import BAND, Band, banded, longest, part
+from .bands import ENTRY as BANDED
 from .bindings import Bindings
 from .commands import Commands
 from .demands import check_slots, check_workgroup, compiled
@@ -32,6 +34,8 @@ class ComputePass:
     workgroup: ClassVar[tuple[int, int, int]] = (8, 8, 1)
     entry: ClassVar[str] = "main"
     file: ClassVar[str] = ""
+    in_bands: ClassVar[bool] = False
+    """Whether it may take long, and workgroups need not run together: it is divided (see bands)."""
 
     def __init__(
         self, gpu: Gpu, *, constants: dict[str, float] | None = None, generated: str = ""
@@ -43,7 +47,7 @@ class ComputePass:
         source = self._source
         wx, wy, wz = self.workgroup
         # What the device cannot bind or run is refused before anything is made of it.
-        slots = on_device(self.slots, gpu)
+        slots = on_device((*self.slots, BAND) if self.in_bands else self.slots, gpu)
         check_slots(gpu, self.label, slots)
         check_workgroup(gpu, self.label, self.workgroup)
         # The whole source: bindings and workgroup from the class, what is generated, then the
@@ -53,9 +57,14 @@ class ComputePass:
         if generated:
             source.add(generated, f"{self.label} generated")
         path = shader_path(type(self))
-        source.add(path.read_text(), f"{path.parent.name}/{path.name}")
+        text = path.read_text()
+        if self.in_bands:
+            text, entry = banded(text)
+            source.add(entry, f"{self.label} bands")
+        source.add(text, f"{path.parent.name}/{path.name}")
+        self._begins = BANDED if self.in_bands else self.entry
         self.bindings = Bindings(gpu, slots, compute=True, label=self.label)
-        self._made_of = (self.label, self.entry, constants, [slot.layout for slot in slots])
+        self._made_of = (self.label, self._begins, constants, [slot.layout for slot in slots])
 
     @cached_property
     def pipeline(self) -> Any:
@@ -81,12 +90,24 @@ class ComputePass:
         layout = device.create_pipeline_layout(
             label=self.label, bind_group_layouts=[self.bindings.layout]
         )
-        stage = {"module": module, "entry_point": self.entry, "constants": self._constants}
+        stage = {"module": module, "entry_point": self._begins, "constants": self._constants}
         return device.create_compute_pipeline(label=self.label, layout=layout, compute=stage)
 
     def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
         groups = self._groups.get(invocations) or self._grouped(invocations)
+        if not self.in_bands:
+            self._dispatch(commands, groups, values)
+            return
+        # Band by band along the longest axes; in a frame there is one.
+        layers, rows = (groups[axis] for axis in longest(groups))
+        for first, count in commands.bands((self, groups), layers * rows, rows):
+            begin, size = part(groups, first, count)
+            self._dispatch(commands, size, values | {"band": Band.of(first=begin, pad=0)})
+
+    def _dispatch(
+        self, commands: Commands, groups: tuple[int, ...], values: dict[str, Any]
+    ) -> None:
         self._ready(commands, values).dispatch_workgroups(*groups)
         if commands.tally is not None:
             commands.tally.ran(commands.stage_name, prod(groups) * prod(self.workgroup))
@@ -97,6 +118,8 @@ class ComputePass:
         """Run as many groups as the first three numbers of `groups` say, on the device."""
         if commands.recording is not None:
             raise RuntimeError(f"{self.label}: what runs by numbers of the device is not recorded")
+        if self.in_bands:
+            values = values | {"band": Band.of(first=(0, 0, 0), pad=0)}
         self._ready(commands, values).dispatch_workgroups_indirect(groups.handle, 0)
 
     def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:

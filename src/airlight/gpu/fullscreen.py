@@ -98,17 +98,35 @@ class FullscreenPass(RasterPipeline):
         if self.stage == "compute":
             self._store(commands, targets, values)
             return
-        kept = self._blended
-        colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         if commands.tally is not None:
             width, height = getattr(targets[0], "size", (0, 0))[:2]
             commands.tally.ran(commands.stage_name, width * height)
             commands.tally.bound(commands.stage_name, targets)
+        # A surface's view has no size, and is drawn whole.
+        size = tuple(getattr(targets[0], "size", ()))[:2]
+        rows = commands.bands((self, size), size[1]) if size else iter([(0, 0)])
+        for first, count in rows:
+            self._draw_rows(commands, targets, tested, values, (size, first, count))
+
+    def _draw_rows(
+        self,
+        commands: Commands,
+        targets: tuple[Any, ...],
+        tested: DepthTest | None,
+        values: dict[str, Any],
+        band: tuple[tuple[int, ...], int, int],
+    ) -> None:
+        """Of targets of a size, which the first `band` clears, so many rows from one on."""
+        size, first, count = band
+        kept = len(targets) if first else self._blended
+        colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
         attached = tested.attached if tested else {}
         # Three vertices cover the target; a depth test leaves out pixels by what they hold.
         with commands.render(self.label, color_attachments=colors, **attached) as encoder:
             if tested:
                 encoder.set_viewport(0, 0, *tested.size[:2], tested.at, tested.at)
+            if size and count < size[1]:
+                encoder.set_scissor_rect(0, first, size[0], count)
             encoder.set_pipeline(self.pipeline)
             self.bindings.bind(commands, encoder, 0, values)
             encoder.draw(3)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .device import Gpu
 from .process import is_forked
 
+_AT_ONCE = 8 << 20  # bytes of a buffer: more would hold up whoever else uses the device
 _TEXTURE_USAGE = (
     wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC | wgpu.TextureUsage.COPY_DST
 )
@@ -141,8 +142,7 @@ class Texture(_Counted):
         row: int = 0,
         column: int = 0,
     ) -> None:
-        """Upload a box of texels from (`column`, `row`, `layer`) on; by default all of a mip level
-        (of one layer, or of a whole 3D texture)."""
+        """Upload a box of texels from (`column`, `row`, `layer`) on; else a whole mip level."""
         data = np.ascontiguousarray(pixels)
         dtype, channels = _DTYPES[self.format]
         if data.dtype != dtype:
@@ -223,9 +223,12 @@ class Buffer(_Counted):
 
     def write(self, data: NDArray[Any], offset: int = 0) -> None:
         """Upload; happens before anything submitted later, after anything submitted before."""
-        if data.nbytes:
-            with self.gpu.guarded():
-                self.gpu.queue.write_buffer(self.handle, offset, np.ascontiguousarray(data))
+        sent = np.ascontiguousarray(data).reshape(-1).view(np.uint8)
+        with self.gpu.guarded():
+            for k in range(0, len(sent), _AT_ONCE):
+                self.gpu.queue.write_buffer(self.handle, offset + k, sent[k : k + _AT_ONCE])
+                if len(sent) > _AT_ONCE:  # copied while the next part is handed over
+                    self.gpu.queue.submit([])
 
     def read(self, dtype: Any = np.float32) -> NDArray[Any]:
         """The contents, once everything submitted is done."""

@@ -58,6 +58,7 @@ class _SumSurfels(ComputePass):
         storage("sums", "atomic<i32>", "read_write"),
     )
     workgroup = (256, 1, 1)
+    in_bands = True
     file = "blockers.wgsl"
 
 
@@ -72,6 +73,7 @@ class _FaceVisibility(ComputePass):
         image("walls", "rgba8snorm", "3d"),
     )
     workgroup = (32, 8, 1)
+    in_bands = True
     file = "face_visibility.wgsl"
 
 

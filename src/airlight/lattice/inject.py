@@ -111,6 +111,7 @@ class Inject(ComputePass):
         *TARGET_SLOTS,
     )
     workgroup = (16, 16, 1)
+    in_bands = True
 
     def __init__(self, gpu: Gpu, attenuation: LightAttenuation | None = None) -> None:
         """`attenuation`: media on the path from each light to the texel (Billeter2012 3.1)."""

@@ -56,6 +56,7 @@ class _Skylight(ComputePass):
         image("cube", FILTERED, "3d"),
     )
     workgroup = (8, 8, 4)
+    in_bands = True
     file = "skylight.wgsl"
 
 

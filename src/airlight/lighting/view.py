@@ -34,6 +34,8 @@ class View:
         self.sample = 0
         self.is_still = False
         """Whether its image is one of several samples, not a frame alone."""
+        self.may_gather = True
+        """Whether its indirect light may be gathered; a quick image has the lattices' alone."""
         self.camera = Camera()
         self.metered_stops = 0.0
         """The exposure where the camera leaves it to the image: of unlit surfaces."""

@@ -73,7 +73,8 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
             notes.append("g differs between the channels, written as its mean")
         if scene.camera.exposure_stops != 0.0:
             notes.append("the camera's exposure is left out: Mitsuba's images have none")
-        exported = export(scene, staged, path.stem, prefix, notes=notes)
+        size = scene.camera.image_size
+        exported = export(scene, staged, path.stem, prefix, size=size, notes=notes)
         _replace_folder(staged, path.parent / prefix)
         made = path.parent / prefix / f"{path.stem}.xml"
         with whole_file(path) as part:

@@ -10,6 +10,9 @@ from ..errors import SceneError
 from . import checks
 from .checks import Vec3
 
+USUAL_PX = (1280, 720)
+MOST_ASPECT = 100.0
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -19,7 +22,8 @@ class Camera:
     `exposure_stops` scales the displayed image by 2**stops (None: from the image itself);
     radiance is not touched. `aperture_m` is the diameter of its lens, 0 for a pinhole; what lies
     `focus_m` ahead along the view is sharp (None: what lies at the target's distance). `shutter_s`:
-    how long the shutter is open from a frame's time on, while things move.
+    how long the shutter is open from a frame's time on, while things move. `film_px`: (width,
+    height) of its images where nobody asks for others; without it they have 1280x720.
     Raises SceneError for a camera that looks nowhere.
     """
 
@@ -31,6 +35,7 @@ class Camera:
     aperture_m: float = 0.0
     focus_m: float | None = None
     shutter_s: float = 0.0
+    film_px: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -44,9 +49,26 @@ class Camera:
         put(self, "shutter_s", checks.number(self.shutter_s, "shutter_s", low=0.0, high=1e6))
         if self.focus_m is not None:
             put(self, "focus_m", checks.number(self.focus_m, "focus_m", low=1e-6, high=1e9))
+        if self.film_px is not None:
+            put(self, "film_px", checks.size_px(self.film_px, "film_px"))
         look = np.subtract(self.target, self.position)
         if not np.any(look):
             raise SceneError("camera position and target are the same point")
         if np.linalg.norm(np.cross(look, self.up)) < 1e-6 * np.linalg.norm(look):
             # Looking straight along `up`: any other up does.
             put(self, "up", (0.0, 0.0, -1.0) if abs(self.up[1]) > 0.9 else (0.0, 1.0, 0.0))
+
+    @property
+    def image_size(self) -> tuple[int, int]:
+        """(width, height) of its images where nobody asks for others, pixels."""
+        return self.film_px or USUAL_PX
+
+
+def film_of(aspect: float) -> tuple[int, int] | None:
+    """The size in pixels, even on both sides, of an image of usual area and `aspect`: its width by
+    its height. None for one that no image has."""
+    if not MOST_ASPECT > aspect > 1.0 / MOST_ASPECT:
+        return None
+    width = (USUAL_PX[0] * USUAL_PX[1] * aspect) ** 0.5
+    height = width / aspect
+    return (2 * round(width / 2.0), 2 * round(height / 2.0))

@@ -26,6 +26,8 @@ MOST = 1e15
 MOST_M = 1e9
 """Metres of any place and size: single precision holds the square of an area."""
 MOST_STOPS = 64.0
+MOST_PX = 16384
+"""Along a side of an image."""
 
 
 def number(value: Any, name: str, *, low: float = -MOST, high: float = MOST) -> float:
@@ -81,6 +83,14 @@ def pair(value: Any, name: str, *, low: float, high: float) -> tuple[float, floa
         raise SceneError(f"{name} must be two numbers, not {shown(value)}")
     a, b = (number(v, name, low=low, high=high) for v in value)
     return (a, b)
+
+
+def size_px(value: Any, name: str) -> tuple[int, int]:
+    """Two whole numbers of pixels."""
+    low, high = pair(value, name, low=1, high=MOST_PX)
+    if low != int(low) or high != int(high):
+        raise SceneError(f"{name} must be two whole numbers, not {shown(value)}")
+    return (int(low), int(high))
 
 
 def unit_vec3(value: Any, name: str) -> Vec3:

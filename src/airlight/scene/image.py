@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from ..errors import SettingsError, nearest
 from ..maths.lut import Lut
 from ..maths.tone import display_srgb8
-from .checks import F32
+from .checks import F32, MOST_PX
 
-MAX_SIDE_PX = 16384
+MAX_SIDE_PX = MOST_PX
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,9 @@ FULL = (800, 450)
 
 def test_coarse_while_moving_then_all_samples_then_nothing():
     quality = Quality(is_cpu=True, samples=3)
-    assert quality.plan(0.0, FULL, changed=True).size == (400, 225)
+    first = quality.plan(0.0, FULL, changed=True)
+    assert first.size == (400, 225)
+    quality.took(10.0, first)  # four times as long would do
     between = quality.plan(0.1, FULL, changed=False)
     assert between.is_moving
     assert between.sample is None  # nothing new to draw, too early to refine
@@ -101,28 +103,42 @@ def test_where_fewer_pixels_save_nothing_there_are_no_fewer():
     assert quality.scale > 4.0
 
 
-def test_stills_that_would_block_the_window_are_smaller():
-    quality, now = Quality(is_cpu=True, samples=8), 1.0
+@pytest.mark.parametrize("is_alone", [False, True])
+def test_stills_that_would_block_the_window_are_smaller(is_alone):
+    quality, now = Quality(is_cpu=False, samples=12), 1.0
+    quality.is_alone = is_alone
     plans = []
     for _ in range(14):
         now += 0.1
         plans.append(quality.plan(now, FULL, changed=False))
-        quality.took(1400.0 * plans[-1].size[0] ** 2 / FULL[0] ** 2, plans[-1])
+        if plans[-1].sample is not None:
+            quality.took(200.0 * plans[-1].size[0] ** 2 / FULL[0] ** 2, plans[-1])
     assert plans[0].size == plans[1].size == FULL
-    assert plans[2].size == (400, 225)
-    assert [plan.sample for plan in plans[2:]] == [*range(8), *range(4)]
     assert {plan.size for plan in plans[2:10]} == {(400, 225)}
-    assert {plan.size for plan in plans[10:]} == {FULL}  # in the end, however long it takes
+    assert [plan.sample for plan in plans[2:10]] == [*range(8)]
+    # Someone else has full size in the end, or these do, however long they take.
+    assert [plan.sample for plan in plans[10:]] == (list(range(4)) if is_alone else [None] * 4)
+    assert {plan.size for plan in plans[10:]} == {FULL if is_alone else (400, 225)}
+    assert quality.is_done is not is_alone
+    assert quality.is_coarse is not is_alone
     quality.plan(8.0, FULL, changed=True)
     assert quality.plan(8.5, FULL, changed=False).size == (500, 281)  # perhaps it goes now
-    assert quality.plan(9.0, (200, 100), changed=False).size == (200, 100)  # a new window, a try
+
+
+def test_a_view_at_rest_begins_as_fine_as_moving_images_say():
+    quality = Quality(is_cpu=True)
+    assert moving(quality, 900.0 / (FULL[0] * FULL[1]), frames=20) < 100.0
+    still = quality.plan(5.0, FULL, changed=False)
+    assert 30.0 < 900.0 * still.size[0] * still.size[1] / (FULL[0] * FULL[1]) < 100.0
 
 
 @pytest.mark.parametrize("seed", range(300))
 def test_a_view_at_rest_ends_at_full_size(seed):
-    """Whatever frames took, whenever it moved, and whoever was at work before."""
+    """Whatever frames took, whenever it moved, and whoever was at work before, if nobody else has
+    an image of full size."""
     rng = np.random.default_rng(seed)
     quality, now = Quality(is_cpu=bool(seed % 2), samples=int(rng.integers(1, 9))), 0.0
+    quality.is_alone = True
     for _ in range(int(rng.integers(0, 80))):
         now += float(rng.choice([0.01, 0.1, 0.5]))
         full = FULL if rng.random() < 0.97 else (300, 200)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import struct
 from pathlib import Path
@@ -12,11 +11,9 @@ import pytest
 from PIL import Image
 
 from airlight.errors import SceneError
-from airlight.rendering import render
 from airlight.scene import AreaLight, DirectionalLight, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.io import load
 from airlight.scene.io.mitsuba import load_mitsuba
-from airlight.scene.io.mitsuba_camera import USUAL_SIZE
 from airlight.scene.light_shapes import unit_geometry
 from airlight.scene.lights.area import world_from_unit
 from airlight.scene.material import DEFAULT_MATERIAL
@@ -653,19 +650,12 @@ def test_files_behind_a_search_path_outside_name_the_remedy(tmp_path: Path) -> N
     assert "AIRLIGHT_ROOT" in str(error.value)
 
 
-def test_what_a_film_and_a_focus_say_is_told_once_or_not_at_all(tmp_path: Path) -> None:
-    """Images have the size that is asked for, and pinholes are sharp wherever they focus."""
+def test_a_film_and_a_focus_are_taken_without_a_word(tmp_path: Path) -> None:
+    """Images have the film's size, and pinholes are sharp wherever they focus."""
     body = """<sensor type="perspective"><float name="focus_distance" value="1000"/>
       <film type="hdrfilm"><integer name="width" value="256"/><integer name="height" value="128"/>
       </film></sensor>"""
     found = scene(tmp_path, body)
     assert found.camera.focus_m is None
-    assert found.warnings == ("its film has 256x128 pixels; images have those of --size",)
-
-
-def test_a_film_of_the_usual_size_needs_no_word(tmp_path: Path) -> None:
-    assert inspect.signature(render).parameters["size"].default == USUAL_SIZE
-    width, height = USUAL_SIZE
-    film = f'<integer name="width" value="{width}"/><integer name="height" value="{height}"/>'
-    found = scene(tmp_path, SENSOR.format(f'<film type="hdrfilm">{film}</film>'))
-    assert found.warnings == ()
+    assert found.camera.film_px == found.camera.image_size == (256, 128)
+    assert not found.warnings

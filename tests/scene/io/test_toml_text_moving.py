@@ -65,6 +65,7 @@ KINDS: dict[str, object] = {
     "two corners": [[-3, -1, -3], [3, 2, 3]],
     "number or vector": [1, 2, 3],
     "two numbers": [0.5, 2.5],
+    "two whole numbers": [640, 480],
     'number or "auto"': "auto",
 }
 NEEDS = {  # keys that cannot stand alone

@@ -50,6 +50,12 @@ def test_a_box_is_seen_whole():
     assert np.linalg.norm(np.subtract(camera.position, camera.target)) > 4.0
 
 
+def test_air_is_seen_before_the_sky():
+    """The horizon lies below the middle of the box: no ground is behind its upper half."""
+    camera = framing_box(np.array([0.0, 300.0, 0.0]), np.array([3000.0, 2300.0, 3000.0]))
+    assert camera.position[1] < camera.target[1]
+
+
 def test_a_damaged_grid_is_one_message(tmp_path):
     (tmp_path / "a.npy").write_bytes(b"no")
     with pytest.raises(SceneError, match=r"a\.npy"):

@@ -39,7 +39,7 @@ _APART = ("resume", "farm")
 FRAME_OPTIONS = together(
     output_option("DIR|FILE.mp4", "A folder for frames, or a video."),
     solving_options(),
-    size_option("1280x720"),
+    size_option(None),
     samples_option(4),
     scene_options(),
     click.option("--resume", is_flag=True, help="Go on where a run was broken off."),
@@ -224,10 +224,11 @@ def check_sequence(output: Path, options: Mapping[str, Any]) -> None:
         raise SettingsError("--layers needs --format exr")
 
 
-def plan_of(options: Mapping[str, Any], **frames: Any) -> Plan:
+def plan_of(scene: Scene, options: Mapping[str, Any], **frames: Any) -> Plan:
     """A plan as the command's `FRAME_OPTIONS` say; `frames` are its other fields."""
-    shared = ("technique", "settings", "adapter", "size", "samples")
-    return Plan(**{name: options[name] for name in shared}, **frames)
+    shared = ("technique", "settings", "adapter", "samples")
+    size = options["size"] or scene.camera.image_size
+    return Plan(**{name: options[name] for name in shared}, size=size, **frames)
 
 
 def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
@@ -235,6 +236,7 @@ def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
         scene, options["frames"], options["start_s"], options["end_s"], options["fps"]
     )
     return plan_of(
+        scene,
         options,
         start_s=start_s,
         fps=fps,

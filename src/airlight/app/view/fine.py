@@ -3,6 +3,7 @@
 A renderer of its own is created, solved and drawn in the background; a presenter of its own
 averages its samples. It is shown once its mean is good enough, and the other one again as soon as
 anything moves. A camera that moved costs it new samples only, a light that moved a new solution.
+Where the other one is coarse, plain samples come first, which are quick: nothing is gathered.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from .drawn import Drawn
 SAMPLES = 64
 SHOWN_FROM = 8
 """Samples of the coarser image are given up for no fewer of the finer one."""
+PLAIN_SAMPLES = 4
+"""At full size and shown at once, in place of a coarse image."""
 MOST_BYTES = 512 << 20
 """Of the device, beside what the coarser renderer has; where it takes more it is given up."""
 _MOST_CELLS = {True: 64**3, False: 96**3}  # by whether the driver is software
@@ -78,13 +81,15 @@ class Shot:
 class Fine:
     """`begin` where the view is static, `moved` when it no longer is; for one structure.
 
-    `samples` are in the mean of `presenter`. `message`: why there will be none.
+    `samples` are in the mean of `presenter`, `plain` in that of plain ones. `message`: why there
+    will be none.
     """
 
     def __init__(self, gpu: Gpu, turns: Turns) -> None:
         self.gpu, self._turns = gpu, turns
-        self.samples, self.message = 0, ""
+        self.samples, self.plain, self.message = 0, 0, ""
         self.presenter: Presenter | None = None
+        self._plain_presenter: Presenter | None = None
         self._drawn: Drawn | None = None
         self._task: Task[None] | None = None
         self._shot: Shot | None = None
@@ -93,7 +98,14 @@ class Fine:
     @property
     def is_shown(self) -> bool:
         """Whether its mean is better than the coarser image's."""
-        return self._shot is not None and self.samples >= SHOWN_FROM
+        return self._shot is not None and (self.samples >= SHOWN_FROM or self.plain > 0)
+
+    @property
+    def shown(self) -> tuple[Presenter | None, int]:
+        """What is to be seen of it, and the samples in that."""
+        if self.samples >= SHOWN_FROM or not self.plain:
+            return self.presenter, self.samples
+        return self._plain_presenter, self.plain
 
     @property
     def is_empty(self) -> bool:
@@ -117,12 +129,17 @@ class Fine:
 
     def moved(self) -> None:
         """The view is no longer static: what is being made holds. Only in the viewer's turn."""
-        self.samples, self._shot = 0, None
+        self.samples, self.plain, self._shot = 0, 0, None
         if self._task:
             self._task.pause(holds=True)
 
-    def begin(self, make: Callable[[], Renderer], shot: Shot) -> None:
-        """Go on towards the finest image of `shot`; `make` makes the renderer for it."""
+    def begin(
+        self, make: Callable[[], Renderer], shot: Shot, *, is_plain_first: bool = False
+    ) -> None:
+        """Go on towards the finest image of `shot`; `make` makes the renderer for it.
+
+        `is_plain_first`: there is no image of its size to be seen until then.
+        """
         if self._task and not self._task.is_done:
             self._task.pause(holds=False)
             return
@@ -130,8 +147,11 @@ class Fine:
             self._take()
         if self.message or (self._shot is shot and self.samples >= SAMPLES):
             return
-        self._shot, self.samples = shot, 0
-        self._task = Task(self.gpu, self._turns, lambda commands: self._work(commands, make, shot))
+        self._shot, self.samples, self.plain = shot, 0, 0
+        plain = PLAIN_SAMPLES if is_plain_first else 0
+        self._task = Task(
+            self.gpu, self._turns, lambda commands: self._work(commands, make, shot, plain)
+        )
 
     def halt(self) -> None:
         """Return once nothing is being made: at the end of the sample that is being drawn."""
@@ -153,10 +173,11 @@ class Fine:
             self._task.wait()
         if self._drawn:
             self._drawn.close()
-        if self.presenter:
-            self.presenter.release()
-        self._task = self._drawn = self.presenter = None
-        self.samples = 0
+        for presenter in (self.presenter, self._plain_presenter):
+            if presenter:
+                presenter.release()
+        self._task = self._drawn = self.presenter = self._plain_presenter = None
+        self.samples = self.plain = 0
 
     def _take(self) -> None:
         """The end of a task: an error of it ends the attempts."""
@@ -168,7 +189,9 @@ class Fine:
             self.drop()
             self.message = f"no finer image: {said(error)}"
 
-    def _work(self, commands: SlicedCommands, make: Callable[[], Renderer], shot: Shot) -> None:
+    def _work(
+        self, commands: SlicedCommands, make: Callable[[], Renderer], shot: Shot, plain: int
+    ) -> None:
         """In the task's thread: the renderer, the solution, then samples while `shot` is wanted."""
         # A finer renderer beside the live one must leave memory to it.
         if self._drawn is None:
@@ -183,26 +206,35 @@ class Fine:
         drawn.renderer.resize(shot.size)
         drawn.renderer.view.is_still = True
         drawn.solve(commands, is_still=True)
+        commands.wanted = lambda: self._shot is shot
         # Samples are folded in one by one, until what is looked at is another shot.
-        for index, jitter in enumerate(self._jitters):
+        stages = [(True, index) for index in range(plain)]
+        for is_plain, index in stages + [(False, index) for index in range(SAMPLES)]:
             if self._shot is not shot:
                 return
-            place = (float(jitter[0]), float(jitter[1]))
+            drawn.renderer.view.may_gather = not is_plain
+            place = (float(self._jitters[index][0]), float(self._jitters[index][1]))
             drawn.draw(
                 commands, *through_lens(shot.scene.camera, place, index, shot.size[1]), index
             )
             commands.submit()
-            self._fold(commands, drawn.renderer, shot, index)
+            self._fold(commands, drawn.renderer, shot, index, is_plain=is_plain)
 
-    def _fold(self, commands: SlicedCommands, r: Renderer, shot: Shot, index: int) -> None:
+    def _fold(
+        self, commands: SlicedCommands, r: Renderer, shot: Shot, index: int, *, is_plain: bool
+    ) -> None:
         """The drawn sample into the mean, in one turn: the viewer's thread shows the same mean."""
         with self._turns.behind():
             if self._shot is not shot:
                 return
-            if self.presenter is None:
-                self.presenter = Presenter(self.gpu, shot.size, shot.format)
-            self.presenter.resize(shot.size)
+            presenter = self._plain_presenter if is_plain else self.presenter
+            if presenter is None:
+                presenter = Presenter(self.gpu, shot.size, shot.format)
+            presenter.resize(shot.size)
             layers = r.technique.layers(r.view)
-            self.presenter.take(commands, layers, r.view, shot.look, index)
+            presenter.take(commands, layers, r.view, shot.look, index)
             commands.submit()
-            self.samples = index + 1
+            if is_plain:
+                self._plain_presenter, self.plain = presenter, index + 1
+            else:
+                self.presenter, self.samples = presenter, index + 1

@@ -27,8 +27,8 @@ def put_theme() -> None:
     style.window_rounding = 0.0
     style.frame_rounding = style.grab_rounding = style.popup_rounding = 5.0
     style.window_border_size, style.popup_border_size = 0.0, 1.0
-    style.window_padding, style.frame_padding = (14.0, 12.0), (8.0, 4.0)
-    style.item_spacing, style.grab_min_size = (8.0, 6.0), 9.0
+    style.window_padding, style.frame_padding = imgui.ImVec2(14.0, 12.0), imgui.ImVec2(8.0, 4.0)
+    style.item_spacing, style.grab_min_size = imgui.ImVec2(8.0, 6.0), 9.0
     style.scrollbar_size = 9.0
     for colour, grey, alpha in (
         (imgui.Col_.window_bg, 0.105, 1.0),

@@ -15,6 +15,12 @@ from .drawn import Drawn
 Structure = tuple[Any, ...]
 
 
+class BackgroundRenderer(Renderer):
+    """One that leaves the device to others until it is asked for a solution, pass by pass."""
+
+    _submits_at_once = False
+
+
 class Making:
     """At most one renderer at a time; one that nobody wants any more is broken off."""
 

@@ -1,8 +1,9 @@
 """How finely the next image is drawn: coarse while anything moves, finer and finer when still.
 
 Resolution follows the time that frames really took, so that a machine without a GPU stays above
-ten frames a second where it can, and answers within a moment while it refines. A view at rest ends
-at full resolution on every machine.
+ten frames a second where it can, and answers as soon while it refines. Where frames at full
+resolution take longer, views at rest stay coarse here, and a finer image in the background has the
+full resolution (`fine`); only where there can be none is it drawn here, whatever it takes.
 """
 
 from __future__ import annotations
@@ -13,9 +14,10 @@ SETTLE_S = 0.2
 """Nothing has moved for so long: time to refine."""
 STILL_SAMPLES = 64
 MOST_SCALE = 8.0
-_SLOW_MS, _FAST_MS, _AIM_MS = 90.0, 40.0, 65.0
-_BLOCKING_MS, _STILL_MS = 600.0, 350.0  # a window that answers no later is felt as stuck
+_SLOW_MS, _FAST_MS, _AIM_MS = 75.0, 35.0, 55.0
 _SAVES = 0.85  # of the time, at least: coarser images that take more are no answer
+_COARSE_SAMPLES = 8  # of a view at rest that is not at full size
+_STILL_SCALE = 2.0  # stills may be so coarse though moving images are finer
 _PATIENCE = 6  # fast frames in a row before a finer one is tried
 _STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
 
@@ -38,12 +40,15 @@ class Quality:
     def __init__(self, *, is_cpu: bool, samples: int = STILL_SAMPLES) -> None:
         self.samples = samples
         self.scale = 2.0 if is_cpu else 1.0  # of a side, while moving
-        self.still_scale = 1.0  # of a side, at rest
+        self.still_scale = 0.0  # of a side, at rest; 0: as moving images, at first
+        self.is_alone = False
+        """Whether nobody else draws a view at rest at full size."""
         self._full = (0, 0)
         self._coarsest = MOST_SCALE
         self._finer: tuple[float, float] | None = None  # the scale before, and what it took, ms
         self._quick_frames = 0
         self._slow_ms = 0.0  # of the frame before, where that was slow
+        self._moving_ms = _AIM_MS  # what the last moving image took
         self._changed_s = float("-inf")
         self._done = 0
         self._still_size = (0, 0)
@@ -52,9 +57,24 @@ class Quality:
 
     @property
     def share(self) -> float:
-        """How much of the refinement is done, 0 to 1; 1 only at full size."""
-        done = self._done / self.samples
-        return done if self._still_size == self._full else 0.5 * done
+        """How much of the refinement is done, 0 to 1; 1 only where it is at its end."""
+        done = self._done / self._wanted
+        return 0.5 * done if self.is_alone and self.is_coarse else done
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether the view at rest is not drawn at full size."""
+        return self._still_size != self._full
+
+    @property
+    def is_done(self) -> bool:
+        """Whether a view at rest has all samples that it gets here."""
+        return self.share >= 1.0
+
+    @property
+    def _wanted(self) -> int:
+        """How many samples the view at rest gets, at its size."""
+        return min(self.samples, _COARSE_SAMPLES) if self.is_coarse else self.samples
 
     def coarse(self, full: tuple[int, int]) -> tuple[int, int]:
         """The size of images while something moves."""
@@ -71,42 +91,47 @@ class Quality:
         # Another size: what was learnt about the time of frames no longer holds.
         if full != self._full:
             self._coarsest, self._finer = MOST_SCALE, None
-            self._full, self.still_scale, self._is_last = full, 1.0, False
+            self._full, self.still_scale, self._is_last = full, 0.0, False
         if changed:
             self._changed_s = now_s
         # While something changes: coarse images, at most one for a change.
         if now_s - self._changed_s < SETTLE_S:
             self._was_moving, self._done, self._is_last = True, 0, False
             return Plan(self.coarse(full), 0 if changed else None, is_moving=True)
-        # At rest: as fine as frames at rest have been affordable, then once at full size.
+        # At rest: as fine as frames at rest have been affordable, alone then once at full size.
         if self._was_moving and not is_busy:
-            self.still_scale = _step_below(self.still_scale)  # the machine may have time again
+            # The machine may have time again.
+            self.still_scale = _step_below(self.still_scale or self._guess())
             self._is_last = False
-        if self._done >= self.samples and self.still_scale > 1.0 and not is_busy:
+            # So may coarser images save some, which others' work hid.
+            self._coarsest, self._finer = MOST_SCALE, None
+        if self.is_alone and self._done >= self._wanted and self.is_coarse and not is_busy:
             self._is_last = True  # a coarse image is not where refinement ends
-        full = full if self._is_last else _reduced(full, self.still_scale)
+        full = full if self._is_last else _reduced(full, self.still_scale or 1.0)
         # A hand at work keeps what is shown until it lets go.
         if is_busy and (self._was_moving or self._still_size == full):
             return Plan(full, None, is_moving=self._was_moving)
         # Another size starts its samples from the first; they end after `samples`.
         if self._was_moving or self._still_size != full:
             self._was_moving, self._still_size, self._done = False, full, 0
-        if self._done >= self.samples:
+        if self._done >= self._wanted:
             return Plan(full, None)
         self._done += 1
         return Plan(full, self._done - 1)
 
     def took(self, ms: float, plan: Plan) -> None:
         """A frame of `plan` took `ms`, with the device done."""
-        slow_ms = _SLOW_MS if plan.is_moving else _BLOCKING_MS
+        if plan.is_moving:
+            self._moving_ms = ms
         # One slow frame may be another program's doing, or a shader's first use.
-        before, self._slow_ms = self._slow_ms, ms if ms > slow_ms else 0.0
+        before, self._slow_ms = self._slow_ms, ms if ms > _SLOW_MS else 0.0
         # A still that holds up the viewer twice becomes coarser by as much as it was late.
         if not plan.is_moving:
-            if ms > slow_ms and before and not self._is_last:
-                share = (min(ms, before) / _STILL_MS) ** 0.5
-                self._slow_ms, self.still_scale = 0.0, _step_above(self.still_scale * share)
-        elif ms > slow_ms:
+            if ms > _SLOW_MS and before and not self._is_last:
+                share = (min(ms, before) / _AIM_MS) ** 0.5
+                scale = min(self.still_scale * share, max(self.scale, _STILL_SCALE))
+                self._slow_ms, self.still_scale = 0.0, _step_above(scale)
+        elif ms > _SLOW_MS:
             self._quick_frames = 0
             if before:
                 self._slow_ms = 0.0
@@ -118,6 +143,12 @@ class Quality:
                 self.scale = _step_below(self.scale)
         else:
             self._quick_frames = 0
+
+    def _guess(self) -> float:
+        """A step above the scale of a view at rest that would take `_AIM_MS`, by what the last
+        moving image took."""
+        scale = self.scale * (self._moving_ms / _AIM_MS) ** 0.5
+        return _STEPS[min(_STEPS.index(_step_above(min(scale, MOST_SCALE))) + 1, len(_STEPS) - 1)]
 
     def _coarsen(self, ms: float) -> None:
         """Moving images take `ms`: coarser ones, unless that has saved little the last time."""

@@ -13,7 +13,7 @@ from .build import Turns, said
 from .document import Document
 from .drawn import Drawn
 from .fine import Fine, Shot, finer_settings
-from .making import Making
+from .making import BackgroundRenderer, Making
 from .quality import STILL_SAMPLES, Quality
 from .shown import Shown
 from .source import Source
@@ -117,7 +117,9 @@ class Renderers(Document):
         """Makes a renderer of the state as it is now, with `more` settings."""
         scene, adapter = self.scene_now(), self._adapter
         settings = {**self.state.settings.get(technique, {}), **(more or {})}
-        return lambda: Renderer(scene, technique, size, settings=settings, adapter=adapter)
+        return lambda: BackgroundRenderer(
+            scene, technique, size, settings=settings, adapter=adapter
+        )
 
     def _take_made(self) -> None:
         """The renderer that was being made; where it was refused, the one before stays."""
@@ -168,13 +170,17 @@ class Renderers(Document):
         now = checked_settings(state.technique, state.scene, state.chosen_settings)
         return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
 
+    @property
+    def _is_refined(self) -> bool:
+        """Whether a finer image follows: where it would be another one, or the view is coarse."""
+        return self.quality.samples == COARSER_SAMPLES or self.quality.is_coarse
+
     def _refine(self) -> None:
         """Begin the finer image: the view is static, and its coarser image is done."""
-        if self.quality.samples == STILL_SAMPLES or self._made != structure(self.state):
+        if not self._is_refined or self._made != structure(self.state):
             return
-        self.fine.begin(
-            self._maker(self._size, self.state.technique, self._finer()), self._shot_now()
-        )
+        make = self._maker(self._size, self.state.technique, self._finer())
+        self.fine.begin(make, self._shot_now(), is_plain_first=self.quality.is_coarse)
 
     def _compare(self) -> None:
         """Go on with the other technique's image of the static view."""

@@ -92,6 +92,7 @@ class Session(Renderers):
                 self._shot = None
                 self.fine.moved()
                 self.compared.moved()
+            self.quality.is_alone = bool(self.fine.message)
             plan = self.quality.plan(now_s, size, changed=changed, is_busy=is_busy)
             wants_more = self._drawn is not None and self._drew(plan)
             wants_more &= changed or not self._making.is_under_way
@@ -104,11 +105,11 @@ class Session(Renderers):
         """Draw what is planned, or let the finest image go on; true where more is wanted."""
         if plan.sample is not None:
             self._draw_or_say(plan)
-        elif not plan.is_moving and self.quality.share >= 1.0:
+        elif not plan.is_moving and self.quality.is_done:
             self._refine()
         if not plan.is_moving and self._made == structure(self.state):
             self._compare()
-        return plan.is_moving or plan.sample is not None or self.quality.share < 1.0
+        return plan.is_moving or plan.sample is not None or not self.quality.is_done
 
     @property
     def status(self) -> str:
@@ -126,7 +127,7 @@ class Session(Renderers):
     @property
     def share(self) -> float:
         """How much of the refinement is done, 0 to 1."""
-        if self.quality.samples == STILL_SAMPLES:
+        if not self._is_refined:
             return self.quality.share
         samples = self.quality.share * COARSER_SAMPLES + self.fine.samples
         return samples / (COARSER_SAMPLES + SAMPLES)
@@ -192,7 +193,8 @@ class Session(Renderers):
 
     def _has_changed(self) -> bool:
         s = self.state
-        now = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
+        seen = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
+        now = (*seen, self._size)
         if is_same(now, self._seen):
             return False
         self._seen = now
@@ -232,7 +234,8 @@ class Session(Renderers):
         camera, place = self.controls.camera, (float(x), float(y))
         if not plan.is_moving:
             camera, place = through_lens(camera, place, plan.sample, plan.size[1])
-        drawn.draw(commands, camera, place, plan.sample)
+        # Coarse images keep their samples of area lights, whose shadow maps no size makes quicker.
+        drawn.draw(commands, camera, place, 0 if self.quality.is_coarse else plan.sample)
         # The sample joins the running mean, unless something moves.
         self._shown.take(drawn, self.state.look, plan.sample, settled=not plan.is_moving)
         r.gpu.wait()

@@ -50,10 +50,10 @@ class Shown:
         look: Look,
     ) -> None:
         """The best image that there is, onto `target`."""
-        shown = fine.presenter if fine.is_shown else self._presenter
+        shown, samples = fine.shown if fine.is_shown else (self._presenter, 0)
         if shown is None:
             return
-        samples = fine.samples if fine.is_shown else self.toned[1]
+        samples = samples or self.toned[1]
         if self.toned != (shown, samples, look):
             self._tone(shown, commands, look, samples, settled=True)
             self._other = ()
@@ -63,7 +63,7 @@ class Shown:
 
     def is_behind(self, fine: Fine) -> bool:
         """Whether the finest image has samples that are not on the surface."""
-        return fine.is_shown and self.toned[:2] != (fine.presenter, fine.samples)
+        return fine.is_shown and self.toned[:2] != fine.shown
 
     def is_behind_other(self, other: Fine) -> bool:
         """The same of the compared image."""

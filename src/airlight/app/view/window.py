@@ -47,11 +47,13 @@ def open_window(session: Session, size: tuple[int, int]) -> None:
     saver = Saver(session, Path.cwd(), copy, asking.ask if asking else None)
     view = CanvasView(canvas, session, saver)
 
-    def dropped(_: Any, names: list[str]) -> None:
+    # As glfw calls it; its own type is that of the library behind it.
+    def files_dropped(_: Any, names: list[str]) -> None:
         for name in names:
             session.drop(name)
         view.touched()
 
+    dropped: Any = files_dropped
     glfw.set_drop_callback(canvas._window, dropped)
     # The loop draws, watches the scene file and the dialog, and ends by signals.
     if asking:

@@ -26,6 +26,8 @@ _STANDING_M = 1.5
 _WALLS = 12
 """Directions that walls of one room face."""
 _VIEW_FROM = (0.55, 0.35, 1.0)
+_AIR_FROM = (0.55, -0.25, 1.0)
+"""From below: smoke and clouds show before the sky, and hardly before ground as bright as they."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +56,9 @@ def framing_camera(probe: Probe) -> Camera:
 
 
 def framing_box(low: F64, high: F64) -> Camera:
-    """A camera that shows the box low..high (3,), metres, from outside."""
+    """A camera that shows the air in the box low..high (3,), metres, from outside."""
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
-    return _around(np.array(_VIEW_FROM), corners)
+    return _around(np.array(_AIR_FROM), corners)
 
 
 def find_room(probe: Probe) -> Room | None:

@@ -18,7 +18,7 @@ import numpy as np
 from ...errors import SceneError
 from ..animation import Animation
 from ..animation.rig import Part, Rig
-from ..camera import Camera
+from ..camera import Camera, film_of
 from ..checks import F64
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..material import Material
@@ -254,7 +254,8 @@ class GltfFile:
             if item.text("type") != "perspective":
                 self._warn(item, "only perspective cameras are used")
                 continue
-            fov_y = item.child("perspective").number("yfov", 0.8)
+            lens = item.child("perspective")
+            fov_y, aspect = lens.number("yfov", 0.8), lens.number("aspectRatio", 0.0)
             position, forward, up = matrix[:3, 3], -matrix[:3, 2], matrix[:3, 1]
             # It looks along its node's -Z.
             return Camera(
@@ -262,6 +263,7 @@ class GltfFile:
                 target=_vector(position + forward / max(float(np.linalg.norm(forward)), 1e-30)),
                 up=_vector(up),
                 fov_y_deg=float(np.clip(math.degrees(fov_y), 0.1, 179.0)),
+                film_px=film_of(aspect),
             )
         return None
 

@@ -133,6 +133,8 @@ class GlbDocument:
         placed = _facing((target - eye) / distance, np.array(camera.up))
         placed[:3, 3] = eye
         lens = {"yfov": float(np.radians(camera.fov_y_deg)), "znear": 1e-3 * distance}
+        if camera.film_px is not None:
+            lens["aspectRatio"] = camera.film_px[0] / camera.film_px[1]
         self._json.setdefault("cameras", []).append({"type": "perspective", "perspective": lens})
         self._node(placed, {"camera": 0, "name": "camera"})
 

@@ -8,12 +8,11 @@ import numpy as np
 
 from ...errors import SceneError
 from ..camera import Camera
-from ..checks import Vec3
+from ..checks import MOST_PX, Vec3
 from .mitsuba_nodes import Node
 from .mitsuba_textures import Source
 
 DEFAULT_FILM = (768, 576)
-USUAL_SIZE = (1280, 720)
 """Pixels of an image where no size is asked for, as `airlight.render` has it."""
 DEFAULT_FOCAL_MM, FILM_DIAGONAL_MM = 50.0, math.hypot(36.0, 24.0)
 
@@ -36,30 +35,36 @@ def camera_of(node: Node, source: Source) -> Camera:
     if np.linalg.det(matrix[:3, :3]) < 0.0:
         source.note(f"{node}: its transform mirrors the image, which is left out")
     up: Vec3 = tuple(float(v) for v in matrix[:3, 1])  # type: ignore[assignment]
+    film = _film(node)
     return Camera(
         position=(x, y, z),
         target=(float(target[0]), float(target[1]), float(target[2])),
         up=up,
-        fov_y_deg=_fov_y(node, source),
+        fov_y_deg=_fov_y(node, film),
+        film_px=film,
         aperture_m=aperture_m,
         focus_m=focus_m,
     )
 
 
-def _fov_y(node: Node, source: Source) -> float:
-    """The vertical field of view, degrees, from whichever axis is given."""
-    # The image's proportions.
+def _film(node: Node) -> tuple[int, int]:
+    """Width and height of the camera's images, pixels."""
     film = node.first("film")
+    if film is None:
+        return DEFAULT_FILM
     width, height = (
-        (int(film.get("width", DEFAULT_FILM[0])), int(film.get("height", DEFAULT_FILM[1])))
-        if film
-        else DEFAULT_FILM
+        int(film.get(side, usual))
+        for side, usual in zip(("width", "height"), DEFAULT_FILM, strict=True)
     )
-    if film and "width" in film.values and (width, height) != USUAL_SIZE:
-        source.note(f"its film has {width}x{height} pixels; images have those of --size")
-    if min(width, height) < 1:
+    if not all(1 <= side <= MOST_PX for side in (width, height)):
         raise SceneError(f"{film} has the impossible size {width} x {height}")
-    aspect = width / height
+    return width, height
+
+
+def _fov_y(node: Node, film: tuple[int, int]) -> float:
+    """The vertical field of view, degrees, of images of such a size, from whichever axis is
+    given."""
+    aspect = film[0] / film[1]
     # Half the angle's tangent along the axis that the file says.
     fov, axis = node.get("fov"), str(node.get("fov_axis", "x")).lower()
     if fov is None:

@@ -59,6 +59,14 @@ CAMERA = Table(
             "seconds",
             "0",
         ),
+        Key(
+            "film_px",
+            checks.size_px,
+            "two whole numbers",
+            "width and height of images where no other size is asked for",
+            "px",
+            "[1280, 720]",
+        ),
         BETWEEN,
     ),
 )

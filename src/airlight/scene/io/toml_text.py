@@ -155,7 +155,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
     if camera.up != (0.0, 1.0, 0.0):
         table["up"] = camera.up
     usual = Camera()
-    for name in ("aperture_m", "focus_m", "shutter_s"):
+    for name in ("aperture_m", "focus_m", "shutter_s", "film_px"):
         if getattr(camera, name) != getattr(usual, name):
             table[name] = getattr(camera, name)
     table["exposure_stops"] = "auto" if camera.exposure_stops is None else camera.exposure_stops

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.blackbody import xyz
-from ..camera import Camera
+from ..camera import Camera, film_of
 from ..checks import F64, Rgb, Vec3
 from ..environment import Environment
 from ..lights import AreaLight, DirectionalLight, Light, PointLight
@@ -101,6 +101,7 @@ def usd_camera(prim: Any, world: F64, time: Any, metres: float) -> Camera | None
         target=_point(world[:3, 3] + np.array(ahead)),
         up=_unit(world[:3, 1]),
         fov_y_deg=fov,
+        film_px=film_of(float(seen.aspectRatio)),
         exposure_stops=None,
         aperture_m=aperture if focus > 0.0 else 0.0,
         focus_m=focus if focus > 0.0 and aperture > 0.0 else None,
