@@ -1,4 +1,4 @@
-"""Stages and their times; a full uniform arena."""
+"""Stages and their times; the arena of uniforms, and when it is full."""
 
 from __future__ import annotations
 
@@ -95,6 +95,22 @@ def test_more_uniforms_than_fit_are_refused(commands):
     with pytest.raises(RuntimeError, match="uniform arena is full"):
         for index in range(1 << 16):
             commands.put(Given(value=(index, 0, 0, 0)))
+
+
+def test_a_frame_has_any_number_of_passes(kernel, gpu, commands, owned):
+    """More parameters than the arena holds: what is encoded before goes ahead of the rest."""
+    add = kernel(
+        "@compute @workgroup_size(WX, WY, WZ)\n"
+        "fn main(@builtin(global_invocation_id) id: vec3u) {\n"
+        "    if (id.x == 0u) { results[0] += params.value.x; results[1] += params.value.y; }\n}\n",
+        (uniform("params", Given), storage("results", "f32", "read_write")),
+    )
+    results = owned(Buffer(gpu, "results", 16))
+    results.write(np.zeros(4, np.float32))
+    for k in range(5000):
+        add.dispatch(commands, (1,), params=Given(value=(1, k % 8, 0, 0)), results=results)
+    commands.submit()
+    assert results.read()[:2].tolist() == [5000.0, 5000.0 * 3.5]
 
 
 def test_the_same_parameters_have_one_place_until_the_submit(commands):

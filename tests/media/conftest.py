@@ -33,7 +33,7 @@ def scattered_once(gpu: Gpu, owned: Callable[[Any], Any]) -> Callable[..., np.nd
     ) -> np.ndarray:
         scene = seen.scene
         low, high = (np.array(corner) for corner in bounds)
-        lights = owned(Lights(gpu, scene.lights, None, *maps))
+        lights = owned(Lights(gpu, scene.lights, None, maps))
         lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
         given = {"shaft_resolution": "full", "march_resolution": "full", **settings}
         air = owned(MediaImage(gpu, scene, seen.size, lights, MediaSettings(**given)))

@@ -29,7 +29,7 @@ def test_flux_is_attenuated_by_media(
     scene = Scene(meshes=(floor,), lights=(lamp, sun), volumes=(slab,))
     low, high = (np.array(x) for x in scene.bounds)
     meshes, commands = owned(GpuScene(gpu, scene)), Commands(gpu)
-    lights = owned(Lights(gpu, scene.lights, None, 16, 16))
+    lights = owned(Lights(gpu, scene.lights, None, (16, 16)))
     lights.encode(commands, meshes, scene.lights, None, low, high)
     maps = owned(ReflectiveShadowMaps(gpu, "directional", 16, 1))
     maps.encode(commands, meshes, [sun], light_views([sun], low, high, 16))

@@ -62,7 +62,7 @@ def test_everything_is_finite(
     scene = Scene(meshes=(sheet,), lights=LIGHTS, camera=camera, **air)
     seen = look(scene, SIZE)
     low, high = (np.array(corner) for corner in BOX)
-    lights = owned(Lights(gpu, scene.lights, None, 128, 64))
+    lights = owned(Lights(gpu, scene.lights, None, (128, 64)))
     lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
     settings = MediaSettings(shafts=scheme, shaft_resolution="full")
     drawn = owned(MediaImage(gpu, scene, SIZE, lights, settings))

@@ -50,7 +50,7 @@ def foggy(square: Callable[..., Mesh]) -> Scene:
 def drawn(gpu: Gpu, seen: Any, owned: Callable[[Any], Any], **settings: Any) -> MediaImage:
     scene = seen.scene
     low, high = (np.array(corner) for corner in BOX)
-    lights = owned(Lights(gpu, scene.lights, None, 512, 256))
+    lights = owned(Lights(gpu, scene.lights, None, (512, 256)))
     lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
     air: MediaImage = owned(MediaImage(gpu, scene, seen.size, lights, MediaSettings(**settings)))
     air.solve(seen.commands, scene, low, high)
@@ -117,7 +117,7 @@ def test_a_solved_volume_has_no_shafts_but_takes_light(
     ball = Volume((5.0, 5.0, 5.0), shape="sphere", bounds=((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)))
     scene = dataclasses.replace(foggy, medium=None, volumes=(ball,))
     seen = look(scene, SIZE)
-    lights = owned(Lights(gpu, scene.lights, None, 64, 64))
+    lights = owned(Lights(gpu, scene.lights, None, (64, 64)))
     low, high = (np.array(corner) for corner in BOX)
     lights.encode(seen.commands, seen.meshes, scene.lights, None, low, high)
     air = owned(MediaImage(gpu, scene, SIZE, lights, expected=Expected(solved=(ball,))))
@@ -186,7 +186,7 @@ def test_surfaces_are_where_the_last_image_left_them(
 
 
 def test_reduced_images_are_those_that_are_written(gpu: Gpu, owned: Any, foggy: Scene) -> None:
-    lights = owned(Lights(gpu, foggy.lights, None, 64, 64))
+    lights = owned(Lights(gpu, foggy.lights, None, (64, 64)))
     cases = (
         ({"has_lattice": True}, {"single", "multiple"}),
         ({"has_lattice": True, "has_sky": True}, {"single", "multiple", "sky"}),

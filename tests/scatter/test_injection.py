@@ -42,7 +42,7 @@ class Place:
     def __init__(self, gpu, commands, scene):
         self.gpu, self.commands, self.scene = gpu, commands, scene
         self.meshes = GpuScene(gpu, scene)
-        self.lights = Lights(gpu, scene.lights, None, 128, 128)
+        self.lights = Lights(gpu, scene.lights, None, (128, 128))
         self.lights.encode(commands, self.meshes, scene.lights, None, LOW, HIGH)
         self.blockers = Blockers(gpu, scene, self.meshes, PLACEMENT, 2000)
         self.blockers.encode(commands)

@@ -21,6 +21,7 @@ from .tally import Tally
 
 _ALIGNMENT = 256  # of dynamic uniform offsets, WebGPU's default limit
 _ARENA_BYTES = 1 << 20
+_ROOM_BYTES = 1 << 16  # for the parameters of one pass
 _MAX_TIMESTAMPS = 512
 
 
@@ -83,6 +84,7 @@ class Commands:
     @contextmanager
     def render(self, label: str, **attachments: Any) -> Iterator[Any]:
         """A render pass onto the given attachments."""
+        self.make_room()
         stamps = self._stamps()
         extra = {"timestamp_writes": stamps} if stamps else {}
         render_pass = self.encoder.begin_render_pass(label=label, **attachments, **extra)
@@ -99,6 +101,18 @@ class Commands:
         """
         yield 0, count
 
+    def make_room(self, nbytes: int = _ROOM_BYTES) -> None:
+        """Submit what is encoded where the arena has less than `nbytes` left.
+
+        Passes call it before the first of their parameters: a frame of any number of passes fits.
+        """
+        if self._used + nbytes > _ARENA_BYTES and self.recording is None:
+            self.submit()
+
+    def make_room_for_recording(self) -> None:
+        """The same for a run of dispatches, within which nothing is submitted."""
+        self.make_room(_ARENA_BYTES // 2)
+
     def put(self, params: object) -> int:
         """Store `params` until the submit; returns their offset in the arena.
 
@@ -114,7 +128,9 @@ class Commands:
         data = params.data
         size = len(data)
         if self._used + size > _ARENA_BYTES:
-            raise RuntimeError("uniform arena is full: submit between stages")
+            raise RuntimeError(
+                "uniform arena is full: too many parameters of one pass or recording"
+            )
         offset = self._used
         self._staging[offset : offset + size] = data
         self._used = -(-(offset + size) // _ALIGNMENT) * _ALIGNMENT

@@ -124,6 +124,7 @@ class ComputePass:
 
     def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:
         """The open compute pass with this pass's pipeline and bindings."""
+        commands.make_room()
         encoder = commands.compute
         if commands.pipeline is not self.pipeline:
             commands.pipeline = self.pipeline

@@ -71,6 +71,7 @@ class Recorded:
         return found
 
     def _record(self, commands: Commands, encode: Callable[[], object]) -> Recording:
+        commands.make_room_for_recording()
         commands.recording = []
         try:
             found = encode()

@@ -49,7 +49,11 @@ class SurfaceSettings:
         2048, "side of a directional light's shadow map", unit="px", low=16, high=8192
     )
     lamp_resolution: int = setting(
-        512, "side of a local light's shadow maps", unit="px", low=16, high=4096
+        512,
+        "side of a local light's shadow maps, less where there are many",
+        unit="px",
+        low=16,
+        high=4096,
     )
     shadow_rays: bool = setting(
         True, "whether rays decide in stills where shadow maps of lights without extent are unsure"
@@ -135,10 +139,10 @@ class Kit:
             gpu,
             scene.lights,
             scene.environment,
-            settings.shadow_resolution,
-            settings.lamp_resolution,
+            (settings.shadow_resolution, settings.lamp_resolution),
             mapped=len(scene.lights) if has_media else self.emitters.plain,
             has_panes=self.meshes.has_translucent,
+            has_media=has_media,
         )
         # The device draws the sky's maps while the host samples surfels and makes solvers.
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)

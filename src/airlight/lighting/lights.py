@@ -15,8 +15,12 @@ from ..scene.lights import DirectionalLight, Light
 from ..surface.geometry import GpuScene
 from ..surface.light_table import LightData, packed_lights
 from ..surface.light_views import light_views, view_count, widened
-from ..surface.shadow import ShadowMaps
+from ..surface.shadow import ShadowMaps, affordable_side
 from ..surface.sky import EnvironmentTexture
+
+_MOST_TEXELS = 1 << 27  # of shadow maps: 512 MB
+TEXEL_BYTES = 8
+"""Of a hierarchy over shadow maps, for a texel of theirs (media/shafts/bounds.py)."""
 
 
 class Lights:
@@ -30,15 +34,17 @@ class Lights:
         gpu: Gpu,
         lights: tuple[Light, ...],
         environment: Environment | None,
-        parallel_resolution: int,
-        local_resolution: int,
+        resolutions: tuple[int, int],
         mapped: int | None = None,
         *,
         has_panes: bool = False,
+        has_media: bool = False,
     ) -> None:
-        """`mapped`: how many of the lights, the first, have shadow maps; all if not given.
+        """`resolutions`: of maps of directional and of local lights, at most; many have less.
 
-        `has_panes`: whether surfaces tint the light that passes them.
+        `mapped`: how many of the lights, the first, have shadow maps; all if not given.
+        `has_panes`: whether surfaces tint the light that passes them; `has_media`: whether rays
+        through media walk the maps.
         """
         self.gpu = gpu
         # Shadow maps of directional lights and of local ones, a layer for each view.
@@ -46,10 +52,24 @@ class Lights:
         own = lights[: self._mapped]
         parallel = sum(isinstance(light, DirectionalLight) for light in own)
         local = sum(view_count(x) for x in own if not isinstance(x, DirectionalLight))
-        self.parallel = ShadowMaps(
-            gpu, "directional shadows", parallel_resolution, parallel, has_panes=has_panes
+        gpu.require(
+            "max-texture-array-layers",
+            max(parallel, local),
+            f"an image with the shadows of {len(own)} lights",
+            remedy="Leave lights out, or give them as a group (a light of type 'points')",
         )
-        self.local = ShadowMaps(gpu, "local shadows", local_resolution, local, has_panes=has_panes)
+        # Those of a kind have room for so much; where rays walk them, their hierarchies do, too.
+        most = _MOST_TEXELS
+        if has_media:
+            most = min(most, gpu.limits["max-storage-buffer-binding-size"] // TEXEL_BYTES)
+        sides = [
+            affordable_side(asked, layers, most)
+            for asked, layers in zip(resolutions, (parallel, local), strict=True)
+        ]
+        self.parallel = ShadowMaps(
+            gpu, "directional shadows", sides[0], parallel, has_panes=has_panes
+        )
+        self.local = ShadowMaps(gpu, "local shadows", sides[1], local, has_panes=has_panes)
         # The table of all lights, and what lies behind everything.
         self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
         self._environment = environment

@@ -17,6 +17,8 @@ from .light_views import LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
 from .panes import Panes
 
+_LEAST_SIDE = 16
+
 
 class ShadowParams(Struct):
     """The view that is drawn."""
@@ -101,6 +103,17 @@ class ShadowMaps:
                 draws(view.clip_from_world),
                 ShadowParams(clip_from_world=view.clip_from_world),
             )
+
+
+def affordable_side(asked: int, layers: int, most_texels: int) -> int:
+    """The side of `layers` square maps: `asked`, halved until all have at most `most_texels`.
+
+    They count as if a side were a power of two, as hierarchies over them have it.
+    """
+    side = asked
+    while layers << (2 * (side - 1).bit_length()) > most_texels and side > _LEAST_SIDE:
+        side //= 2
+    return side
 
 
 def comparison_sampler(gpu: Gpu) -> Sampler:

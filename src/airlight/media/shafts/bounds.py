@@ -15,6 +15,7 @@ from ...gpu.layout import Struct, u32
 from ...gpu.memory import Buffer
 from ...gpu.recorded import Recorded
 from ...gpu.slots import storage, uniform
+from ...lighting.lights import TEXEL_BYTES
 from ...surface.shadow import ShadowMaps
 
 _ROW_TEXELS = 64
@@ -58,7 +59,7 @@ class DepthBounds:
         self.side = max(_ROW_TEXELS, 1 << (max(2, resolution) - 1).bit_length())
         self.top = self.side.bit_length() - 1 - _COARSEST
         layers = max(1, maps.layers)
-        self.buffer = Buffer(gpu, "shadow bounds", 8 * layers * self.side * self.side)
+        self.buffer = Buffer(gpu, "shadow bounds", TEXEL_BYTES * layers * self.side**2)
         self._first = _Bounds(gpu, is_first=True)
         self._next = _Bounds(gpu, is_first=False)
         self._recorded = Recorded(gpu, "levels of shadow bounds")
@@ -93,7 +94,7 @@ class DepthBounds:
             source = {"texture": maps.depth.handle, "origin": (0, 0, layer), "aspect": "depth-only"}
             target = {
                 "buffer": self.buffer.handle,
-                "offset": 8 * side * side * layer + 4 * side * side,
+                "offset": TEXEL_BYTES * side * side * layer + 4 * side * side,
                 "bytes_per_row": 4 * side,
                 "rows_per_image": side,
             }
