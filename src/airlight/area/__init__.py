@@ -7,6 +7,7 @@ sources   a scene's area lights and emissive meshes, one side each
                straight stretches
 -> shapes, emitters   a polygon or sphere for each group; samples with shadow maps (emitter),
                segments where a part is long and thin
+-> sizes  what a part is as large as, to media near it
 -> table  emitters and samples on the device
 -> outlines, coverage   polygons in stills, by the part of each pixel that they cover
 -> lighting  analytic irradiance and GGX times the visibility of samples; attenuation: by media

@@ -23,6 +23,7 @@ from .glowing import GlowingMedia
 from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
 from .outlines import apart
 from .segments import long_part
+from .sizes import body, rectangle
 from .sources import has_extent
 
 _OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
@@ -116,7 +117,7 @@ class Emitters:
         plain = [light for light in scene.lights if not has_extent(light)]
         spots = [x for s in self._grouping.sources if s.spot for x in _spots(s.spot)]
         samples = [
-            self._sample(rows, 0, 0, has_cube=self._grouping.is_round(rows)).light
+            self._sample(rows, 0, 0, has_cube=self._grouping.is_body(rows)).light
             for rows in self._scattering
         ]
         places = [light.position for light in spots] + [light.position for light in samples]
@@ -168,6 +169,7 @@ class Emitters:
     def _sample(self, rows: I64, number: int, index: int, *, has_cube: bool) -> Sample:
         """What a stratum sends, from its middle; for later samples of a still, from a piece."""
         found = self._grouping.found
+        own = found.taken(rows)
         light = found.areas[rows, None] * found.radiance[rows]
         weight = light.sum(axis=1) + 1e-30 * found.areas[rows]
         weight = weight / max(float(weight.sum()), 1e-300)
@@ -178,7 +180,7 @@ class Emitters:
         normal = mean / length if length > 1e-6 else np.array((0.0, 1.0, 0.0))
         extent = float(np.sqrt(found.areas[rows].sum() / np.pi))
         spread = float(np.sqrt(weight @ ((points - middle) ** 2).sum(axis=1)))
-        segment = long_part(found.taken(rows))
+        segment = long_part(own)
         if segment is not None and has_cube:
             # Anywhere along the segment.
             share = 2.0 * ((0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0) - 1.0
@@ -193,6 +195,7 @@ class Emitters:
             piece = int(((points - middle) ** 2).sum(axis=1).argmin())
             middle = points[piece]
         front = length if has_cube else 1.0
+        size = body(own, segment) if has_cube else rectangle(own, normal)
         r, g, b = light.sum(axis=0)
         sample = LightSample(
             _triple(middle),
@@ -203,6 +206,9 @@ class Emitters:
             max(extent, spread),
             float(weight @ self._bodies[rows]),
             self._cell,
+            _triple(size.tangent),
+            size.extent,
+            _triple(np.abs(own.corners - middle).max(axis=(0, 1)) * float(has_cube)),
         )
         return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube, segment)
 

@@ -18,7 +18,7 @@ from .pieces import Layout, Pieces, layout, pieces
 from .shapes import Kind, Shape, fitted
 from .sources import Source, moved, sources
 from .strata import clusters, strata
-from .stretches import stretches
+from .stretches import is_long, stretches
 
 I64 = NDArray[np.int64]
 SCATTERING_EACH, SCATTERING_MOST = 4, 12
@@ -149,6 +149,13 @@ class Grouping:
         mean = weight @ self.found.normals[rows] / max(float(weight.sum()), 1e-300)
         return float(np.linalg.norm(mean)) < _ONE_SIDED
 
+    def is_body(self, rows: I64) -> bool:
+        """Whether pieces are round and face away from their middle, as a ball's do, no dome's."""
+        found, weight = self.found.taken(rows), self.weights[rows]
+        middle = weight @ found.positions / max(float(weight.sum()), 1e-300)
+        outwards = ((found.positions - middle) * found.normals).sum(axis=1)
+        return self.is_round(rows) and float(weight @ outwards) > 0.0
+
     def _atoms(self) -> I64:
         """Pieces of one number stay together: smooth parts; what glows unevenly in patches."""
         atoms = self.cut.part.copy()
@@ -203,6 +210,9 @@ class Grouping:
         for rows in own:
             share = float(self.weights[rows].sum()) / total
             count = min(1 + int(share * (SCATTERING_MOST - len(own))), SCATTERING_EACH)
+            # A ball sends to all sides alike; its parts would leave gaps between their normals.
+            if self.is_body(rows) and not is_long(self.found.corners[rows], self.weights[rows]):
+                count = 1
             parts = strata(self._own_features(rows), self.weights[rows], count)
             found += [rows[part] for part in parts]
         return found

@@ -124,7 +124,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     var irradiance = in.irradiance;
     if (light.kind != LIGHT_DIRECTIONAL) {
         let near = ball_radius(vec3f(0.5 * lattice.cell));
-        irradiance *= in.distance * in.distance * mean_inverse_square(in.distance, near);
+        irradiance *= gain_in_ball(light, in.distance, near);
     }
     if (all(irradiance * depths.forward == vec3f(0.0))) {
         return seen;

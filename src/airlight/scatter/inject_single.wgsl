@@ -14,7 +14,7 @@ fn true_reach(light: LightData, p: vec3f, cut: f32) -> f32 {
 // Mean irradiance of a local light over a box of sides `size` about p, which it is close to, and which it
 // reaches attenuated by `passed` at p. The box is cut into 27, each of which stands for a ball.
 fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, passed: vec3f) -> vec3f {
-    let distance = length(p - light.position);
+    let distance = media_light_path(light, p).w;
     let radius = ball_radius(size) / 3.0;
     var sum = vec3f(0.0);
     for (var k = 0u; k < 27u; k++) {
@@ -23,7 +23,7 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
         let in = incoming(light, at);
         let reach = true_reach(light, at, in.distance);
         let spread = in.distance * in.distance * mean_inverse_square(reach, radius);
-        sum += in.irradiance * spread * min(passed * exp(sigma_t * (distance - reach)),
+        sum += in.irradiance * select(spread, 1.0, has_size(light)) * min(passed * exp(sigma_t * (distance - reach)),
             vec3f(1.0));
     }
     return sum / 27.0;

@@ -27,7 +27,9 @@ class LightData(Struct):
     first_view = u32()
     view_count = u32()
     nearest = f32("m^2, squares of distances are no smaller")
-    pad = f32()
+    size_y = f32("m, across the tangent: `LightRow.size`")
+    tangent = vec3f()
+    size_x = f32("m, along it")
 
 
 LIGHT_VIEW_SLOTS = (
@@ -65,7 +67,9 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
         "first_view": first_view,
         "view_count": view_count(light),
         "nearest": row.nearest,
-        "pad": 0.0,
+        "tangent": row.tangent,
+        "size_x": row.size[0],
+        "size_y": row.size[1],
     }
 
 

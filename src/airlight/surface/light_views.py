@@ -93,9 +93,9 @@ def light_views(
         elif light.is_sampled:
             continue
         elif light.cone is not None and view_count(light) == 1:
-            views.append(_cone(light.position, light.cone, index, low, high, resolution))
+            views.append(_cone(light.position, light.cone, index, (low, high), resolution))
         else:
-            views += _cube(light.position, index, low, high, resolution)
+            views += _cube(light.position, index, (low, high), resolution, light.unshadowed_m)
     return views
 
 
@@ -137,33 +137,36 @@ def _extent_along(direction: Vec3, low: Vec3, high: Vec3, turn_deg: float) -> tu
 
 
 def _cone(
-    position: Vec3, cone: tuple[Vec3, float], index: int, low: F64, high: F64, resolution: int
+    position: Vec3, cone: tuple[Vec3, float], index: int, box: tuple[F64, F64], resolution: int
 ) -> LightView:
     axis, half_angle_deg = cone
     fov = np.radians(2.0 * half_angle_deg) * 1.01
-    return _perspective(position, axis, (0, 1, 0), fov, index, low, high, resolution)
+    return _perspective(position, (axis, (0, 1, 0)), fov, index, box, resolution)
 
 
-def _cube(position: Vec3, index: int, low: F64, high: F64, resolution: int) -> list[LightView]:
+def _cube(
+    position: Vec3, index: int, box: tuple[F64, F64], resolution: int, least: Vec3
+) -> list[LightView]:
     return [
-        _perspective(position, forward, up, 0.5 * np.pi, index, low, high, resolution)
-        for forward, up in _CUBE
+        _perspective(position, axes, 0.5 * np.pi, index, box, resolution, least[face // 2])
+        for face, axes in enumerate(_CUBE)
     ]
 
 
 def _perspective(
-    position: tuple[float, float, float],
-    forward: object,
-    up: object,
+    position: Vec3,
+    axes: tuple[Vec3, Vec3],
     fov: float,
     index: int,
-    low: F64,
-    high: F64,
+    box: tuple[F64, F64],
     resolution: int,
+    least: float = 0.0,
 ) -> LightView:
-    far = float(np.linalg.norm(box_corners(low, high) - position, axis=1).max()) * 1.01
-    near = max(1e-3 * far, 1e-4)
-    view = view_from_world(position, forward, up)  # type: ignore[arg-type]
+    """`axes`: where it looks, and what is up; `least`, m: what is nearer is not drawn."""
+    far = float(np.linalg.norm(box_corners(*box) - position, axis=1).max()) * 1.01
+    near = max(1e-3 * far, 1e-4, least)
+    far = max(far, 2.0 * near)
+    view = view_from_world(position, *axes)
     clip = clip_from_view_perspective(fov, near, far) @ view
     texel = 2.0 * float(np.tan(0.5 * fov)) / resolution
     return LightView(clip, (texel, texel), True, index)

@@ -18,6 +18,12 @@ fn ball_radius(size: vec3f) -> f32 {
     return 0.6203505 * pow(size.x * size.y * size.z, 0.3333333);
 }
 
+// What the mean irradiance over a ball of radius R is of a local light's at its centre, `distance` away. One of known
+// size is as bright all around as its solid angle is.
+fn gain_in_ball(light: LightData, distance: f32, R: f32) -> f32 {
+    return select(distance * distance * mean_inverse_square(distance, R), 1.0, has_size(light));
+}
+
 // How much of a light's shadow map p is lit in.
 fn lit_point(light: LightData, to_light: vec3f, p: vec3f) -> f32 {
     let index = view_of(light, to_light);

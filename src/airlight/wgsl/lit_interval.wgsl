@@ -69,15 +69,17 @@ fn parallel_interval(t0: f32, t1: f32) -> vec3f {
     return sum * parallel_sent;
 }
 
-// Radiance that medium m scatters to the eye at a point of the ray, per unit of length and irradiance.
-fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, mu: f32, path: f32) -> vec3f {
+// Radiance that medium m scatters to the eye at a point of the ray, per unit of length and irradiance; of a local light
+// that of a point.
+fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, seen: SeenLight) -> vec3f {
     var depth: vec3f;
     if (MEDIA_COUNT == 1u && is_light_inside) {
-        depth = media[0].sigma_t * (t - medium_intervals[0].x + path);
+        depth = media[0].sigma_t * (t - medium_intervals[0].x + seen.reach);
     } else {
         depth = homogeneous_depth(0.0, t) + media_light_depth(light, index, p);
     }
-    return media[m].sigma_t * media[m].albedo * scattering_phase(mu, media[m].g) * exp(-depth);
+    let phase = scattering_phase(seen.mu, seen.sharpness * media[m].g);
+    return seen.gain * media[m].sigma_t * media[m].albedo * phase * exp(-depth);
 }
 
 // A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).
@@ -87,12 +89,10 @@ fn local_node(
 ) -> vec3f {
     let t = t_near + h * tan(x);
     let p = origin + t * direction;
-    var sent = sent_by(light, index, m, p, t, -sin(x), h / cos(x));
-    if (sends_by_direction(light.kind)) {
-        let softened = h * h / (cos(x) * cos(x));
-        sent *= spread_gain(light, softened) * sent_share(light, normalize(p - light.position));
-    }
-    return sent;
+    let away = p - light.position;
+    let reach = h / cos(x);
+    let seen = seen_light(light, away, -direction, reach * reach, -sin(x));
+    return sent_by(light, index, m, p, t, seen);
 }
 
 // Number of half panels of a local light's interval: narrow in angle where the phase function is sharp, and thin
@@ -135,14 +135,14 @@ fn parallel_nodes(
     light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
     let half = 0.5 * (t1 - t0) / f32(local_pieces(m, 0.0, t1 - t0));
-    let mu = -dot(light.direction, direction);
+    let seen = SeenLight(1.0, 0.0, -dot(light.direction, direction), 1.0);
     var sum = vec3f(0.0);
     for (var t = t0 + half; t < t1; t += 2.0 * half) {
         for (var k = 0u; k < 4u; k++) {
             let off = select(0.3399810435848563, 0.8611363115940526, k > 1u) * half;
             let weight = select(0.6521451548625461, 0.3478548451374538, k > 1u);
             let at = t + select(off, -off, (k & 1u) == 0u);
-            sum += weight * sent_by(light, index, m, origin + at * direction, at, mu, 0.0);
+            sum += weight * sent_by(light, index, m, origin + at * direction, at, seen);
         }
     }
     return sum * half;

@@ -96,7 +96,7 @@ fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
     }
     let end = origin + step_end * direction;
     let is_local = light.kind != LIGHT_DIRECTIONAL;
-    let path = select(1.0, max(distance(end, light.position), 1e-9), is_local);
+    let path = select(1.0, max(media_light_path(light, end).w, 1e-9), is_local);
     step_light = mat2x3f(step_light[1], media_light_depth(light, index, end) / path);
 }
 
@@ -109,17 +109,17 @@ fn parallel_piece(a: f32, b: f32) -> vec3f {
     return step_sent * (b - a) * exp(-min(near, near + more)) * mean_transmittance_rgb(abs(more));
 }
 
-// Radiance scattered to the eye at a point of the step per unit of length and irradiance; `path`: m to the light.
-fn sent_by(light: LightData, t: f32, path: f32, mu: f32) -> vec3f {
+// Radiance scattered to the eye at a point of the step, per unit of length and irradiance of a point.
+fn sent_by(seen: SeenLight, t: f32) -> vec3f {
     let along = (t - step_begin) / (step_end - step_begin);
-    let towards = path * mix(step_light[0], step_light[1], along);
+    let towards = seen.reach * mix(step_light[0], step_light[1], along);
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_in_step(); j++) {
         let m = step_media[j];
         sum += has_shafts(m, true) * step_density[j] * media[m].sigma_t * media[m].albedo
-            * scattering_phase(mu, media[m].g);
+            * scattering_phase(seen.mu, seen.sharpness * media[m].g);
     }
-    return sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
+    return seen.gain * sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
 }
 
 // A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).
@@ -128,13 +128,9 @@ fn local_node(
 ) -> vec3f {
     // Where the ray passes close by, the angle says little.
     let t = clamp(t_near + h * tan(x), step_begin, step_end);
-    var sent = sent_by(light, t, length(vec2f(h, t - t_near)), -sin(x));
-    if (sends_by_direction(light.kind)) {
-        let softened = h * h + (t - t_near) * (t - t_near);
-        sent *= spread_gain(light, softened)
-            * sent_share(light, normalize(origin + t * direction - light.position));
-    }
-    return sent;
+    let away = origin + t * direction - light.position;
+    let squared = h * h + (t - t_near) * (t - t_near);
+    return sent_by(seen_light(light, away, -direction, squared, -sin(x)), t);
 }
 
 // Two or more Gauss-Legendre nodes in the angle that the piece is seen under from the light.

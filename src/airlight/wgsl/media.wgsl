@@ -147,7 +147,7 @@ fn has_shafts(m: u32, is_local: bool) -> f32 {
 
 // Scattering times phase function of the media with shafts, m^-1 sr^-1; mu: the cosine between the two
 // directions of travel.
-fn media_phase_scattering(p: vec3f, mu: f32, is_local: bool) -> vec3f {
+fn media_phase_scattering(p: vec3f, mu: f32, sharpness: f32, is_local: bool) -> vec3f {
     var sum = vec3f(0.0);
     var node = 0u;
     for (var v = 0u; v < MEDIA_NODES; v++) {
@@ -158,7 +158,7 @@ fn media_phase_scattering(p: vec3f, mu: f32, is_local: bool) -> vec3f {
         let m = visit.medium;
         if (has_shafts(m, is_local) > 0.0) {
             sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo
-                * scattering_phase(mu, media[m].g);
+                * scattering_phase(mu, sharpness * media[m].g);
         }
     }
     return sum;

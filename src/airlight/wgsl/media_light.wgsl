@@ -1,7 +1,7 @@
 // How media attenuate light on its path from a light to a point. The including pass declares LightData too.
 //! use media
 //! use path_lists
-//! use light_kinds
+//! use sized_light
 //! needs fn light_columns_size() -> vec3f
 //! needs fn light_columns_texel(at: vec3f) -> vec4f
 
@@ -28,7 +28,7 @@ fn media_light_path(light: LightData, p: vec3f) -> vec4f {
     }
     let delta = light.position - p;
     let reach = length(delta);
-    return vec4f(delta / max(reach, 1e-12), reach);
+    return vec4f(delta / max(reach, 1e-12), select(reach, sized_reach(light, -delta), has_size(light)));
 }
 
 // Integral of medium m's density along that path, m; `index`: the light's row of the table.

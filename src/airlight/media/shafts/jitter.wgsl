@@ -53,14 +53,16 @@ fn step_radiance(
     light: LightData, index: u32, direction: vec3f, sample: vec2f,
 ) -> vec3f {
     let p = rays.eye + sample.x * direction;
-    var travel = light.direction;
     var gain = sample.y;
+    var mu = -dot(light.direction, direction);
+    var sharpness = 1.0;
     if (light.kind != LIGHT_DIRECTIONAL) {
-        travel = normalize(p - light.position);
-        if (sends_by_direction(light.kind)) {
-            let away = p - light.position;
-            gain *= spread_gain(light, dot(away, away) + light.nearest) * sent_share(light, travel);
-        }
+        let away = p - light.position;
+        let seen = seen_light(light, away, -direction, dot(away, away) + light.nearest,
+            -dot(normalize(away), direction));
+        gain *= seen.gain;
+        mu = seen.mu;
+        sharpness = seen.sharpness;
     }
     if (gain <= 0.0) {
         return vec3f(0.0);
@@ -69,7 +71,7 @@ fn step_radiance(
     if (gain <= 0.0) {
         return vec3f(0.0);
     }
-    return gain * light.color * media_phase_scattering(p, -dot(travel, direction), light.kind != LIGHT_DIRECTIONAL)
+    return gain * light.color * media_phase_scattering(p, mu, sharpness, light.kind != LIGHT_DIRECTIONAL)
         * media_light_transmittance(light, index, p);
 }
 

@@ -3,7 +3,7 @@
 fields       `keys`: scene files, keyframes, the viewer and the checks of Python's own lights
 viewer       `controls`, `is_aimed`, `outline`
 device       `row`, and `sent_share`: the twin of lights.wgsl's
-shadows      `cone`; `is_sampled` where samples of it have the shadow maps
+shadows      `cone`, `unshadowed_m`; `is_sampled` where samples of it have the shadow maps
 bounds       `most_power`
 others       `moved` by a transform, `emitters` for Mitsuba, `punctual` for glTF, `as_point` for
              principal ordinates
@@ -32,7 +32,8 @@ class LightRow:
     """A light as shaders read it. `color`: W m^-2 of a directional light, W sr^-1 of others.
 
     `shape`: two numbers that the type's `sent_share` reads. `nearest`, m^2: squares of distances
-    are no smaller. `body`, m^2, and `gap`, m: as of `LightSample`, the body squared.
+    are no smaller. `body`, m^2, `gap`, m, `tangent` and `size`, m: as of `LightSample`, the body
+    squared.
     """
 
     kind: int
@@ -43,6 +44,8 @@ class LightRow:
     nearest: float = 1e-8
     body: float = 0.0
     gap: float = 0.0
+    tangent: Vec3 = (1.0, 0.0, 0.0)
+    size: tuple[float, float] = (0.0, 0.0)
 
 
 NO_RADIUS_IN_GLTF = "a light's radius: glTF's lights are points, their shadows are hard"
@@ -132,6 +135,11 @@ class LightType:
     def sent_share(self, cosine: F64) -> F64:
         """The share of its strength that it sends at a cosine from its direction."""
         return np.ones_like(cosine)
+
+    @property
+    def unshadowed_m(self) -> Vec3:
+        """Metres along x, y and z: what is nearer casts no shadow in its light."""
+        return (0.0, 0.0, 0.0)
 
     @property
     def cone(self) -> tuple[Vec3, float] | None:

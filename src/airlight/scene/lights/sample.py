@@ -20,6 +20,9 @@ class LightSample(LightType):
 
     It sends `intensity` * (`front` * max(c, 0) + `even`), W sr^-1, at the cosine c from
     `direction`. `extent`, metres: how large the part is; nearer than that it gets no brighter.
+    `size`, metres, as media near it see it: of a rectangle half its sides, along `tangent` and
+    across, or the radius of a ball and 0; both 0: as a point. `near`, metres along x, y and z: what
+    is nearer, the surface itself, does not shadow it.
     `body`, metres: radius of a disk as large as the surface that the light comes from, which
     stands in the way of what is reflected closer to it than `gap`, metres; 0 without one.
     """
@@ -32,6 +35,9 @@ class LightSample(LightType):
     extent: float = 0.0
     body: float = 0.0
     gap: float = 0.0
+    tangent: Vec3 = (1.0, 0.0, 0.0)
+    size: tuple[float, float] = (0.0, 0.0)
+    near: Vec3 = (0.0, 0.0, 0.0)
 
     kind: ClassVar[int] = 3
 
@@ -41,6 +47,11 @@ class LightSample(LightType):
         share = math.pi * (self.front + 4.0 * self.even)
         r, g, b = self.intensity
         return (share * r, share * g, share * b)
+
+    @property
+    def unshadowed_m(self) -> Vec3:
+        """Its own surface is no farther."""
+        return self.near
 
     def row(self) -> LightRow:
         """The light as shaders read it; its shape is `front` and `even`."""
@@ -53,6 +64,8 @@ class LightSample(LightType):
             max(self.extent**2, 1e-8),
             self.body**2,
             self.gap,
+            self.tangent,
+            self.size,
         )
 
     def sent_share(self, cosine: F64) -> F64:

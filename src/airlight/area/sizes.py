@@ -1,0 +1,40 @@
+"""What parts of lights with extent are as large as, for media near them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene.checks import F64
+from .pieces import Pieces
+from .segments import Segment
+from .stretches import principal
+
+_THINNEST = 1e-3  # of its length
+
+
+@dataclass(frozen=True, eq=False)
+class Size:
+    """`extent`, metres, as of `LightSample.size`: half the sides of a rectangle, along `tangent`
+    and across, or the radius of a ball.
+    """
+
+    tangent: F64
+    extent: tuple[float, float]
+
+
+def rectangle(found: Pieces, normal: F64) -> Size:
+    """A rectangle of the same area as these pieces, as long and wide as second moments say."""
+    _, variances, axes = principal(found.corners, found.areas)
+    tangent = axes[:, 2] - (axes[:, 2] @ normal) * normal
+    aspect = max(math.sqrt(variances[1] / max(variances[2], 1e-300)), _THINNEST)
+    half = 0.5 * math.sqrt(float(found.areas.sum()) / aspect)
+    return Size(tangent / max(float(np.linalg.norm(tangent)), 1e-300), (half, aspect * half))
+
+
+def body(found: Pieces, segment: Segment | None) -> Size:
+    """A ball of the same area as these pieces, which face out to all sides; none of a long one."""
+    radius = 0.0 if segment else math.sqrt(float(found.areas.sum()) / (4.0 * math.pi))
+    return Size(np.array((1.0, 0.0, 0.0)), (radius, 0.0))
