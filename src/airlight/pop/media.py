@@ -66,7 +66,7 @@ class PopMedia(Solver):
         _check_levels(settings, volumes)
         self._first_row = media.count - sum(map(len, volumes))
         # The surfaces around the media, with their virtual point lights.
-        self._maps = reflected_maps(kit, media, settings)
+        self._maps = reflected_maps(kit, settings)
         reflected = self._maps.reflected if self._maps else None
         self._surfaces: Surfaces | None = None
         if self._scene.meshes:
