@@ -151,7 +151,7 @@ def _is_gathered(context: Context, settings: LpvScatterSettings) -> bool:
 
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
-    """Principal-ordinates propagation in every medium (Elek2014); surfaces are lit directly.
+    """Principal-ordinates propagation in every medium (Elek2014); surfaces gather in stills.
 
     Each light, and each part of the environment, is a principal ordinate: a grid aligned with its
     direction, through which its radiance propagates and is scattered. The ordinates' radiance is
