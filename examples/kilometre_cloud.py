@@ -4,7 +4,7 @@
     python examples/kilometre_cloud.py --reference [SEED]
 
 You should see the grey base of a cumulus from the ground, the cloud's bright rim before the sky,
-then the inside of the same cloud: mist, and the sun's glow through it. Cells of 40 m are too coarse
+then the inside of the same cloud: mist, and the sun's glow through it. Cells of 55 m are too coarse
 for an eye inside; `grid_levels` puts finer grids ahead of it, which take the light at their border
 from the larger ones. With --reference Mitsuba renders the same, and energies and errors are
 printed, of the defaults and of finer cells; SEED makes another cloud.

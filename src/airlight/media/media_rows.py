@@ -12,7 +12,7 @@ from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .detail import detail_bias, detail_periods
 from .emission_grids import NO_GRID, brightest_emission
-from .light_columns import side_lengths
+from .column_texels import side_lengths
 
 BOX, ELLIPSOID, GRID = 0, 1, 2
 NO_SHAFTS, SHAFTS_OF_ALL, SHAFTS_OF_LOCAL = 0, 1, 2
