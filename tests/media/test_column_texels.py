@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from airlight.media.column_texels import Fineness, all_texels
 from airlight.rendering import render

@@ -28,8 +28,8 @@ class ColumnPlan:
 
     `resolution`: texels along the longest side of a grid at most, up to three times as many in
     matter so dense that a texel's optical depth is beyond `texel_depth`. `texel_m`: they need not
-    be finer than this, metres. `towards` says whose lights they are; tables of the same name and lights have
-    the same columns where they are of the same `shared`.
+    be finer than this, metres. `towards` says whose lights they are; tables of the same name and
+    lights have the same columns where they are of the same `shared`.
     """
 
     resolution: int = 48
