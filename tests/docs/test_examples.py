@@ -14,7 +14,7 @@ MADE = {
     "cloud_from_netcdf.py": ["cloud_from_netcdf.png", "cloud_with_shadow.nc"],
     "cloud_turning_sun.py": ["cloud.webp", "cloud/0000.png", "cloud/0023.png"],
     "dyed_smoke.py": ["dyed_smoke.png"],
-    "kilometre_cloud.py": ["kilometre_cloud_below.png", "kilometre_cloud_within.png"],
+    "kilometre_cloud.py": [f"kilometre_cloud_{v}.png" for v in ("below", "rim", "within")],
     "many_puffs.py": ["many_puffs.png"],
     "pyvista_plume.py": ["pyvista_plume.png", "hill_with_light.vtp"],
     "smoke_in_atrium.py": ["smoke_in_atrium.png"],

@@ -5,9 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-import pytest
 
-from airlight.errors import SceneError
 from airlight.gpu.device import Gpu
 from airlight.maths.transforms import F64
 from airlight.rendering import render
@@ -73,5 +71,3 @@ def test_fog_and_a_volume_are_solved_apart(gpu):
     scene = Scene(medium=fog, volumes=(small,), environment=WHITE, camera=CAMERA)
     scattered, through = images(gpu, scene)
     np.testing.assert_allclose(scattered + through, 1.0, atol=0.06)
-    with pytest.raises(SceneError, match="the scene has 5 media, pop draws at most 4"):
-        images(gpu, Scene(medium=fog, volumes=(small,) * 4, environment=WHITE))

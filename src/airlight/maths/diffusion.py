@@ -20,16 +20,29 @@ def largest_diffusivity(density: F64, cell: F64) -> float:
     total = float(density.sum())
     if total <= 0.0:
         return float(np.linalg.norm(cell * np.array(density.shape[::-1]))) / 6.0
-    # Covariance of the density, m^2: that of cells among each other and within themselves.
-    spread = np.diag(np.asarray(cell, dtype=np.float64) ** 2 / 12.0)  # a cell is not a point
+    return spread_diffusivity(density_moments(density, cell)[1])
+
+
+def spread_diffusivity(spread: F64) -> float:
+    """The same from the covariance (3, 3) of the density, m^2."""
+    return float(np.sqrt(15.0 / (1.0 / np.linalg.eigvalsh(spread)).sum())) / 3.0
+
+
+def density_moments(density: F64, cell: F64) -> tuple[F64, F64]:
+    """The centre (3,), m from the lower corner, and the covariance (3, 3), m^2, of a density."""
+    total = float(density.sum())
+    # Covariance of cells among each other and within themselves: a cell is not a point.
+    spread = np.diag(np.asarray(cell, dtype=np.float64) ** 2 / 12.0)
     at = [(np.arange(n) + 0.5) * h for n, h in zip(density.shape[::-1], cell, strict=True)]
+    centre = np.zeros(3)
     for i in range(3):
         for j in range(i, 3):
             rest = tuple(2 - axis for axis in range(3) if axis not in (i, j))
             weight = density.sum(axis=rest) / total
             spread[i, j] += _covariance(weight, at[i], at[j] if j > i else None)
             spread[j, i] = spread[i, j]
-    return float(np.sqrt(15.0 / (1.0 / np.linalg.eigvalsh(spread)).sum())) / 3.0
+            centre[i] = weight @ at[i] if j == i else centre[i]
+    return centre, spread
 
 
 def _covariance(weight: F64, x: F64, y: F64 | None) -> float:

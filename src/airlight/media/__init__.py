@@ -13,7 +13,8 @@ media_rows       each medium as a row of their table
 atlas            their density grids in one texture; emission_grids: what they give off
 density_grids    that texture and the columns through it, once for all tables of media
 media_tree       their boxes, as rays walk them; path_lists: those between a point and a light
-light_columns    column density of density grids towards lights; detail: noise below their voxels
+light_columns    column density of density grids towards lights; column_texels: how fine
+detail           noise below their voxels
 rays             which eye ray each texel of a reduced image stands for
 pixel_list       pixels to redraw; settings: of all this
 volume_blockers  volumes as blockers of a lattice

@@ -14,7 +14,7 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32
+from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.slots import image, storage, texture, uniform
 from ..surface.light_table import LightData
@@ -24,10 +24,11 @@ from .gpu_media import GpuMedia
 
 
 class AttenuationParams(Struct):
-    """The size of the maps."""
+    """The size of the maps, and where the sky's light begins."""
 
     resolution = u32("texels")
     layers = u32()
+    beyond = f32("m, how far before the sky's maps media may lie")
 
 
 class _Attenuate(ComputePass):
@@ -77,13 +78,15 @@ class _Attenuated(ReflectiveShadowMaps):
         size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)
         self.flux = Texture(gpu, name, size, "rgba16float", dimension="2d-array", written=True)
 
-    def _copy(self, commands: Commands, **bound: Any) -> None:
+    def _copy(self, commands: Commands, *, beyond: float = 0.0, **bound: Any) -> None:
         """Attenuate the flux of each texel; `bound`: what the pass reads besides the maps."""
         if self.layers:
             self._attenuate.dispatch(
                 commands,
                 (self.resolution, self.resolution, self.layers),
-                params=AttenuationParams(resolution=self.resolution, layers=self.layers),
+                params=AttenuationParams(
+                    resolution=self.resolution, layers=self.layers, beyond=beyond
+                ),
                 views=self.views,
                 depth=self.depth,
                 flux=self._from.flux,
@@ -115,6 +118,6 @@ class AttenuatedSkyMaps(_Attenuated):
         super().__init__(gpu, "attenuated flux of the sky", of, _AttenuateSky(gpu, media))
         self._media = media
 
-    def attenuate(self, commands: Commands) -> None:
-        """Take the maps and the media as they are."""
-        self._copy(commands, **self._media.medium_bound)
+    def attenuate(self, commands: Commands, beyond: float = 0.0) -> None:
+        """Take the maps and the media as they are, which may lie `beyond`, m, before the maps."""
+        self._copy(commands, beyond=beyond, **self._media.medium_bound)

@@ -2,7 +2,7 @@
 //! use light_texel
 //! use media
 
-// The sky's lights shine along their maps' depth: from where a texel's ray begins.
+// The sky's lights shine along their maps' depth, from beyond where a texel's ray begins.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
         return;
@@ -13,8 +13,9 @@
     let uv = texel_centre(id.xy, params.resolution);
     var passed = vec3f(1.0);
     if (any(power.rgb > vec3f(0.0))) {
-        passed = media_transmittance(texel_point(views[id.z], uv, 0.0),
-            texel_point(views[id.z], uv, d));
+        let start = texel_point(views[id.z], uv, 0.0);
+        let along = normalize(texel_point(views[id.z], uv, 1.0) - start);
+        passed = media_transmittance(start - params.beyond * along, texel_point(views[id.z], uv, d));
     }
     textureStore(attenuated, texel, id.z, vec4f(power.rgb * passed, power.a));
 }

@@ -7,6 +7,7 @@ depend on coefficients, so one of each serves all tables.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from ..gpu.device import Gpu
 from ..gpu.shared import Shared
 from ..scene.volume import Volume
 from .atlas import DensityAtlas
+from .column_texels import Fineness
 from .light_columns import LightColumns
 
 _SKY_TEXELS = 16
@@ -24,20 +26,22 @@ _TEXELS_PER_CELL = 4  # a cell's light is the mean of points half a cell apart
 class ColumnPlan:
     """Which columns towards lights a table of media reads.
 
-    `resolution`: texels along the longest side of a grid at most. `texel_m`: they need not be finer
-    than this, metres. `towards` says whose lights they are; tables of the same name and lights have
-    the same columns where they are of the same `shared`.
+    `resolution`: texels along the longest side of a grid at most, up to three times as many in
+    matter so dense that a texel's optical depth is beyond `texel_depth`. `texel_m`: they need not
+    be finer than this, metres. `towards` says whose lights they are; tables of the same name and
+    lights have the same columns where they are of the same `shared`.
     """
 
     resolution: int = 48
     texel_m: float = 0.0
+    texel_depth: float = 1.0
     towards: str = "lights"
     shared: Shared | None = None
 
 
 def sky_columns(cell_m: float, shared: Shared) -> ColumnPlan:
     """Columns towards the many lights of a sky, which cells of a side of `cell_m` read."""
-    return ColumnPlan(_SKY_TEXELS, cell_m / _TEXELS_PER_CELL, "sky", shared)
+    return ColumnPlan(_SKY_TEXELS, cell_m / _TEXELS_PER_CELL, math.inf, "sky", shared)
 
 
 def density_atlas(gpu: Gpu, volumes: Sequence[Volume], shared: Shared) -> DensityAtlas:
@@ -53,8 +57,6 @@ def light_columns(
 ) -> LightColumns:
     """Their columns towards `light_count` lights."""
     atlas = density_atlas(gpu, volumes, shared)
-    key = ("columns", id(atlas), light_count, plan.resolution, plan.texel_m, plan.towards)
-    return shared.once(
-        key,
-        lambda: LightColumns(gpu, atlas, volumes, light_count, (plan.resolution, plan.texel_m)),
-    )
+    fineness = Fineness(plan.resolution, plan.texel_m, plan.texel_depth)
+    key = ("columns", id(atlas), light_count, fineness, plan.towards)
+    return shared.once(key, lambda: LightColumns(gpu, atlas, volumes, light_count, fineness))

@@ -31,6 +31,7 @@ from ..scene.lights import DirectionalLight, Light
 from ..scene.volume import Volume
 from ..surface.light_table import packed_lights
 from .atlas import LIMIT, DensityAtlas, Region, Size, packed
+from .column_texels import Fineness, all_texels
 from .media_slots import light_groups
 
 SLABS = 4
@@ -41,7 +42,6 @@ RUN = 16
 """Texels along z that an invocation finds: a CPU adapter loads what they share lane by lane."""
 _SCRATCH_BYTES = 16 << 20
 _MOST_GROUPS = 65535
-_FEWEST_TEXELS = 4  # along a side of a grid that is small beside what reads its columns
 _PLACED = ("kind", "position", "direction")  # of a light, all that columns depend on
 
 
@@ -113,18 +113,16 @@ class LightColumns:
         atlas: DensityAtlas,
         volumes: Sequence[Volume],
         light_count: int,
-        fineness: tuple[int, float],
+        fineness: Fineness,
     ) -> None:
-        """`volumes`: whose grids the `atlas` holds. `fineness`: texels along a grid's longest side
-        at most, and metres that they need not be finer than.
-        """
+        """`volumes`: whose grids the `atlas` holds."""
         self.atlas = atlas
         self._linear = linear_sampler(gpu, "light columns")
         self._planes = _Planes(gpu, generated=_CONSTANTS)
         self._columns = _Columns(gpu, generated=_CONSTANTS)
         # Four lights a texel, and a slab of texels for every four.
         groups = light_groups(light_count)
-        slabs = [_texels(volume, *fineness) for volume in volumes]
+        slabs = all_texels(volumes, fineness, groups, gpu.limits[LIMIT])
         boxes, size = packed([(x, y, z * groups) for x, y, z in slabs], gpu.limits[LIMIT])
         self.regions = [Region(box.first, slab) for box, slab in zip(boxes, slabs, strict=True)]
         self.texture = Texture(
@@ -260,25 +258,3 @@ def plane_count(texels: int) -> int:
 def _largest_plane(count: tuple[int, int, int]) -> int:
     nx, ny, nz = count
     return max(nx * ny, ny * nz, nz * nx)
-
-
-def _texels(volume: Volume, resolution: int, texel_m: float) -> tuple[int, int, int]:
-    """At most `resolution` texels on the longest side, at least 2 on each.
-
-    Two per voxel, where that allows: the mean density is not linear within voxels.
-    """
-    assert volume.density is not None
-    shape = np.array(volume.density.shape[::-1])
-    count = np.ceil(shape * min(2.0, resolution / shape.max()))
-    if texel_m > 0.0:
-        enough = np.ceil(side_lengths(volume) / texel_m) + 1.0
-        count = np.minimum(count, np.maximum(enough, _FEWEST_TEXELS))
-    nx, ny, nz = (int(n) for n in np.maximum(2, count))
-    return nx, ny, nz
-
-
-def side_lengths(volume: Volume) -> F64:
-    """Of a volume's box in the world, metres."""
-    extent = np.subtract(volume.bounds[1], volume.bounds[0])
-    sides: F64 = np.linalg.norm(np.asarray(volume.world_from_volume)[:3, :3], axis=0) * extent
-    return sides

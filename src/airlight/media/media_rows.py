@@ -10,9 +10,9 @@ from ..maths.transforms import F64
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
+from .column_texels import side_lengths
 from .detail import detail_bias, detail_periods
 from .emission_grids import NO_GRID, brightest_emission
-from .light_columns import side_lengths
 
 BOX, ELLIPSOID, GRID = 0, 1, 2
 NO_SHAFTS, SHAFTS_OF_ALL, SHAFTS_OF_LOCAL = 0, 1, 2

@@ -48,5 +48,9 @@ class MediaSettings:
     march_steps: int = setting(128, "most steps of a ray", low=1, high=4096)
     steps_per_cell: float = setting(1.0, "steps per cell of the finest source", low=0.1, high=16)
     column_resolution: int = setting(
-        48, "texels along a density grid's light columns", low=2, high=512
+        48,
+        "texels along a density grid's light columns; up to three times as many where matter is so "
+        "dense that light ends within one",
+        low=2,
+        high=512,
     )

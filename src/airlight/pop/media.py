@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError, SettingsError
-from ..fields import Fields, Frame, Solver
+from ..fields import ALL_MEDIA, Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
-from ..media.march.march import MAX_SOURCES
 from ..scene.coefficients import grouped
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
@@ -27,12 +26,14 @@ from ..scene.volume import Volume
 from .light.illumination import Illumination
 from .light.importance import Look
 from .light.visibility import Surfaces
+from .medium.merged_medium import MergedMedium
 from .medium.mixture import MediaCount
-from .settings import PopSettings, uses_virtual_grids
+from .settings import MOST_ALONE, PopSettings, uses_virtual_grids
 from .several_media import encode, introduce
 from .solver import PopSolver
 from .virtual.maps import reflected_maps
 
+_FULL = 0.9  # of the largest buffer
 MediaOf = Callable[[Scene], list[Volume]]
 
 
@@ -51,33 +52,31 @@ class PopMedia(Solver):
         """`media`: all that are marched, brought up to date by others; the last are solved here.
 
         `media_of`: the volumes of a scene that are, if not all. `has_local_shafts`: what local
-        lights scatter once is drawn by shafts. Raises SceneError for more media
-        than can be marched at once.
+        lights scatter once is drawn by shafts. More than MOST_ALONE are solved as one, on one grid:
+        they are all of `media` then.
         """
         self.kit, self.settings, self._has_local_shafts = kit, settings, has_local_shafts
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
         self._scene = kit.context.scene
         volumes = grouped(self._media_of(self._scene))
-        if len(volumes) > MAX_SOURCES:
-            raise SceneError(
-                f"the scene has {len(volumes)} media, pop draws at most {MAX_SOURCES}",
-                remedy="Use technique auto or lpv-scatter, which draw many, or leave some out",
-            )
         _check_levels(settings, volumes)
         self._first_row = media.count - sum(map(len, volumes))
         # The surfaces around the media, with their virtual point lights.
-        self._maps = reflected_maps(kit, media, settings)
+        self._maps = reflected_maps(kit, settings)
         reflected = self._maps.reflected if self._maps else None
         self._surfaces: Surfaces | None = None
         if self._scene.meshes:
             self._surfaces = Surfaces(kit.meshes, kit.lights, kit.sky, reflected, kit.blockers)
-        self.solvers = self._made(volumes, media)
+        self._merged: MergedMedium | None = None
+        if len(volumes) > MOST_ALONE:
+            self.solvers = [self._made_as_one(volumes, media)]
+        else:
+            self.solvers = self._made(volumes, media)
         introduce(self.solvers)
 
     def _made(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> list[PopSolver]:
         """A solver for each volume or its parts; a grid with its own texture is there already."""
-        virtual = self._surfaces.virtual_lights if self._surfaces else 0
-        lights = len(self._scene.lights) + virtual
+        lights = self._most_lights
         # A grid alone on the device is read where it lies, not uploaded twice.
         shared = media.atlas.texture if media.atlas is not None and media.atlas.is_alone else None
         # Each solver has the kernels for all media that its own may meet.
@@ -94,6 +93,29 @@ class PopMedia(Solver):
             )
             for parts in volumes
         ]
+
+    @property
+    def _most_lights(self) -> int:
+        """Beside the environment: those of the scene, and virtual ones."""
+        virtual = self._surfaces.virtual_lights if self._surfaces else 0
+        return len(self._scene.lights) + virtual
+
+    def _made_as_one(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> PopSolver:
+        """One solver for all, on a grid of as many cells as theirs together, if there is room."""
+        gpu, settings, lights = self.kit.gpu, self.settings, self._most_lights
+        # Paths to every light are stored in each cell.
+        most = gpu.limits["max-storage-buffer-binding-size"] / (8 * (settings.ordinates + lights))
+        cells = min(float(settings.grid**3 * len(volumes)), _FULL * most)
+        every = [part for parts in volumes for part in parts]
+        self._merged = MergedMedium(gpu, media, every, cells)
+        return PopSolver(
+            gpu, self._merged, settings, lights=lights, has_local_shafts=self._has_local_shafts
+        )
+
+    def _volumes(self, scene: Scene) -> list[tuple[Volume, ...]]:
+        """Those that solvers take in a frame."""
+        volumes = self._media_of(scene)
+        return [(self._merged.volume_of(volumes),)] if self._merged else grouped(volumes)
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Take the scene, and what surfaces reflect; media are solved for a view."""
@@ -117,12 +139,15 @@ class PopMedia(Solver):
             fields.reflected if has_reflected else None,
             Look(view.camera, view.size[0] / view.size[1]),
         )
-        encode(commands, self.solvers, grouped(self._media_of(scene)), lit)
+        encode(commands, self.solvers, self._volumes(scene), lit)
         # What each medium scatters, by its rows in the table of media.
         sources, row = [], self._first_row
         for solver in self.solvers:
             sources += solver.sources(row)
             row += len(solver.medium.parts)
+        # One grid of all media lights whatever there is at a point.
+        if self._merged:
+            sources = [replace(source, medium=ALL_MEDIA) for source in sources]
         return replace(fields, volumes=tuple(sources))
 
     @property

@@ -84,9 +84,13 @@ class PopSettings:
     )
 
 
+MOST_ALONE = 4
+"""Media that are solved and marched on grids of their own; more of them share one."""
+
+
 def source_count(media: int, settings: PopSettings) -> int:
     """How many grids are marched for so many media."""
-    return media * settings.grid_levels
+    return (media if media <= MOST_ALONE else 1) * settings.grid_levels
 
 
 def uses_virtual_grids(settings: PopSettings, *, alone: bool) -> bool:

@@ -58,7 +58,7 @@ class PopSolver:
     def __init__(
         self,
         gpu: Gpu,
-        volume: Volume | Sequence[Volume] | PopSolver,
+        volume: Volume | Sequence[Volume] | GridMedium | PopSolver,
         settings: PopSettings,
         *,
         lights: int = 0,
@@ -71,10 +71,13 @@ class PopSolver:
         `volume`: one, or the parts of one that have the same phase function. Raises SceneError
         where a scheme that knows one extinction gets parts. `has_local_shafts`: as of `Emission`.
         `voxels`: the density of the volume as a filterable 3D texture, where there is one already.
-        A solver in place of a `volume` is that of the next larger grid, for a finer one inside it.
+        A medium in place of a `volume` is on its grid already; a solver is that of the next larger
+        grid, for a finer one inside it.
         """
         outer = volume if isinstance(volume, PopSolver) else None
+        made = volume if isinstance(volume, GridMedium) else None
         volume = volume.medium.volumes if isinstance(volume, PopSolver) else volume
+        volume = volume.volumes if isinstance(volume, GridMedium) else volume
         self.settings, self._outer = settings, outer
         is_beam = settings.scheme == "delta-beam"
         # Grids of ordinates know one medium only.
@@ -86,7 +89,9 @@ class PopSolver:
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
         if outer is None:
-            self.medium = GridMedium(gpu, parts, settings.grid, voxels=voxels, others=others)
+            self.medium = made or GridMedium(
+                gpu, parts, settings.grid, voxels=voxels, others=others
+            )
             self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
         else:
             self.medium = FinerMedium(outer.medium, settings.grid_ratio)

@@ -151,7 +151,7 @@ def _is_gathered(context: Context, settings: LpvScatterSettings) -> bool:
 
 
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
-    """Principal-ordinates propagation in every medium (Elek2014); surfaces are lit directly.
+    """Principal-ordinates propagation in every medium (Elek2014); surfaces gather in stills.
 
     Each light, and each part of the environment, is a principal ordinate: a grid aligned with its
     direction, through which its radiance propagates and is scattered. The ordinates' radiance is
@@ -176,7 +176,9 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     media = Media(kit, drawn, sources=sources, has_sky=False, solved=found)
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
     layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
-    return Technique("pop", kit, [media, solved], media=media, scene_filter=scaled, layers=layers)
+    gathering = _gathering(kit, settings, media if scaled else None, sources=sources)
+    solvers = [media, solved, *gathering]
+    return Technique("pop", kit, solvers, media=media, scene_filter=scaled, layers=layers)
 
 
 def _drawn_by_pop(settings: PopTechniqueSettings, shafts: str) -> MediaSettings:

@@ -48,7 +48,7 @@ class LpvScatterSettings(CascadeSettings, ScatterSettings, MediaSettings, Gather
 
 
 @dataclass(frozen=True)
-class PopTechniqueSettings(SurfaceSettings, PopSettings):
+class PopTechniqueSettings(SurfaceSettings, PopSettings, GatherSettings):
     """Settings of surfaces and of principal ordinates."""
 
     march: str = setting("half", "resolution of the marched image", choices=tuple(RESOLUTIONS))

@@ -141,12 +141,17 @@ class Width:
 
 def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
     """The width of the medium in the box of a volume."""
-    density = shape_density(volume, _PROBED)
-    steps = tuple(slice(None, None, -(-n // _PROBED)) for n in density.shape)
-    probed = density[steps].astype(np.float64)
+    probed = probed_density(volume)
     cell = placement.extent / np.array(probed.shape[::-1])
     mean = float((probed**2).sum() / max(float(probed.sum()), 1e-30))
     return Width(largest_diffusivity(probed, cell), mean, float(probed.mean()))
+
+
+def probed_density(volume: Volume) -> F64:
+    """A few samples (z, y, x) of its density, as far apart along each axis of its box."""
+    density = shape_density(volume, _PROBED)
+    steps = tuple(slice(None, None, -(-n // _PROBED)) for n in density.shape)
+    return np.asarray(density[steps], np.float64)
 
 
 def shape_density(volume: Volume, side: int) -> Any:

@@ -2,46 +2,78 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ...gpu.commands import Commands
 from ...lighting.kit import Kit
 from ...maths.transforms import F64
-from ...media.attenuated_maps import AttenuatedMaps
+from ...media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
+from ...media.density_grids import ColumnPlan
 from ...media.gpu_media import GpuMedia
+from ...scene.medium import medium_box
 from ...scene.scene import Scene
 from ...surface.light_maps import LightMaps
 from ..settings import PopSettings
+from .forward_media import ForwardScaled
 from .reflected import ReflectedLights
 
 
 class ReflectedMaps:
-    """Maps of the scene's lights, attenuated by media, and of the sky; `reflected` is all of it."""
+    """Maps of the scene's lights and of the sky, attenuated by media; `reflected` is all of it.
 
-    def __init__(self, kit: Kit, media: GpuMedia, settings: PopSettings) -> None:
+    Light that media scattered forwards alone arrives, too; the paper's scheme has none of it.
+    """
+
+    def __init__(self, kit: Kit, settings: PopSettings) -> None:
         """`settings` say how many virtual point lights there are, and how large the maps."""
-        self._kit, self._media = kit, media
-        lights = kit.context.scene.lights
-        self._maps = LightMaps(kit.gpu, lights, settings.virtual_resolution)
+        self._kit = kit
+        self._forward = None if settings.scheme == "paper" else ForwardScaled()
+        scene = kit.context.scene
+        self._media = GpuMedia(
+            kit.gpu,
+            self._attenuating(scene),
+            light_count=kit.lights.count,
+            columns=ColumnPlan(shared=kit.shared),
+        )
+        self._maps = LightMaps(kit.gpu, scene.lights, settings.virtual_resolution)
         self._attenuated = [
-            AttenuatedMaps(kit.gpu, maps, media, owners)
+            AttenuatedMaps(kit.gpu, maps, self._media, owners)
             for maps, owners in zip(self._maps.groups, self._maps.owners, strict=True)
         ]
-        self._media_version = -1
-        all_maps = (*self._attenuated, kit.sky.maps)
+        self._sky = AttenuatedSkyMaps(kit.gpu, kit.sky.maps, self._media)
+        self._seen = (-1, -1)
         self.reflected = ReflectedLights(
-            all_maps, kit.blockers, kit.placement, settings.virtual_lights
+            (*self._attenuated, self._sky), kit.blockers, kit.placement, settings.virtual_lights
         )
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
-        """Redraw and attenuate what changed; media are up to date. low..high: the scene, m."""
+        """Redraw and attenuate what changed; the sky is up to date. low..high: the scene, m."""
+        self._media.update(commands, self._attenuating(scene), low, high)
         is_drawn = self._maps.encode(commands, self._kit.meshes, scene.lights, low, high)
-        if is_drawn or self._media.version != self._media_version:
-            self._media_version = self._media.version
-            self.reflected.version += 1
-            for maps in self._attenuated:
-                maps.attenuate(commands, self._kit.lights.table)
+        media, sky = self._media.version, self._kit.sky.version
+        if not is_drawn and (media, sky) == self._seen:
+            return
+        self.reflected.version += 1
+        for maps in self._attenuated:
+            maps.attenuate(commands, self._kit.lights.table)
+        # A sky's maps do not move with the lights.
+        if (media, sky) != self._seen:
+            self._sky.attenuate(commands, _reach(scene, low, high))
+        self._seen = (media, sky)
+
+    def _attenuating(self, scene: Scene) -> Scene:
+        return self._forward.scaled(scene) if self._forward else scene
 
 
-def reflected_maps(kit: Kit, media: GpuMedia, settings: PopSettings) -> ReflectedMaps | None:
+def _reach(scene: Scene, low: F64, high: F64) -> float:
+    """How far apart surfaces and media may lie, m: the sky's maps hold surfaces alone."""
+    if scene.medium is not None:
+        box = medium_box(scene.medium, low, high, scene.camera.position)
+        low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+    return float(np.linalg.norm(high - low))
+
+
+def reflected_maps(kit: Kit, settings: PopSettings) -> ReflectedMaps | None:
     """The maps of a technique's virtual point lights, where there are to be any."""
     has_any = bool(kit.context.scene.meshes and settings.virtual_lights)
-    return ReflectedMaps(kit, media, settings) if has_any else None
+    return ReflectedMaps(kit, settings) if has_any else None

@@ -1,0 +1,31 @@
+// The extinction of all media in fine cells, as the density of one medium.
+//! use media
+
+const LARGEST_HALF = 65504.0;
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (any(id >= params.count)) {
+        return;
+    }
+    // Media one after the other, each at all samples of the cell: few meet it.
+    let n = params.samples;
+    let size = 1.0 / vec3f(params.count);
+    let centre = (params.world_from_uvw * vec4f((vec3f(id) + 0.5) * size, 1.0)).xyz;
+    var sum = vec3f(0.0);
+    var node = 0u;
+    for (var v = 0u; v < MEDIA_NODES; v++) {
+        let visit = visit_near(node, centre, params.reach);
+        node = visit.next;
+        if (visit.is_done) { break; }
+        if (visit.is_skipped) { continue; }
+        var density = 0.0;
+        for (var s = 0u; s < n * n * n; s++) {
+            let inside = (vec3f(vec3u(s % n, (s / n) % n, s / (n * n))) + 0.5) / f32(n);
+            let uvw = (vec3f(id) + inside) * size;
+            density += medium_density(visit.medium, (params.world_from_uvw * vec4f(uvw, 1.0)).xyz);
+        }
+        sum += density * media[visit.medium].sigma_t;
+    }
+    let mean = params.scale * (sum.r + sum.g + sum.b) / (3.0 * f32(n * n * n));
+    textureStore(voxels, id, vec4f(min(mean, LARGEST_HALF), 0.0, 0.0, 0.0));
+}
