@@ -68,10 +68,9 @@ class PopSolver:
     ) -> None:
         """For at most so many `lights` beside the environment, and a number of `others`.
 
-        `volume`: one, the parts of one that have the same phase function, a medium that has its
-        grid, or the solver of the next larger grid, for a finer one inside it. `voxels`: the
-        density of one as a filterable 3D texture, where there is one. `has_local_shafts`: as of
-        `Emission`. Raises SceneError where a scheme that knows one extinction gets parts.
+        `volume`: one, its parts of the same phase function, a medium that has its grid, or the
+        solver of the next larger grid. `voxels`: the density as a filterable 3D texture, if any.
+        `has_local_shafts`: as of `Emission`. Raises SceneError for parts in schemes of hops.
         """
         outer = volume if isinstance(volume, PopSolver) else None
         given = volume.medium if isinstance(volume, PopSolver) else volume
