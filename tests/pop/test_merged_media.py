@@ -91,7 +91,7 @@ def boxes(parts: int) -> tuple[Volume, ...]:
 
 @pytest.mark.parametrize(("scheme", "most"), [("delta-beam", 0.001), ("split", 0.015)])
 def test_a_box_cut_in_nine_is_the_box(gpu: Gpu, scheme: str, most: float) -> None:
-    """On as many cells: 12^3, and 12.48^3, rounded down; .00005 was measured, .010 for hops."""
+    """On as many cells: 12^3, and nine eighths of it, rounded down; .00005, .010 for hops."""
     scene = Scene(lights=(SUN,), environment=WHITE, camera=CAMERA)
     settings = dataclasses.replace(SETTINGS, scheme=scheme)
     pair = [
@@ -100,7 +100,7 @@ def test_a_box_cut_in_nine_is_the_box(gpu: Gpu, scheme: str, most: float) -> Non
             dataclasses.replace(scene, volumes=boxes(parts)),
             dataclasses.replace(settings, grid=grid),
         )[0]
-        for parts, grid in ((1, 12), (3, 6))
+        for parts, grid in ((1, 12), (3, 12))
     ]
     assert np.linalg.norm(pair[1] - pair[0]) < most * np.linalg.norm(pair[0])
 

@@ -7,6 +7,7 @@ from airlight.pop.media import PopMedia
 from airlight.rendering import Renderer, render
 from airlight.scene import Medium, PointLight
 from airlight.techniques import TECHNIQUES, checked_settings, settings_class
+from airlight.techniques.auto import recipe_for
 
 from .conftest import SIZE, SMALL
 
@@ -35,6 +36,28 @@ def test_a_ball_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over
     assert chosen(dataclasses.replace(under_lamp, volumes=(ball,))) == "lpv-scatter"
     thin = dataclasses.replace(ball, sigma_t=(0.02, 0.02, 0.02))
     assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "lpv with pop"
+
+
+def test_few_volumes_that_are_alike_share_a_grid(smoke_over_floor):
+    (smoke,) = smoke_over_floor.volumes
+
+    def of(*volumes, **others) -> str:
+        return recipe_for(dataclasses.replace(smoke_over_floor, volumes=volumes, **others))
+
+    assert of(*[smoke] * 16) == "lpv with pop"
+    assert of(*[smoke] * 17) == "lpv-scatter"
+    assert of(*[smoke] * 5, medium=Medium((0.05,) * 3)) == "lpv-scatter"
+    # As many of any kinds as have grids of their own.
+    thinner = dataclasses.replace(smoke, sigma_t=tuple(0.1 * x for x in smoke.sigma_t))
+    for change, chosen_for_five in (
+        ({"albedo": (0.1, 0.5, 0.9)}, "lpv-scatter"),
+        ({"g": (0.85,) * 3}, "lpv-scatter"),
+        ({"sigma_t": (9.0, 5.0, 2.0)}, "lpv-scatter"),
+        ({}, "lpv with pop"),
+    ):
+        other = dataclasses.replace(thinner, **change)
+        assert of(*[smoke] * 3, other) == "lpv with pop"
+        assert of(*[smoke] * 4, other) == chosen_for_five, change
 
 
 def test_all_three_solvers_in_one_frame(smoke_over_floor):

@@ -74,7 +74,7 @@ def test_the_image_is_the_same(monkeypatch, everything, technique, settings):
     assert np.linalg.norm(plain - usual) <= AT_MOST * np.linalg.norm(usual)
 
 
-@pytest.mark.parametrize("technique", ["single", "lpv-scatter"])
+@pytest.mark.parametrize("technique", ["single", "lpv-scatter", "pop"])
 def test_many_volumes_are_the_same(monkeypatch, everything, technique):
     """More than a tree takes one by one: passes bind lists of them besides."""
     volumes = tuple(
@@ -82,9 +82,12 @@ def test_many_volumes_are_the_same(monkeypatch, everything, technique):
         for v in everything.volumes
         for _ in range(5)
     )
-    scene = dataclasses.replace(everything, volumes=volumes)
+    scene, given = (
+        dataclasses.replace(everything, volumes=volumes),
+        POP if technique == "pop" else SMALL,
+    )
     plain, usual = (
-        drawn(monkeypatch, scene, technique, SMALL, asked) for asked in ("default", "auto")
+        drawn(monkeypatch, scene, technique, given, asked) for asked in ("default", "auto")
     )
     assert plain.max() > 0.0
     assert np.linalg.norm(plain - usual) <= AT_MOST * np.linalg.norm(usual)

@@ -101,11 +101,11 @@ class PopMedia(Solver):
         return len(self._scene.lights) + virtual
 
     def _made_as_one(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> PopSolver:
-        """One solver for all, on a grid of as many cells as theirs together, if there is room."""
+        """One solver for all, on a grid of cells twice as large as theirs, if there is room."""
         gpu, settings, lights = self.kit.gpu, self.settings, self._most_lights
         # Paths to every light are stored in each cell.
         most = gpu.limits["max-storage-buffer-binding-size"] / (8 * (settings.ordinates + lights))
-        cells = min(float(settings.grid**3 * len(volumes)), _FULL * most)
+        cells = min(settings.grid**3 * max(1.0, len(volumes) / 2**3), _FULL * most)
         every = [part for parts in volumes for part in parts]
         self._merged = MergedMedium(gpu, media, every, cells)
         return PopSolver(

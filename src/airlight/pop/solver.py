@@ -68,29 +68,24 @@ class PopSolver:
     ) -> None:
         """For at most so many `lights` beside the environment, and a number of `others`.
 
-        `volume`: one, or the parts of one that have the same phase function. Raises SceneError
-        where a scheme that knows one extinction gets parts. `has_local_shafts`: as of `Emission`.
-        `voxels`: the density of the volume as a filterable 3D texture, where there is one already.
-        A medium in place of a `volume` is on its grid already; a solver is that of the next larger
-        grid, for a finer one inside it.
+        `volume`: one, its parts of the same phase function, a medium that has its grid, or the
+        solver of the next larger grid. `voxels`: the density as a filterable 3D texture, if any.
+        `has_local_shafts`: as of `Emission`. Raises SceneError for parts in schemes of hops.
         """
         outer = volume if isinstance(volume, PopSolver) else None
-        made = volume if isinstance(volume, GridMedium) else None
-        volume = volume.medium.volumes if isinstance(volume, PopSolver) else volume
-        volume = volume.volumes if isinstance(volume, GridMedium) else volume
+        given = volume.medium if isinstance(volume, PopSolver) else volume
         self.settings, self._outer = settings, outer
         is_beam = settings.scheme == "delta-beam"
         # Grids of ordinates know one medium only.
         others = others if is_beam else NO_OTHERS
-        parts = [volume] if isinstance(volume, Volume) else list(volume)
-        if len(parts) > 1 and not is_beam:
+        if isinstance(given, Sequence) and len(given) > 1 and not is_beam:
             raise SceneError(
                 f"scheme = '{settings.scheme}' knows no volume whose colour varies",
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
         if outer is None:
-            self.medium = made or GridMedium(
-                gpu, parts, settings.grid, voxels=voxels, others=others
+            self.medium = GridMedium.made_of(
+                gpu, given, settings.grid, voxels=voxels, others=others
             )
             self._scene_ordinates = SceneOrdinates(settings.ordinates, settings.ordinates_from)
         else:

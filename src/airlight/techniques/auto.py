@@ -4,25 +4,30 @@ surfaces  without media `lpv`; with media `lpv-scatter`, whose lattice holds ref
           light
 volumes   `pop`: a solver for the light of each volume, marched as a source. Light that surfaces
           reflect into a volume comes from the lattice, which the volume attenuates and adds to
-          (`volumes`). Volumes are part of the lattice's medium instead where there are more than
-          four (or eight parts of volumes of many colours), or where a box or ball keeps much of a
-          local light from the room: single scattering is exact there. (A thick ball in the Cornell
-          box: the relative L2 error of its light is .21, with pop .33. For density grids pop is the
-          better one, .27 against .55.)
+          (`volumes`). Up to sixteen that are alike share a grid there. Volumes are part of the
+          lattice's medium instead where there are more, or more than four in fog or of unlike
+          colours or phase functions (or eight parts of volumes of many colours), or where a box or
+          ball keeps much of a local light from the room: single scattering is exact there. (A thick
+          ball in the Cornell box: the relative L2 error of its light is .21, with pop .33. For
+          density grids pop is the better one, .27 against .55.)
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..maths.transforms import F64
+from ..pop.settings import MOST_ALONE
 from ..scene.coefficients import grouped
 from ..scene.lights import DirectionalLight
 from ..scene.scene import Scene, volume_world_bounds
 from ..scene.volume import Volume
 
-_MOST_SOLVED = 4  # volumes that can be marched as sources of their own
-_MOST_PARTS = 8  # parts of those, each of which every path of the ordinates stores
+_MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates stores each
+_MOST_MERGED = 16  # volumes on one grid, beyond which it costs more than the lattice
+_ALIKE = 0.1  # of albedo and g, and of the ratios of extinctions
 _SHADED_SHARE = 0.05
 
 
@@ -37,7 +42,18 @@ def recipe_for(scene: Scene) -> str:
 
 def _are_many(scene: Scene) -> bool:
     """Whether volumes, or the parts of which those of many colours are sums, are too many."""
-    return len(grouped(scene.volumes)) > _MOST_SOLVED or len(scene.volumes) > _MOST_PARTS
+    count = len(grouped(scene.volumes))
+    if count <= MOST_ALONE:
+        return len(scene.volumes) > _MOST_PARTS
+    return scene.medium is not None or count > _MOST_MERGED or not _are_alike(scene.volumes)
+
+
+def _are_alike(volumes: Sequence[Volume]) -> bool:
+    """Whether means of their coefficients say enough of each, where they share a grid."""
+    sigma_t = np.array([volume.sigma_t for volume in volumes])
+    tint = sigma_t / np.maximum(sigma_t.max(axis=1, keepdims=True), 1e-30)
+    kinds = np.hstack([tint, [(*volume.albedo, *volume.g) for volume in volumes]])
+    return bool(np.ptp(kinds, axis=0).max() <= _ALIKE)
 
 
 def _shades_a_room(scene: Scene) -> bool:

@@ -3,4 +3,5 @@
 volume -> placement: a box of cells -> density: means of voxels in cells
        -> mixture: coefficients of all media in those cells
 grid_medium: all of it for one volume; finer_medium: a part of it on a finer grid (nesting: where)
+merged_medium: many volumes on one grid (merging: as what medium)
 """

@@ -74,6 +74,22 @@ class GridMedium:
         self.voxels = [density_texture(gpu, v) for v in parts] if voxels is None else [voxels]
         self._key: tuple[Any, ...] = ()
 
+    @classmethod
+    def made_of(
+        cls,
+        gpu: Gpu,
+        given: GridMedium | Volume | Sequence[Volume],
+        resolution: int,
+        *,
+        voxels: Texture | None = None,
+        others: MediaCount = NO_OTHERS,
+    ) -> GridMedium:
+        """That of a volume or its parts; one that is there already stays."""
+        if isinstance(given, GridMedium):
+            return given
+        parts = [given] if isinstance(given, Volume) else given
+        return cls(gpu, parts, resolution, voxels=voxels, others=others)
+
     def _placed(self, parts: Sequence[Volume]) -> list[PlacedVolume]:
         """The parts on this grid."""
         return placed_parts(parts, self._resolution)
