@@ -22,26 +22,31 @@ fn shadow_word(entry: u32) -> u32 {
     return local_bounds[entry];
 }
 
-// Narrow `u` to where f + u df >= 0.
-fn cut(u: vec2f, f: f32, df: f32) -> vec2f {
+// Narrow `u` to where f + u df > 0; or >= 0 where the map has that border.
+fn cut(u: vec2f, f: f32, df: f32, has_border: bool) -> vec2f {
     if (df == 0.0) {
-        return select(vec2f(1.0, 0.0), u, f >= 0.0);
+        return select(vec2f(1.0, 0.0), u, f > 0.0 || (has_border && f == 0.0));
     }
     let at = -f / df;
     return select(vec2f(u.x, min(u.y, at)), vec2f(max(u.x, at), u.y), df > 0.0);
 }
 
-fn cut_sides(u: vec2f, c: vec4f, dc: vec4f) -> vec2f {
-    let x = cut(cut(u, c.w + c.x, dc.w + dc.x), c.w - c.x, dc.w - dc.x);
-    return cut(cut(x, c.w + c.y, dc.w + dc.y), c.w - c.y, dc.w - dc.y);
+// Of the faces of a cube each border is one's, so that a ray that runs along it is counted once: of +x and -x all, of +y
+// and -y those with z (surface/light_views.py: that axis is their y, too). Other maps have all.
+fn cut_sides(u: vec2f, c: vec4f, dc: vec4f, face: u32) -> vec2f {
+    let has_x = face < 2u;
+    let has_y = face < 4u;
+    let x = cut(cut(u, c.w + c.x, dc.w + dc.x, has_x), c.w - c.x, dc.w - dc.x, has_x);
+    return cut(cut(x, c.w + c.y, dc.w + dc.y, has_y), c.w - c.y, dc.w - dc.y, has_y);
 }
 
 // The light that is visible in one shadow map from the interval t0..t1 of the eye ray, scattered to the eye. Squares
 // of the map that are wholly lit or dark are crossed at once, others are opened, and adjacent lit intervals are
 // integrated as one.
 fn view_radiance(
-    light: LightData, index: u32, view: u32, to_clip: mat4x4f, direction: vec3f, t0: f32, t1: f32,
+    light: LightData, index: u32, face: u32, to_clip: mat4x4f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
+    let view = light.first_view + face;
     walk.is_parallel = light.kind == LIGHT_DIRECTIONAL;
     let resolution = f32(
         select(shafts.local_resolution, shafts.parallel_resolution, walk.is_parallel));
@@ -55,9 +60,9 @@ fn view_radiance(
     let step = to_clip * vec4f((t1 - t0) * direction, 0.0);
     // Outside the map of a directional light, and before the near plane of a local one, nothing shadows; the rest
     // of space is another map's.
-    let sides = cut_sides(vec2f(0.0, 1.0), clip0, step);
+    let sides = cut_sides(vec2f(0.0, 1.0), clip0, step, face);
     let outer = select(sides, vec2f(0.0, 1.0), walk.is_parallel);
-    let inner = select(cut(sides, clip0.z, step.z), sides, walk.is_parallel);
+    let inner = select(cut(sides, clip0.z, step.z, true), sides, walk.is_parallel);
     var sum = vec3f(0.0);
     if (outer.x >= outer.y) {
         return sum;
@@ -92,7 +97,7 @@ fn light_radiance(light: LightData, index: u32, direction: vec3f, hull: vec2f) -
         var v = 0u;
         loop {
             sum += view_radiance(
-                light, index, light.first_view + v, to_clip, direction, span.x, span.y);
+                light, index, v, to_clip, direction, span.x, span.y);
             v++;
             if (!HAS_LOCAL || v >= light.view_count) { break; }
             to_clip = clip_from_world(is_parallel, light.first_view + v);
