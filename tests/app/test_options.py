@@ -26,13 +26,14 @@ def show(size: tuple[int, int], settings: dict[str, str]) -> None:
 
 
 def test_the_default_and_what_is_said():
-    assert CliRunner().invoke(show, []).output == "(8, 4) {}\n"
+    assert CliRunner().invoke(show, []).output == "None {}\n"
+    assert "[default: 8x4]" in CliRunner().invoke(show, ["--help"]).output
     assert CliRunner().invoke(show, ["--size", "640X360"]).output == "(640, 360) {}\n"
 
 
 def test_the_last_value_of_a_key_holds_and_values_may_hold_equals():
     arguments = ["-D", "a=1", "-D", "b-c = x=y", "-D", "a=2"]
-    assert CliRunner().invoke(show, arguments).output == "(8, 4) {'a': '2', 'b_c': 'x=y'}\n"
+    assert CliRunner().invoke(show, arguments).output == "None {'a': '2', 'b_c': 'x=y'}\n"
 
 
 @pytest.mark.parametrize("text", ["12", "1x2x3", "ax4", "-1x4", "0x4", "4x16385", "٣x٤", ""])

@@ -68,6 +68,50 @@ def test_a_film_of_an_aspect_has_it_and_the_usual_area(aspect: float) -> None:
     assert film_of(16 / 9) == USUAL_PX
 
 
+@pytest.mark.parametrize(
+    ("film", "near", "within"),
+    [
+        (None, (640, 360), (640, 360)),
+        ((60, 48), (536, 430), (60, 48)),
+        ((640, 360), (640, 360), (640, 360)),
+        ((1920, 1080), (640, 360), (640, 360)),
+        ((2000, 2000), (480, 480), (480, 480)),
+        ((4096, 1), (640, 360), (4096, 1)),
+    ],
+)
+def test_windows_and_comparisons_have_the_shape_of_the_film(film, near, within) -> None:
+    camera = Camera(film_px=film)
+    assert camera.size_near((640, 360)) == near
+    assert camera.size_within((640, 360)) == within
+
+
+def test_the_viewer_and_compare_take_it(box: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from airlight.app.compare import cli as comparing
+    from airlight.app.view import cli as viewing
+    from airlight.app.view import window
+
+    class Stop(Exception):
+        pass
+
+    # Both stop as soon as the size is known.
+    sizes = []
+
+    def opened(session, size) -> None:
+        sizes.append(size)
+
+    def compared(scene, label, names, plan, **rest):
+        sizes.append(plan.size)
+        raise Stop
+
+    monkeypatch.setattr(window, "open_window", opened)
+    monkeypatch.setattr(comparing, "compare_scene", compared)
+    for size in ((), ("--size", "20x10")):
+        run(viewing.command, box, *size)
+        with pytest.raises(Stop):
+            run(comparing.command, box, "-o", box.with_name("compared"), "-q", *size)
+    assert sizes == [(1074, 858), (60, 48), (20, 10), (20, 10)]
+
+
 @pytest.mark.parametrize("aspect", [0.0, -1.0, 1e-9, 1e9, float("nan"), float("inf")])
 def test_no_film_has_an_aspect_that_no_image_has(aspect: float) -> None:
     assert film_of(aspect) is None

@@ -23,7 +23,7 @@ from .progress import progress
 if TYPE_CHECKING:
     from .progress import Report
 
-QUICK_SIZE = (96, 54)
+SIZE, QUICK_SIZE = (640, 360), (96, 54)
 
 
 @click.command("figure")
@@ -61,6 +61,8 @@ def command(
     from ..figures.gallery import write_gallery
     from ..figures.registry import FIGURES, figure
 
+    if options["quick"] and options["size"]:
+        raise click.UsageError("--quick has a size of its own: leave out --size")
     if is_list:
         _list()
         return
@@ -71,7 +73,7 @@ def command(
     for name in chosen:
         figure(name)
     folder = _folder(output)
-    size = QUICK_SIZE if options["quick"] else options["size"]
+    size = QUICK_SIZE if options["quick"] else options["size"] or SIZE
     # Each figure with its numbers, then the page of all that lie in the folder.
     with progress(quiet=options["quiet"]) as report:
         failed = _draw_all(chosen, folder, size, options, report)
@@ -110,7 +112,7 @@ def _draw_all(
             continue
         # With the image goes what is needed to draw it again.
         about = {
-            "command": _command(name, folder, options["size"], options["quick"]),
+            "command": _command(name, folder, size, options["quick"]),
             "airlight": __version__,
             "panel_size": list(size),
         }

@@ -127,22 +127,29 @@ def displayed(image: Image, options: Mapping[str, Any]) -> Image:
     )
 
 
+def display_doubts(suffix: str, options: Mapping[str, Any]) -> list[str]:
+    """What of `display_options` has no effect on files that end in `suffix`, as warnings.
+
+    An .exr carries the exposure and the curve for others who display it, an .hdr nothing.
+    """
+    unused = {".exr": ("lut",), ".hdr": ("exposure", "tone_map", "lut")}.get(suffix.lower(), ())
+    names = [f"--{name.replace('_', '-')}" for name in unused if options[name] is not None]
+    return [f"{name} does nothing to an {suffix} file, which is linear" for name in names]
+
+
 def _lut(_: click.Context, __: click.Parameter, value: str | None) -> Lut | None:
     from ..scene.io.cube import read_cube
 
     return None if value is None else read_cube(Path(value))
 
 
-def size_option(default: str | None) -> Decorator:
-    """--size WxH, given to the command as (width, height) in pixels.
+def size_option(usual: str = "those of the file's film; or 1280x720") -> Decorator:
+    """--size WxH, given to the command as (width, height) in pixels, None where it is not given.
 
-    None without a default: the size that the scene's camera has.
+    `usual` says which size the command takes then.
     """
-    help = "Pixels." if default else "Pixels.  [default: those of the file's film; or 1280x720]"
-    shows = default is not None
-    return click.option(
-        "--size", default=default, show_default=shows, metavar="WxH", callback=_size, help=help
-    )
+    help = f"Pixels.  [default: {usual}]"
+    return click.option("--size", default=None, metavar="WxH", callback=_size, help=help)
 
 
 def adapter_option() -> Decorator:

@@ -13,6 +13,7 @@ from ..errors import SettingsError
 from .options import (
     SECONDS,
     check_settings,
+    display_doubts,
     display_options,
     displayed,
     output_option,
@@ -36,7 +37,7 @@ _STARTED_S = time.perf_counter()
 @click.command("render")
 @output_option("FILE", "Image to write: .exr and .hdr are linear, .png and .jpg tone mapped.")
 @solving_options()
-@size_option(None)
+@size_option()
 @samples_option(None, "Jittered samples per pixel.  [default: 8; 64 with a lens or a shutter]")
 @click.option(
     "--time",
@@ -110,7 +111,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         if stats_path is not None:
             timed = {"load_s": load_s, "first_image_s": first_image_s}
             write_json({**image.stats, **timed}, stats_path)
-    show_warnings(loaded, image.doubts)
+    show_warnings(loaded, (*image.doubts, *display_doubts(output.suffix, options)))
     click.echo(str(output))
 
 

@@ -67,10 +67,11 @@ def sun_option() -> Decorator:
 def _ground_option() -> Decorator:
     return click.option(
         "--ground/--no-ground",
-        default=True,
-        callback=_model,
+        default=None,
+        callback=_ground,
         expose_value=False,
-        help="Whether a mesh file that airlight lights stands on a ground.  [default: ground]",
+        help="Whether a mesh file or grid that airlight lights stands on a ground.  "
+        "[default: mesh files do]",
     )
 
 
@@ -109,8 +110,16 @@ def camera_options() -> Decorator:
 
 
 def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """The scene with what `camera_options` gave its camera."""
-    return replace(scene, camera=replace(scene.camera, **changes)) if changes else scene
+    """The scene with what `camera_options` gave its camera; warnings tell what does nothing."""
+    if not changes:
+        return scene
+    camera = replace(scene.camera, **changes)
+    told = []
+    if "focus_m" in changes and camera.aperture_m == 0.0:
+        told.append("--focus does nothing without a lens: give it an --aperture")
+    if changes.get("shutter_s") and scene.animation is None:
+        told.append("--shutter does nothing, as nothing moves")
+    return replace(scene, camera=camera, warnings=(*scene.warnings, *told))
 
 
 def _camera(ctx: click.Context, param: click.Parameter, value: float | None) -> None:
@@ -123,6 +132,11 @@ def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
     model: dict[str, Any] = ctx.params.setdefault("model", {})
     if value is not None:
         model[str(param.name)] = value
+
+
+def _ground(ctx: click.Context, param: click.Parameter, value: bool | None) -> None:
+    # None is a choice of its own: where a ground belongs.
+    ctx.params.setdefault("model", {})["ground"] = value
 
 
 def _sun(ctx: click.Context, param: click.Parameter, value: str | None) -> None:

@@ -63,12 +63,25 @@ class Camera:
         """(width, height) of its images where nobody asks for others, pixels."""
         return self.film_px or USUAL_PX
 
+    def size_near(self, usual: tuple[int, int]) -> tuple[int, int]:
+        """(width, height), pixels: `usual`, or of its area and the shape of the film, if any."""
+        if self.film_px is None:
+            return usual
+        return film_of(self.film_px[0] / self.film_px[1], usual) or usual
 
-def film_of(aspect: float) -> tuple[int, int] | None:
+    def size_within(self, usual: tuple[int, int]) -> tuple[int, int]:
+        """`film_px` where it has no more pixels than `usual`; else `size_near`."""
+        film = self.film_px
+        if film is not None and film[0] * film[1] <= usual[0] * usual[1]:
+            return film
+        return self.size_near(usual)
+
+
+def film_of(aspect: float, usual: tuple[int, int] = USUAL_PX) -> tuple[int, int] | None:
     """The size in pixels, even on both sides, of an image of usual area and `aspect`: its width by
     its height. None for one that no image has."""
     if not MOST_ASPECT > aspect > 1.0 / MOST_ASPECT:
         return None
-    width = (USUAL_PX[0] * USUAL_PX[1] * aspect) ** 0.5
+    width = (usual[0] * usual[1] * aspect) ** 0.5
     height = width / aspect
     return (2 * round(width / 2.0), 2 * round(height / 2.0))

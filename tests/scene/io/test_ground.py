@@ -107,3 +107,18 @@ def test_load_puts_it_where_it_is_asked_to_and_scene_files_keep_it(tmp_path):
     back = load(again)
     assert len(back.meshes) == 2
     assert np.allclose(back.meshes[1].world_bounds, scene.meshes[1].world_bounds)
+
+
+def test_a_grid_stands_on_one_where_it_is_asked_to(tmp_path):
+    grid = tmp_path / "smoke.npy"
+    np.save(grid, np.ones((4, 4, 4), np.float32))
+    assert load(grid, ground=None).meshes == ()
+    scene = load(grid, ground=True)
+    ((low, high),) = [mesh.world_bounds for mesh in scene.meshes]
+    bottom = scene.volumes[0].bounds[0][1]
+    assert high[1] == pytest.approx(bottom, abs=1e-3) and high[1] < bottom
+    assert high[0] - low[0] > 5.0 * (scene.volumes[0].bounds[1][0] - scene.volumes[0].bounds[0][0])
+    assert scene.camera.position[1] > high[1]  # from below it would hide the grid
+    again = tmp_path / "again.toml"
+    again.write_text(scene_text(scene, scene, str(grid), tmp_path, model={"ground": True}))
+    assert np.allclose(load(again).meshes[0].world_bounds, (low, high))

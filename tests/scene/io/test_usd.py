@@ -60,6 +60,28 @@ def test_up_axis_and_unit_become_metres_upwards(tmp_path):
     np.testing.assert_allclose(made.meshes[0].world_bounds, [[0, 0, 0], [1, 1, 0]])
 
 
+def test_a_unit_in_single_precision_is_one(tmp_path, monkeypatch):
+    from pxr import Tf, UsdGeom
+
+    def refused(stage):  # as the library does where a file holds a float instead of a double
+        Tf.RaiseRuntimeError("Requested type double does not match retrieved type float")
+
+    monkeypatch.setattr(UsdGeom, "GetStageMetersPerUnit", refused)
+    (mesh,) = scene(tmp_path, QUAD % "", "metersPerUnit = 0.5").meshes
+    np.testing.assert_allclose(mesh.world_bounds, [[0, 0, 0], [0.5, 0.5, 0]])
+
+
+def test_what_the_library_refuses_while_it_is_read_is_one_message(tmp_path, monkeypatch):
+    from pxr import Tf, UsdGeom
+
+    def refused(stage):
+        Tf.RaiseRuntimeError("no axis")
+
+    monkeypatch.setattr(UsdGeom, "GetStageUpAxis", refused)
+    with pytest.raises(SceneError, match=r"is no readable USD \(.*no axis"):
+        scene(tmp_path, QUAD % "")
+
+
 def test_a_face_looks_the_way_of_its_orientation(tmp_path):
     for token, z in (("rightHanded", 1.0), ("leftHanded", -1.0)):
         (mesh,) = scene(tmp_path, QUAD % f'uniform token orientation = "{token}"').meshes

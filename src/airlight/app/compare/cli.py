@@ -23,7 +23,7 @@ from ..outputs import check_outputs, make_folder, write_json
 from ..progress import progress
 from ..scene_argument import load_scene, reads, show_warnings, warn
 from ..scene_options import scene_options
-from .judging import Plan, compare_scene
+from .judging import USUAL_PX, Plan, compare_scene
 
 if TYPE_CHECKING:
     from .result import Comparison
@@ -104,7 +104,7 @@ _REFERENCE = together(
 @_REFERENCE
 @settings_option("A setting of each technique that has it; may be repeated.")
 @adapter_option()
-@size_option("640x360")
+@size_option("those of the file's film, or as many as 640x360 in its shape")
 @samples_option(16, "Jittered samples a pixel of each technique.")
 @scene_options()
 @quiet_option()
@@ -130,7 +130,8 @@ def command(
         report("loading", 0.0)
         loaded = load_scene(scene, options["model"])
         check_outputs(*_files(output))
-        plan = Plan(**options)
+        size = options["size"] or loaded.camera.size_within(USUAL_PX)
+        plan = Plan(**{**options, "size": size})
         comparison = compare_scene(loaded, scene, names, plan, output=output, report=report)
         report("writing", 0.0)
         write(comparison, output)

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from .result import Comparison, Outcome
 
 
+USUAL_PX = (640, 360)
+
+
 @dataclass(frozen=True)
 class Plan:
     """What a comparison is made with, as the options of `airlight compare` say.
@@ -31,7 +34,7 @@ class Plan:
     is to be below; `model` says how a mesh file was read (up, scale, variant).
     """
 
-    size: tuple[int, int] = (640, 360)
+    size: tuple[int, int] = USUAL_PX
     spp: int = 64
     noise: float | None = None
     timeout_s: float = 3600.0
@@ -194,7 +197,9 @@ def _about(outcomes: list[Outcome]) -> dict[str, str]:
 
 
 def _option(key: str, value: Any) -> tuple[str, ...]:
-    """A keyword of `load` as its option."""
+    """A keyword of `load` as its option; None is what it is without one."""
+    if value is None:
+        return ()
     if isinstance(value, bool):
-        return () if value else (f"--no-{key}",)
+        return (f"--{key}",) if value else (f"--no-{key}",)
     return f"--{key}", str(value)

@@ -14,6 +14,7 @@ from ..options import (
     SECONDS,
     Number,
     check_settings,
+    display_doubts,
     display_options,
     output_option,
     quiet_option,
@@ -39,7 +40,7 @@ _APART = ("resume", "farm")
 FRAME_OPTIONS = together(
     output_option("DIR|FILE.mp4", "A folder for frames, or a video."),
     solving_options(),
-    size_option(None),
+    size_option(),
     samples_option(4),
     scene_options(),
     click.option("--resume", is_flag=True, help="Go on where a run was broken off."),
@@ -79,6 +80,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     reads(scene)
     check_sequence(output, options)
     loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
+    warn(display_doubts(FORMATS[options["kind"] or "png"], options))
     make_sequence(_plan(loaded, options), loaded, output, options)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from ...scene.camera import USUAL_PX
 from ..options import size_option, solving_options, together
 from ..scene_argument import load_scene, show_warnings
 from ..scene_options import scene_options
@@ -33,7 +34,10 @@ _WHERE = together(
         "can reach it and sees the link can look and steer; the link is not encrypted.",
     ),
     click.option(
-        "--open/--no-open", "opens", default=True, help="Open the browser, or only say where."
+        "--open/--no-open",
+        "opens",
+        default=None,
+        help="With --in browser: open it, or only say where.  [default: open]",
     ),
 )
 
@@ -41,7 +45,7 @@ _WHERE = together(
 @click.command("view")
 @_WHERE
 @solving_options()
-@size_option("1280x720")
+@size_option("as many as 1280x720, in the shape of the file's film")
 @scene_options()
 def command(scene: str, place: str, **options: Any) -> None:
     """Look at SCENE: turn it, fly, move its lights, change its air.
@@ -54,8 +58,8 @@ def command(scene: str, place: str, **options: Any) -> None:
     The scene file is read again whenever it is saved. Drag to turn, w a s d q e to fly,
     control-drag to move the sun, tab for the panel.
     """
-    if place == "window" and (options["port"] or options["listen"]):
-        raise click.UsageError("--port and --listen belong to --in browser")
+    if place == "window" and (options["port"] or options["listen"] or options["opens"] is not None):
+        raise click.UsageError("--port, --listen and --open belong to --in browser")
     from .session import Session
 
     loaded = load_scene(scene, options["model"])
@@ -68,18 +72,19 @@ def command(scene: str, place: str, **options: Any) -> None:
         adapter=options["adapter"],
         model=options["model"],
     )
+    size = options["size"] or loaded.camera.size_near(USUAL_PX)
     # A window of its own, or a page that a browser shows.
     if place == "window":
         from .window import open_window
 
-        open_window(session, options["size"])
+        open_window(session, size)
         return
     from .browser import serve
 
     serve(
         session,
-        options["size"],
+        size,
         port=options["port"],
         listen=options["listen"] or "",
-        opens=options["opens"],
+        opens=options["opens"] is not False,
     )

@@ -64,14 +64,15 @@ def load(
     scale: float = 1.0,
     variant: str | None = None,
     sun: Sky | str | None = None,
-    ground: bool = False,
+    ground: bool | None = False,
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`.
 
     Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
     `variant` names one of a glTF file's material variants; other files say so themselves.
-    `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. With
-    `ground` a mesh file that shows no room, has no floor and gets its daylight here stands on one.
+    `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
+    True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
+    on one, and a warning says why if it does not; None: mesh files do, without a word.
 
     Mesh files (OBJ, glTF, PLY, STL, USD) without light get a default sun and sky, and without a
     camera one that frames them, as density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) do; scene
@@ -85,16 +86,24 @@ def load(
         from ..builtin import builtin_scene
 
         scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
-        return with_sky(scene, sky) if sky else scene
+        return _grounded(with_sky(scene, sky) if sky else scene, ".toml", ground)
     file = Path(path)
     # Errors from here on name the file.
     with naming(file):
         scene = _loaded(file, model, sky)
         check_extent(scene)
-        if ground and file.suffix.lower() in MESH_SUFFIXES:
-            from .ground import with_ground
+        return _grounded(scene, file.suffix.lower(), ground)
 
-            scene = with_ground(scene)
+
+def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
+    """The scene on the ground that `load` was asked for, or a warning that it has none."""
+    from .ground import NONE, with_ground
+
+    if ground and suffix not in (*MESH_SUFFIXES, *VOLUME_SUFFIXES):
+        said = NONE.format(why="scene files say what there is")
+        return replace(scene, warnings=(*scene.warnings, said))
+    if ground or (ground is None and suffix in MESH_SUFFIXES):
+        return with_ground(scene, is_asked=bool(ground))
     return scene
 
 

@@ -55,10 +55,11 @@ def framing_camera(probe: Probe) -> Camera:
     return _inside(probe, room)
 
 
-def framing_box(low: F64, high: F64) -> Camera:
-    """A camera that shows the air in the box low..high (3,), metres, from outside."""
+def framing_box(low: F64, high: F64, *, is_on_ground: bool = False) -> Camera:
+    """A camera that shows the air in the box low..high (3,), metres, from outside: from below, or
+    from above where it stands on a ground."""
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
-    return _around(np.array(_AIR_FROM), corners)
+    return _around(np.array(_VIEW_FROM if is_on_ground else _AIR_FROM), corners)
 
 
 def find_room(probe: Probe) -> Room | None:

@@ -15,28 +15,30 @@ from ..material import Material
 from ..mesh import Mesh
 from ..scene import Scene
 from ..shapes import quad
-from .framing import find_room
+from .framing import find_room, framing_box
 from .probe import Probe
 
 NAME = "ground of airlight"
 ALBEDO = 0.3
 REACH = 6.0
 """Half the side of the ground, over the larger of the model's half width and height."""
+NONE = "no ground was put under it: {why}"
+"""A warning where one was asked for."""
 _PLACES = 9  # along each side of the box around the model
 _FLOOR_SHARE = 0.5
 _SUNK = 1e-4  # of the model's size: its own lowest faces stay in front
 
 
-def with_ground(scene: Scene) -> Scene:
+def with_ground(scene: Scene, *, is_asked: bool = False) -> Scene:
     """The scene on a matte square under its lowest point, in the colour of its sky's ground.
 
-    The very same scene where it is a room, has a floor or an environment of its own, or no meshes.
+    Without one where it is a room, has a floor or light of its own, or no meshes. `is_asked`: one
+    is put under grids, too, and a warning says why there is none.
     """
-    if scene.environment is None or not scene.environment.horizon:
-        return scene
-    probe = Probe.of(scene)
-    if len(probe.corners) == 0 or find_room(probe) is not None or _has_floor(probe):
-        return scene
+    environment, why = scene.environment, _why_none(scene, is_asked)
+    if environment is None or why is not None:
+        said = (NONE.format(why=why),) if is_asked else ()
+        return replace(scene, warnings=(*scene.warnings, *said)) if said else scene
     # Wide enough for long shadows, a little below the lowest point so that nothing flickers in it.
     low, high = scene.whole_bounds
     half = REACH * float(max((high - low)[[0, 2]].max() / 2.0, (high - low)[1]))
@@ -44,11 +46,29 @@ def with_ground(scene: Scene) -> Scene:
     at[1] = low[1] - _SUNK * float(np.linalg.norm(high - low))
     matrix = np.diag((2.0 * half, 1.0, 2.0 * half, 1.0))
     matrix[:3, 3] = at
-    sky = scene.environment.sky
+    sky = environment.sky
     albedo = sky.ground if sky else ALBEDO
     material = Material(base_color=(albedo, albedo, albedo), roughness=1.0)
     ground = Mesh(geometry=quad(), world_from_object=matrix, material=material, name=NAME)
-    return replace(scene, meshes=(*scene.meshes, ground), environment=_matched(scene))
+    standing = replace(scene, meshes=(*scene.meshes, ground), environment=_matched(scene))
+    if scene.meshes:
+        return standing
+    # Grids, which have no camera of their own, are framed from below: there the ground hides them.
+    seen = framing_box(low, high, is_on_ground=True)
+    exposed = replace(seen, exposure_stops=scene.camera.exposure_stops)
+    return replace(standing, camera=exposed)
+
+
+def _why_none(scene: Scene, is_asked: bool) -> str | None:
+    """Why no ground belongs under the scene, None where one does."""
+    if scene.environment is None or not scene.environment.horizon:
+        return "its light is not airlight's daylight"
+    probe = Probe.of(scene)
+    if len(probe.corners) == 0:
+        return None if is_asked and scene.volumes else "it has no meshes"
+    if find_room(probe) is not None:
+        return "it is a room"
+    return "it has a floor" if _has_floor(probe) else None
 
 
 def without_ground(scene: Scene) -> Scene:

@@ -79,7 +79,7 @@ def scene_text(
     if is_default:
         raw["light"], raw["environment"] = groups, {}
         del notes[notes_before:]
-    if (model or {}).get("ground"):
+    if (model or {}).get("ground", False) is not False:
         raw["mesh"] = [*raw.get("mesh", ()), *ground_tables(scene)]
     # Media, and what moves.
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))

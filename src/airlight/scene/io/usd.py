@@ -25,7 +25,7 @@ from .images import read_radiance
 from .usd_lights import dome, usd_camera, usd_light
 from .usd_material import UsdMaterials
 from .usd_mesh import prim_geometries
-from .usd_stage import opened_stage, resolved_asset, told_by_usd
+from .usd_stage import opened_stage, refused_by_usd, resolved_asset, told_by_usd
 
 _MOST_INSTANCES = 100_000
 _HIDDEN = ("proxy", "guide")
@@ -38,7 +38,7 @@ def load_usd(path: Path) -> Scene:
 
     What had to be approximated or replaced is in the scene's warnings.
     """
-    with told_by_usd() as told:
+    with told_by_usd() as told, refused_by_usd():
         reader = _Reader(path)
         reader.warnings += told()
         return reader.scene()
@@ -60,7 +60,9 @@ class _Reader:
             if stage.GetEndTimeCode() > stage.GetStartTimeCode():
                 self.warnings.append(f"what moves stands as at time {stage.GetStartTimeCode():g}")
         # From the stage's unit and upwards axis to metres and +Y.
-        self._metres = float(UsdGeom.GetStageMetersPerUnit(stage))
+        self._metres = float(UsdGeom.LinearUnits.centimeters)
+        if stage.HasAuthoredMetadata("metersPerUnit"):  # Blender's are floats, not doubles
+            self._metres = float(stage.GetMetadata("metersPerUnit"))
         if not 0.0 < self._metres < 1e9:
             raise SceneError(f"its metersPerUnit {self._metres} is no length")
         self._root = np.diag([self._metres] * 3 + [1.0])

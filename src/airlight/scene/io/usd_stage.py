@@ -40,6 +40,20 @@ def told_by_usd() -> Iterator[Callable[[], list[str]]]:
     told()
 
 
+@contextmanager
+def refused_by_usd() -> Iterator[None]:
+    """What the library refuses, as one SceneError."""
+    try:
+        from pxr import Tf
+    except ImportError:
+        yield
+        return
+    try:
+        yield
+    except Tf.ErrorException as error:
+        raise SceneError(f"is no readable USD ({_said(error)})") from None
+
+
 def opened_stage(path: Path) -> Any:
     """The composed stage. Raises SceneError for what is no USD, or reaches out of its folder."""
     regular_file(path)
