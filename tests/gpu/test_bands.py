@@ -6,6 +6,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from tests.gpu.small import SMALL
 
 from airlight.gpu import bands
 from airlight.gpu.bands import AIM_S, Pace, banded, longest, part
@@ -14,14 +15,7 @@ from airlight.gpu.sliced import SlicedCommands
 from airlight.rendering import Renderer
 from airlight.scene.io import load
 
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "map_resolution": 32,
-    "sky_lights": 4,
-    "surfels": 2000,
-    "gather": "always",
-}
+GATHERED = {**SMALL, "gather": "always"}
 SIZE = (96, 40)
 MAIN = "@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(%s) id: vec3u) {\n    f(id);\n}\n"
 
@@ -94,7 +88,7 @@ class Counted(SlicedCommands):
 
 
 def drawn(commands: Commands) -> np.ndarray:
-    with Renderer(load("builtin:room"), "lpv", SIZE, settings=SMALL) as r:
+    with Renderer(load("builtin:room"), "lpv", SIZE, settings=GATHERED) as r:
         r.view.aim(r.scene.camera, (0.0, 0.0), 0)
         r.view.is_still = True
         r.technique.solve(commands, r.show(r.scene))

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cffi import FFI
+from tests.gpu.small import SMALL
 
 from airlight.gpu import recorded
 from airlight.gpu.commands import Commands
@@ -271,15 +272,6 @@ def test_only_dispatches_are_recorded(gpu, runs, commands, owned, kernel, what):
     assert runs.encoded(commands) == pytest.approx(expected(0.25))
     assert runs.encoded(commands) == pytest.approx(expected(0.25))
     assert runs.count == 1
-
-
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "map_resolution": 32,
-    "sky_lights": 4,
-    "surfels": 2000,
-}
 
 
 def lit(scene, share: float):

@@ -6,19 +6,12 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from tests.gpu.small import SMALL
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.sliced import SlicedCommands
 from airlight.rendering import Renderer
 from airlight.scene.io import load
-
-SMALL = {
-    "resolution": 8,
-    "shadow_resolution": 64,
-    "map_resolution": 32,
-    "sky_lights": 4,
-    "surfels": 2000,
-}
 
 
 def drawn(commands: Commands) -> np.ndarray:

@@ -8,15 +8,16 @@ const FARTHER = 1e-3;       // of each step's weight
 
 // The mean cosine of what a cell scatters, or of what the nearest cells do: it is read between their middles.
 fn cosine_around(id: vec3u) -> vec3f {
-    var sum = MeanCosine(vec3f(0.0), vec3f(0.0));
+    var scattering = vec3f(0.0);
+    var forward = vec3f(0.0);
     for (var k = 0u; k < 27u; k++) {
         let step = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
-        let one = media_mean_cosine(unwarped_point(lattice, id, 0.5 + AROUND * step));
+        let one = media_coefficients(unwarped_point(lattice, id, 0.5 + AROUND * step));
         let weight = pow(FARTHER, dot(step, step));
-        sum.scattering += weight * one.scattering;
-        sum.forward += weight * one.forward;
+        scattering += weight * one.scattering;
+        forward += weight * one.forward;
     }
-    return sum.forward / max(sum.scattering, vec3f(1e-20));
+    return forward / max(scattering, vec3f(1e-20));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

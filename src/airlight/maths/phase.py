@@ -30,7 +30,7 @@ def _reach(mu: F64, g: F64) -> F64:
 def henyey_greenstein(mu: ArrayLike, g: ArrayLike) -> F64:
     """Phase function, sr^-1; integrates to 1 over the sphere, mean cosine g.
 
-    Source: Henyey and Greenstein 1941.
+    Source: Henyey1941.
     """
     m, k = np.asarray(mu, dtype=np.float64), np.asarray(g, dtype=np.float64)
     return np.asarray(ISOTROPIC * (1.0 - k) * (1.0 + k) / _reach(m, k) ** 3)

@@ -101,11 +101,12 @@ fn medium_emission(m: u32, density: f32, uvw: vec3f) -> vec3f {
 struct MediaCoefficients {
     extinction: vec3f,      // m^-1
     scattering: vec3f,      // m^-1
+    forward: vec3f,         // m^-1, that times the mean cosine
 }
 
 // What all media together have at a point.
 fn media_coefficients(p: vec3f) -> MediaCoefficients {
-    var sum = MediaCoefficients(vec3f(0.0), vec3f(0.0));
+    var sum = MediaCoefficients(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     var node = 0u;
     for (var v = 0u; v < MEDIA_NODES; v++) {
         let visit = visit_near(node, p, 0.0);
@@ -114,27 +115,10 @@ fn media_coefficients(p: vec3f) -> MediaCoefficients {
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
         let extinction = medium_density(m, p) * media[m].sigma_t;
+        let scattering = extinction * media[m].albedo;
         sum.extinction += extinction;
-        sum.scattering += extinction * media[m].albedo;
-    }
-    return sum;
-}
-
-// What all media together scatter at a point, m^-1, and the same times their mean cosines.
-struct MeanCosine { scattering: vec3f, forward: vec3f }
-
-fn media_mean_cosine(p: vec3f) -> MeanCosine {
-    var sum = MeanCosine(vec3f(0.0), vec3f(0.0));
-    var node = 0u;
-    for (var v = 0u; v < MEDIA_NODES; v++) {
-        let visit = visit_near(node, p, 0.0);
-        node = visit.next;
-        if (visit.is_done) { break; }
-        if (visit.is_skipped) { continue; }
-        let m = visit.medium;
-        let held = medium_density(m, p) * media[m].sigma_t * media[m].albedo;
-        sum.scattering += held;
-        sum.forward += held * media[m].g;
+        sum.scattering += scattering;
+        sum.forward += scattering * media[m].g;
     }
     return sum;
 }
