@@ -22,7 +22,7 @@ from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.shared import Shared
 from ..gpu.slots import Slot
 from ..maths.transforms import F64
-from ..scene.lights import Light
+from ..scene.lights import Light, LightSample
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -127,7 +127,7 @@ class GpuMedia:
         read = grids if light_count else 0
         self.columns = light_columns(gpu, volumes, light_count, columns, shared) if read else None
         self.paths = self._path_lists(scene, light_count, columns.towards, shared)
-        self.slots, self.wgsl = self._towards_lights(read, light_count)
+        self.slots, self.wgsl = self._towards_lights(scene, read, light_count)
         self._lights: tuple[Light, ...] | None = None  # that columns were last asked for
 
     @property
@@ -217,10 +217,14 @@ class GpuMedia:
         bound = self.medium_bound | (self.columns.bound if self.columns else {})
         return bound | (self.paths.bound if self.paths else {})
 
-    def _towards_lights(self, grids: int, light_count: int) -> tuple[tuple[Slot, ...], str]:
+    def _towards_lights(
+        self, scene: Scene, grids: int, light_count: int
+    ) -> tuple[tuple[Slot, ...], str]:
         """The slots of passes that read columns and lists of paths as well, and their WGSL."""
         slots = self.medium_slots + column_slots(grids)
-        wgsl = self.medium_wgsl + column_wgsl(grids, light_count)
+        has_sized = any(isinstance(light, LightSample) for light in scene.lights)
+        wgsl = self.medium_wgsl
+        wgsl += column_wgsl(grids, light_count, has_sized_lights=has_sized)
         wgsl += path_list_wgsl(self.count, self.paths.count if self.paths else None)
         wgsl += path_list_reads(has_lists=self.paths is not None)
         return slots + (path_list_slots() if self.paths else ()), wgsl

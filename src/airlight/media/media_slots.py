@@ -112,10 +112,14 @@ def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
     )
 
 
-def column_wgsl(grids: int, light_count: int) -> str:
-    """`light_columns_texel`: four lights' columns at texture coordinates; and its size."""
+def column_wgsl(grids: int, light_count: int, *, has_sized_lights: bool) -> str:
+    """`light_columns_texel`: four lights' columns at texture coordinates; and its size.
+
+    `has_sized_lights`: whether media may see a light as large as it is.
+    """
     texel, size = _read("light_columns", grids)
     return (
+        f"const HAS_SIZED_LIGHTS = {str(has_sized_lights).lower()};\n"
         f"const LIGHT_GROUPS = {light_groups(light_count)}.0;\n"
         f"fn light_columns_texel(at: vec3f) -> vec4f {{ return {texel}; }}\n"
         f"fn light_columns_size() -> vec3f {{ return {size}; }}\n"

@@ -3,6 +3,7 @@
 //! use lattice_space
 //! use media_light
 //! use cell_light
+//! use lights_in_media
 //! use entering_share
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 
@@ -89,7 +90,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
     // What shines straight onto the part, as the true medium attenuates it.
     var p = point_in_span(lattice, span, half);
-    let own = incoming(light, p);
+    let own = incoming_in_media(light, p);
     var lit = lit_point(light, own.to_light, p);
     // In the shade nothing arrives, and the way through the media need not be known.
     if (params.is_blurred == 0u && lit <= 0.0) {
@@ -120,7 +121,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
         lit = lit_point(light, own.to_light, p);
     }
     // A local light may be in the cell, so its mean over the part is taken.
-    let in = incoming(light, p);
+    let in = incoming_in_media(light, p);
     var irradiance = in.irradiance;
     if (light.kind != LIGHT_DIRECTIONAL) {
         let near = ball_radius(vec3f(0.5 * lattice.cell));

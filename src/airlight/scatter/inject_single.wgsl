@@ -2,6 +2,7 @@
 //! use lattice_space
 //! use media_light
 //! use cell_light
+//! use lights_in_media
 //! needs fn keep_light(cell: u32, fluence: vec3f)
 
 // How far p is from a light, `cut` where that is the least that counts. A medium's own light is all
@@ -20,7 +21,7 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
     for (var k = 0u; k < 27u; k++) {
         let third = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
         let at = p + world_from_lattice(lattice, third * size / 3.0);
-        let in = incoming(light, at);
+        let in = incoming_in_media(light, at);
         let reach = true_reach(light, at, in.distance);
         let spread = in.distance * in.distance * mean_inverse_square(reach, radius);
         sum += in.irradiance * select(spread, 1.0, has_size(light)) * min(passed * exp(sigma_t * (distance - reach)),
@@ -48,7 +49,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];
-        let in = incoming(light, p);
+        let in = incoming_in_media(light, p);
         let reach = true_reach(light, p, in.distance);
         let is_near = reach < 4.0 * radius;
         if (!is_near && all(in.irradiance <= vec3f(0.0))) {

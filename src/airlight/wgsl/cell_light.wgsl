@@ -1,6 +1,7 @@
 // What a light brings into a cell. The including pass binds the lights' shadow maps (parallel_views,
 // parallel_shadows, local_views, local_shadows, shadow_compare) and what `lights` needs.
 //! use lights
+//! use sized_light
 
 // The mean of 1/|x|^2 over a ball of radius R whose centre is D away from the light, m^-2: finite
 // where the light is in the cell.

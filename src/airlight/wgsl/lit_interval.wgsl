@@ -3,7 +3,7 @@
 // adapters run both sides of every branch, and bodies of loops once before a test at their head.
 //! use media_ray
 //! use media_light
-//! use lights
+//! use lights_in_media
 
 // Where the straight path back to the light leaves the one medium's box: its length at the eye, and the slope of
 // that along the ray, per axis; the least one counts.
@@ -91,7 +91,7 @@ fn local_node(
     let p = origin + t * direction;
     let away = p - light.position;
     let reach = h / cos(x);
-    let seen = seen_light(light, away, -direction, reach * reach, -sin(x));
+    let seen = seen_light(light, away, -direction, reach, -sin(x));
     return sent_by(light, index, m, p, t, seen);
 }
 

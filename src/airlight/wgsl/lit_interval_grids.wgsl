@@ -5,7 +5,7 @@
 // adapters run a body once more than a test before it passes.
 //! use media_ray
 //! use media_light
-//! use lights
+//! use lights_in_media
 
 const OPAQUE_DEPTH = 14.0;    // optical depth beyond which nothing is seen
 
@@ -130,7 +130,7 @@ fn local_node(
     let t = clamp(t_near + h * tan(x), step_begin, step_end);
     let away = origin + t * direction - light.position;
     let squared = h * h + (t - t_near) * (t - t_near);
-    return sent_by(seen_light(light, away, -direction, squared, -sin(x)), t);
+    return sent_by(seen_light(light, away, -direction, sqrt(squared), -sin(x)), t);
 }
 
 // Two or more Gauss-Legendre nodes in the angle that the piece is seen under from the light.

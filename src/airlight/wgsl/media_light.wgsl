@@ -28,7 +28,11 @@ fn media_light_path(light: LightData, p: vec3f) -> vec4f {
     }
     let delta = light.position - p;
     let reach = length(delta);
-    return vec4f(delta / max(reach, 1e-12), select(reach, sized_reach(light, -delta), has_size(light)));
+    let direction = delta / max(reach, 1e-12);
+    if (has_size(light)) {
+        return vec4f(direction, sized_reach(light, -delta));
+    }
+    return vec4f(direction, reach);
 }
 
 // Integral of medium m's density along that path, m; `index`: the light's row of the table.

@@ -2,7 +2,7 @@
 //! use eye_ray
 //! use media_light
 //! use media_ray
-//! use lights
+//! use lights_in_media
 
 // Sixteen offsets in a step, in the order of a 4 x 4 Bayer matrix.
 fn bayer(pixel: vec2u) -> f32 {
@@ -58,7 +58,7 @@ fn step_radiance(
     var sharpness = 1.0;
     if (light.kind != LIGHT_DIRECTIONAL) {
         let away = p - light.position;
-        let seen = seen_light(light, away, -direction, dot(away, away) + light.nearest,
+        let seen = seen_light(light, away, -direction, sqrt(dot(away, away) + light.nearest),
             -dot(normalize(away), direction));
         gain *= seen.gain;
         mu = seen.mu;

@@ -1,11 +1,11 @@
 // Samples of lights with extent as media near them see them: flat parts as rectangles, bodies as balls. The including
-// pass declares LightData.
+// pass declares LightData, and with the media HAS_SIZED_LIGHTS (media/media_slots.py).
 //! use light_kinds
 //! use light_sizes
 
 // Whether a light is seen as what it is as large as, and not as a point.
 fn has_size(light: LightData) -> bool {
-    return light.kind == LIGHT_SAMPLE && light.size_x > 0.0;
+    return HAS_SIZED_LIGHTS && light.kind == LIGHT_SAMPLE && light.size_x > 0.0;
 }
 
 fn is_ball(light: LightData) -> bool {

@@ -1,0 +1,37 @@
+// Local lights as points in media see them: those without extent, and samples of those with one. The including pass
+// declares LightData, and with the media HAS_SIZED_LIGHTS (media/media_slots.py).
+//! use lights
+//! use sized_light
+
+// A local light as media see it.
+struct SeenLight {
+    gain: f32,      // what they get, over its color by the square of the softened distance
+    reach: f32,     // m, that attenuates it
+    mu: f32,        // cosine of the angle by which what goes to the eye is scattered, in the mean
+    sharpness: f32, // what g is multiplied by, as light comes from many directions
+}
+
+// From a point `away` from it, towards `eye`; `reach`, m, and `mu` as of a softened point. A part of known size sends
+// its radiance from its solid angle, any other as much as a point in all of space.
+fn seen_light(light: LightData, away: vec3f, eye: vec3f, reach: f32, mu: f32) -> SeenLight {
+    if (has_size(light)) {
+        let directions = sized_directions(light, away);
+        return SeenLight(reach * reach * sized_share(light, away), sized_reach(light, away),
+            dot(directions.xyz, eye), directions.w);
+    }
+    var gain = 1.0;
+    if (sends_by_direction(light.kind)) {
+        gain = sent_share(light, normalize(away));
+        gain *= select(1.0, softened_gain(light.nearest, reach * reach), light.kind == LIGHT_SAMPLE);
+    }
+    return SeenLight(gain, reach, mu, 1.0);
+}
+
+// What arrives in media from all of a light.
+fn incoming_in_media(light: LightData, position: vec3f) -> Incoming {
+    if (has_size(light)) {
+        let away = position - light.position;
+        return Incoming(-normalize(away), light.color * sized_share(light, away), sized_reach(light, away));
+    }
+    return incoming(light, position);
+}
