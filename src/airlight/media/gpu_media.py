@@ -22,7 +22,7 @@ from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.shared import Shared
 from ..gpu.slots import Slot
 from ..maths.transforms import F64
-from ..scene.lights import Light, LightSample
+from ..scene.lights import Light
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -222,7 +222,7 @@ class GpuMedia:
     ) -> tuple[tuple[Slot, ...], str]:
         """The slots of passes that read columns and lists of paths as well, and their WGSL."""
         slots = self.medium_slots + column_slots(grids)
-        has_sized = any(isinstance(light, LightSample) for light in scene.lights)
+        has_sized = any(light.has_size for light in scene.lights)
         wgsl = self.medium_wgsl
         wgsl += column_wgsl(grids, light_count, has_sized_lights=has_sized)
         wgsl += path_list_wgsl(self.count, self.paths.count if self.paths else None)

@@ -74,6 +74,8 @@ class LightType:
     kind: ClassVar[int]
     """`LightData.kind`: a constant of lights.wgsl."""
     keys: ClassVar[tuple[LightKey, ...]] = ()
+    has_size: ClassVar[bool] = False
+    """Whether media may see it as large as it is (`LightRow.size`), and not as a point."""
     is_sampled: ClassVar[bool] = False
     """Whether only samples of it reach the device, with views and rows of their own."""
 

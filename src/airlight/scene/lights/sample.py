@@ -40,6 +40,7 @@ class LightSample(LightType):
     near: Vec3 = (0.0, 0.0, 0.0)
 
     kind: ClassVar[int] = 3
+    has_size: ClassVar[bool] = True
 
     @property
     def power(self) -> Rgb:
