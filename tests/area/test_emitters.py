@@ -186,3 +186,17 @@ def test_visible_lights_have_surfaces() -> None:
     assert len(shown.meshes) == 1
     assert made.of(scene).meshes is shown.meshes
     assert shown.meshes[0].material.emission == (5.0, 5.0, 5.0)
+
+
+def test_what_is_among_bulbs_shadows_them_and_no_bulb_itself() -> None:
+    """The sample of many bulbs lies between them, that of one within it."""
+    ball = sphere(16, 8)
+    bulbs = [Mesh(ball, GLOW, at(0.5 * k, 0.3 * (k % 3), 0.0, 0.1)) for k in range(60)]
+    found = emitters(*bulbs)
+    seen = found.of(Scene(meshes=tuple(bulbs)))
+    reach = np.array([x.near for x in seen.lights if isinstance(x, LightSample)])
+    assert reach.max() <= 0.2
+    assert max(s.near for e in found.list for s in e.samples) <= 0.2
+    (alone,) = emitters(bulbs[0]).of(Scene(meshes=(bulbs[0],))).lights
+    radius = 0.1 * np.abs(ball.positions).max(axis=0)
+    np.testing.assert_allclose(alone.near, radius, rtol=1e-6)

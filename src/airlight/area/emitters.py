@@ -23,7 +23,7 @@ from .glowing import GlowingMedia
 from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
 from .outlines import apart
 from .segments import long_part
-from .sizes import body, rectangle
+from .sizes import body, own_reach, rectangle
 from .sources import has_extent
 
 _OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
@@ -196,6 +196,8 @@ class Emitters:
             middle = points[piece]
         front = length if has_cube else 1.0
         size = body(own, segment) if has_cube else rectangle(own, normal)
+        bodies = self._grouping.cut.body[rows]
+        near = own_reach(own, bodies, middle) if has_cube else np.zeros(3)
         r, g, b = light.sum(axis=0)
         sample = LightSample(
             _triple(middle),
@@ -208,9 +210,9 @@ class Emitters:
             self._cell,
             _triple(size.tangent),
             size.extent,
-            _triple(np.abs(own.corners - middle).max(axis=(0, 1)) * float(has_cube)),
+            _triple(near),
         )
-        return Sample(sample, max(extent, spread) if has_cube else 0.0, has_cube, segment)
+        return Sample(sample, min(max(extent, spread), float(near.max())), has_cube, segment)
 
 
 def _spots(spot: SpotLight) -> list[SpotLight]:

@@ -50,7 +50,7 @@ class Pieces:
 class Layout:
     """How sources are cut, for as long as their triangles stay the same: of each piece its source,
     its triangle and the weights (n, 3, 3) of the triangle's corners in its own; what its texture
-    makes of the source's emission (n, 3); the smooth part that it belongs to.
+    makes of the source's emission (n, 3); the smooth part and the connected body that it belongs to.
     """
 
     source: I64
@@ -58,12 +58,13 @@ class Layout:
     weights: F64
     share: F64
     part: I64
+    body: I64
 
 
 def layout(found: Sequence[Source]) -> Layout:
-    """Cut all triangles so that each source has many pieces, and number their smooth parts."""
-    columns: list[tuple[I64, I64, F64, F64, I64]] = []
-    parts = 0
+    """Cut all triangles so that each source has many pieces, and number their smooth parts and bodies."""
+    columns: list[tuple[I64, I64, F64, F64, I64, I64]] = []
+    parts = bodies = 0
     for row, source in enumerate(found):
         geometry, material = source.surface.geometry, source.surface.material
         count = len(geometry.indices)
@@ -80,13 +81,16 @@ def layout(found: Sequence[Source]) -> Layout:
             uv = geometry.uvs[geometry.indices[triangle]].astype(np.float64)
             taps = np.einsum("tk,nkc,ncx->tnx", _TAPS, weights, uv)
             share = np.mean([texture_light(texture, tap) for tap in taps], axis=0)
-        # Smooth parts are numbered over all sources.
-        part = _parts_of(geometry) + parts
-        parts = int(part.max()) + 1
-        columns.append((np.full(len(triangle), row), triangle, weights, share, part[triangle]))
+        # Smooth parts and bodies are numbered over all sources.
+        part, body = (numbers[triangle] for numbers in _parts_of(geometry))
+        columns.append(
+            (np.full(len(triangle), row), triangle, weights, share, part + parts, body + bodies)
+        )
+        parts += int(part.max()) + 1
+        bodies += int(body.max()) + 1
     if not columns:
         none = np.zeros(0, np.int64)
-        return Layout(none, none, np.zeros((0, 3, 3)), np.zeros((0, 3)), none)
+        return Layout(none, none, np.zeros((0, 3, 3)), np.zeros((0, 3)), none, none)
     return Layout(*(np.concatenate(column) for column in zip(*columns, strict=True)))
 
 
@@ -124,15 +128,21 @@ def pieces(found: Sequence[Source], cut: Layout) -> Pieces:
 
 
 @lru_cache(maxsize=256)
-def _parts_of(geometry: Geometry) -> I64:
-    """`smooth_parts`, once for all meshes that share a geometry."""
-    part = smooth_parts(geometry)
-    part.flags.writeable = False
-    return part
+def _parts_of(geometry: Geometry) -> tuple[I64, I64]:
+    """`parts_and_bodies`, once for all meshes that share a geometry."""
+    found = parts_and_bodies(geometry)
+    for numbers in found:
+        numbers.flags.writeable = False
+    return found
 
 
 def smooth_parts(geometry: Geometry) -> I64:
     """(T,): numbers of the parts of a mesh that join without a fold; threads are whole."""
+    return parts_and_bodies(geometry)[0]
+
+
+def parts_and_bodies(geometry: Geometry) -> tuple[I64, I64]:
+    """(T,) each: numbers of `smooth_parts`, and of the bodies whose triangles are connected."""
     corners = welded(snapped(geometry).positions)[geometry.indices]
     points = geometry.positions.astype(np.float64)[geometry.indices]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -148,7 +158,8 @@ def smooth_parts(geometry: Geometry) -> I64:
     a, b = owner[:-1][is_same], owner[1:][is_same]
     joins = (normals[a] * normals[b]).sum(axis=1) > _FOLD_COSINE
     part = _joined(len(corners), a[joins], b[joins])
-    return threads_joined(points, part, _joined(len(corners), a, b))
+    body = _joined(len(corners), a, b)
+    return threads_joined(points, part, body), body
 
 
 def _joined(count: int, a: I64, b: I64) -> I64:

@@ -1,4 +1,4 @@
-"""What parts of lights with extent are as large as, for media near them."""
+"""What parts of lights with extent are as large as, for media near them, and how far they reach."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.checks import F64
-from .pieces import Pieces
+from .pieces import I64, Pieces
 from .segments import Segment
 from .stretches import principal
 
@@ -38,3 +38,18 @@ def body(found: Pieces, segment: Segment | None) -> Size:
     """A ball of the same area as these pieces, which face out to all sides; none of a long one."""
     radius = 0.0 if segment else math.sqrt(float(found.areas.sum()) / (4.0 * math.pi))
     return Size(np.array((1.0, 0.0, 0.0)), (radius, 0.0))
+
+
+def own_reach(found: Pieces, bodies: I64, middle: F64) -> F64:
+    """(3,) metres along x, y and z: how far the body that holds `middle` reaches from it.
+
+    `bodies` (n,): which of the pieces are connected. 0 where the point is between several bodies:
+    those shadow it, as walls among them do.
+    """
+    apart = found.corners - middle
+    nearest = bodies[int((apart**2).sum(axis=(1, 2)).argmin())]
+    own = apart[bodies == nearest]
+    # One body holds its own middle, though that lie in a hollow of it.
+    is_alone = len(own) == len(bodies)
+    is_inside = (own.min(axis=(0, 1)) <= 0.0).all() and (own.max(axis=(0, 1)) >= 0.0).all()
+    return np.asarray(np.abs(own).max(axis=(0, 1)) * float(is_alone or is_inside))
