@@ -34,10 +34,10 @@ def test_the_table_follows_the_lights(gpu, commands, owned, meshes):
 
 
 @pytest.mark.parametrize("has_media", [False, True])
-def test_many_lamps_share_what_the_device_can_bind(gpu, owned, has_media):
+def test_many_lights_share_what_the_device_can_bind(gpu, owned, has_media):
     """Hierarchies over maps, of 8 bytes a texel, are one binding; what is asked for is the most."""
-    lamps = (LAMP,) * 20
-    made = owned(Lights(gpu, lamps, None, (16, 4096), has_media=has_media))
+    lights = (LAMP,) * 20
+    made = owned(Lights(gpu, lights, None, (16, 4096), has_media=has_media))
     texels = made.local.layers * made.local.resolution**2
     most = min(1 << 27, gpu.limits["max-storage-buffer-binding-size"] // 8)
     assert made.local.layers == 120

@@ -50,7 +50,7 @@ class Pieces:
 class Layout:
     """How sources are cut, for as long as their triangles stay the same: of each piece its source,
     its triangle and the weights (n, 3, 3) of the triangle's corners in its own; what its texture
-    makes of the source's emission (n, 3); the smooth part and the connected body that it belongs to.
+    makes of the source's emission (n, 3); the smooth part, and the connected body, that it is of.
     """
 
     source: I64
@@ -62,7 +62,7 @@ class Layout:
 
 
 def layout(found: Sequence[Source]) -> Layout:
-    """Cut all triangles so that each source has many pieces, and number their smooth parts and bodies."""
+    """Cut all triangles so that sources have many pieces, and number smooth parts and bodies."""
     columns: list[tuple[I64, I64, F64, F64, I64, I64]] = []
     parts = bodies = 0
     for row, source in enumerate(found):

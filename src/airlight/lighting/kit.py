@@ -46,7 +46,11 @@ class SurfaceSettings:
         "whether the lattice turns to the directions of the walls, or follows the world's axes",
     )
     shadow_resolution: int = setting(
-        2048, "side of a directional light's shadow map", unit="px", low=16, high=8192
+        2048,
+        "side of a directional light's shadow map, less where there are many",
+        unit="px",
+        low=16,
+        high=8192,
     )
     lamp_resolution: int = setting(
         512,
