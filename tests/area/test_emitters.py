@@ -200,3 +200,30 @@ def test_what_is_among_bulbs_shadows_them_and_no_bulb_itself() -> None:
     (alone,) = emitters(bulbs[0]).of(Scene(meshes=(bulbs[0],))).lights
     radius = 0.1 * np.abs(ball.positions).max(axis=0)
     np.testing.assert_allclose(alone.near, radius, rtol=1e-6)
+
+
+@pytest.mark.parametrize("two_sided", [False, True])
+def test_a_light_cut_into_meshes_is_the_same_light(two_sided) -> None:
+    """Every other triangle of a ball, and a panel in two triangles, whatever their transforms."""
+    material = replace(GLOW, two_sided=two_sided)
+    for whole in (sphere(16, 8), quad()):
+        halves = [replace(whole, indices=whole.indices[first::2]) for first in (0, 1)]
+        one = emitters(Mesh(whole, material, at(1.0, 2.0, 0.5, 0.3)))
+        mirrored = replace(
+            halves[1],
+            positions=halves[1].positions * (-1, 1, 1),
+            indices=halves[1].indices[:, ::-1],
+        )
+        turned = at(1.0, 2.0, 0.5, 0.3) @ np.diag((-1.0, 1.0, 1.0, 1.0))
+        cut = emitters(
+            Mesh(halves[0], material, at(1.0, 2.0, 0.5, 0.3)), Mesh(mirrored, material, turned)
+        )
+        assert len(cut.list) == len(one.list)
+        assert {e.shape.kind for e in cut.list} == {e.shape.kind for e in one.list}
+        np.testing.assert_allclose(power(cut), power(one), rtol=1e-5)
+
+
+def test_lights_of_other_colours_stay_apart_where_they_meet() -> None:
+    other = replace(GLOW, emission=(1.0, 2.0, 3.0))
+    found = emitters(Mesh(quad(), GLOW), Mesh(quad(), other, at(1.0)))
+    assert len(found.list) == 2

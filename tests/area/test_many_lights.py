@@ -91,14 +91,35 @@ def test_two_thousand_windows_light_the_street_as_all_of_them_do(camera_rays) ->
     assert difference < 0.045
 
 
+def bulbs_irradiance(bulbs: np.ndarray, radius: float) -> float:
+    """Irradiance from above of balls (n, 3) of radiance 1, which hide one another.
+
+    The shares that are seen are those of disks' points, 32 on a spiral, each a ray.
+    """
+    turn = np.arange(32) + 0.5
+    spread, around = np.sqrt(turn / 32), turn * np.pi * (3.0 - np.sqrt(5.0))
+    total = 0.0
+    for k, bulb in enumerate(bulbs):
+        side = np.cross(bulb, (0.0, 1.0, 0.0))
+        side /= np.linalg.norm(side)
+        up = np.cross(side, bulb / np.linalg.norm(bulb))
+        offsets = np.outer(np.cos(around), side) + np.outer(np.sin(around), up)
+        rays = bulb + radius * spread[:, None] * offsets
+        rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+        others = np.delete(bulbs, k, 0)
+        along = others @ rays.T
+        apart = (others**2).sum(axis=1)[:, None] - along**2
+        is_hidden = ((apart < radius**2) & (along < np.linalg.norm(bulb))).any(axis=0)
+        total += sphere_irradiance(bulb[[0, 2, 1]], radius) * (1.0 - is_hidden.mean())
+    return total
+
+
 def test_a_hundred_bulbs_light_the_floor_as_all_of_them_do(camera_rays) -> None:
     scene, places = string()
     points, found = floor_light(scene, camera_rays)
     assert len(points) > 50
-    irradiance = np.array(
-        [sum(sphere_irradiance((b - p)[[0, 2, 1]], 0.03) for b in places) for p in points]
-    )
+    irradiance = np.array([bulbs_irradiance(places - p, 0.03) for p in points])
     energy, difference = off(found, irradiance)
-    # Measured: .993, .019.
+    # Measured: .995, .015; without the bulbs between the others and the floor .974, .058.
     assert energy == pytest.approx(1.0, abs=0.01)
-    assert difference < 0.025
+    assert difference < 0.02

@@ -181,10 +181,15 @@ class Emitters:
         extent = float(np.sqrt(found.areas[rows].sum() / np.pi))
         spread = float(np.sqrt(weight @ ((points - middle) ** 2).sum(axis=1)))
         segment = long_part(own)
+        bodies = self._grouping.cut.body[rows]
         if segment is not None and has_cube:
             # Anywhere along the segment.
             share = 2.0 * ((0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0) - 1.0
             middle = segment.middle + (share if index else 0.0) * segment.half
+        elif has_cube and bodies.min() < bodies.max():
+            # One of several bodies: between them the others would hide it, or walls.
+            at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
+            middle = _one_of(bodies, points, weight, at if index else None)
         elif index and not has_cube:
             at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
             piece = int(np.searchsorted(np.cumsum(weight), at * weight.sum()))
@@ -196,7 +201,6 @@ class Emitters:
             middle = points[piece]
         front = length if has_cube else 1.0
         size = body(own, segment) if has_cube else rectangle(own, normal)
-        bodies = self._grouping.cut.body[rows]
         near = own_reach(own, bodies, middle) if has_cube else np.zeros(3)
         r, g, b = light.sum(axis=0)
         sample = LightSample(
@@ -213,6 +217,19 @@ class Emitters:
             _triple(near),
         )
         return Sample(sample, min(max(extent, spread), float(near.max())), has_cube, segment)
+
+
+def _one_of(bodies: I64, points: F64, weight: F64, share: float | None) -> F64:
+    """The middle (3,) of that body up to which pieces have this `share` of the weight, or, without
+    one, of the body that is nearest to the middle of all."""
+    if share is None:
+        far = np.linalg.norm(points - weight @ points, axis=1)
+        # What is as near but for rounding is the same body wherever the scene stands.
+        piece = int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
+    else:
+        piece = int(np.searchsorted(np.cumsum(weight), share * weight.sum()))
+    own = bodies == bodies[min(piece, len(points) - 1)]
+    return np.asarray(weight[own] @ points[own] / max(float(weight[own].sum()), 1e-300))
 
 
 def _spots(spot: SpotLight) -> list[SpotLight]:

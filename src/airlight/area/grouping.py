@@ -162,9 +162,6 @@ class Grouping:
         first = int(atoms.max(initial=0)) + 1
         for row in range(len(self.sources)):
             own = np.flatnonzero(self.cut.source == row)
-            # Both sides of a sheet have parts of their own.
-            atoms[own] = atoms[own] + first
-            first = int(atoms[own].max(initial=first)) + 1
             glow = self.found.radiance[own].mean(axis=1)
             if glow.std() > _UNEVEN * max(glow.mean(), 1e-30):
                 kept = own[self.weights[own] > 0.0]

@@ -64,6 +64,7 @@ class Layout:
 def layout(found: Sequence[Source]) -> Layout:
     """Cut all triangles so that sources have many pieces, and number smooth parts and bodies."""
     columns: list[tuple[I64, I64, F64, F64, I64, I64]] = []
+    firsts: dict[tuple[int, int], tuple[int, int]] = {}
     parts = bodies = 0
     for row, source in enumerate(found):
         geometry, material = source.surface.geometry, source.surface.material
@@ -81,13 +82,17 @@ def layout(found: Sequence[Source]) -> Layout:
             uv = geometry.uvs[geometry.indices[triangle]].astype(np.float64)
             taps = np.einsum("tk,nkc,ncx->tnx", _TAPS, weights, uv)
             share = np.mean([texture_light(texture, tap) for tap in taps], axis=0)
-        # Smooth parts and bodies are numbered over all sources.
-        part, body = (numbers[triangle] for numbers in _parts_of(geometry))
-        columns.append(
-            (np.full(len(triangle), row), triangle, weights, share, part + parts, body + bodies)
-        )
-        parts += int(part.max()) + 1
-        bodies += int(body.max()) + 1
+        # Smooth parts and bodies are numbered over all sources; what several meshes make, once.
+        whole, offset = source.part or (geometry, 0)
+        part, body = _parts_of(whole)
+        key = (id(whole), source.side) if source.part else (row, 0)
+        if key not in firsts:
+            firsts[key] = parts, bodies
+            parts += int(part.max()) + 1
+            bodies += int(body.max()) + 1
+        own = offset + triangle
+        part, body = part[own] + firsts[key][0], body[own] + firsts[key][1]
+        columns.append((np.full(len(triangle), row), triangle, weights, share, part, body))
     if not columns:
         none = np.zeros(0, np.int64)
         return Layout(none, none, np.zeros((0, 3, 3)), np.zeros((0, 3)), none, none)

@@ -43,13 +43,8 @@ def body(found: Pieces, segment: Segment | None) -> Size:
 def own_reach(found: Pieces, bodies: I64, middle: F64) -> F64:
     """(3,) metres along x, y and z: how far the body that holds `middle` reaches from it.
 
-    `bodies` (n,): which of the pieces are connected. 0 where the point is between several bodies:
-    those shadow it, as walls among them do.
+    `bodies` (n,): which of the pieces are connected.
     """
     apart = found.corners - middle
     nearest = bodies[int((apart**2).sum(axis=(1, 2)).argmin())]
-    own = apart[bodies == nearest]
-    # One body holds its own middle, though that lie in a hollow of it.
-    is_alone = len(own) == len(bodies)
-    is_inside = (own.min(axis=(0, 1)) <= 0.0).all() and (own.max(axis=(0, 1)) >= 0.0).all()
-    return np.asarray(np.abs(own).max(axis=(0, 1)) * float(is_alone or is_inside))
+    return np.asarray(np.abs(apart[bodies == nearest]).max(axis=(0, 1)))

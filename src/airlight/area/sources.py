@@ -17,6 +17,7 @@ from ..scene.lights.area import ball, world_from_unit
 from ..scene.material import Texture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
+from .touching import Part, parts_of_wholes
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,8 @@ class Source:
     """One glowing side of a placed mesh; `side` 1 is the front, -1 the back.
 
     `is_solid`: the surface is seen, and stands in the way of light. `light`: the scene's light that
-    it is the surface of; `mesh` the row of the scene's mesh else.
+    it is the surface of; `mesh` the row of the scene's mesh else. `part`: where it is part of what
+    several meshes make together.
     """
 
     surface: Mesh
@@ -33,6 +35,7 @@ class Source:
     light: int = -1
     spot: SpotLight | None = None
     is_solid: bool = True
+    part: Part | None = None
 
 
 def has_extent(light: Light) -> bool:
@@ -45,11 +48,16 @@ def has_extent(light: Light) -> bool:
 def sources(scene: Scene) -> list[Source]:
     """All that glows; what the meshes of area lights show is among the lights."""
     eye = np.array(scene.camera.position)
-    found = [
-        Source(mesh, side, mesh=row)
+    glowing = {
+        row: mesh
         for row, mesh in enumerate(scene.meshes)
         if mesh.material.is_emissive and not isinstance(mesh, LightMesh)
-        for side in _sides(mesh, eye)
+    }
+    parts = dict(zip(glowing, _parts(list(glowing.values())), strict=True))
+    found = [
+        Source(mesh, side, mesh=row, part=parts[row])
+        for row, mesh in glowing.items()
+        for side in _sides(_whole(mesh, parts[row]), eye)
     ]
     # Area lights are surfaces of their own; points with a radius are balls.
     for row, light in enumerate(scene.lights):
@@ -62,6 +70,15 @@ def sources(scene: Scene) -> list[Source]:
             spot = light if isinstance(light, SpotLight) else None
             found.append(Source(surface, 1, light=row, spot=spot, is_solid=False))
     return found
+
+
+def _parts(meshes: list[Mesh]) -> list[Part | None]:
+    found = parts_of_wholes(meshes)
+    return [found.get(row) for row in range(len(meshes))]
+
+
+def _whole(mesh: Mesh, part: Part | None) -> Mesh:
+    return Mesh(part.whole, mesh.material) if part else mesh
 
 
 def _surface(light: AreaLight) -> Mesh:

@@ -1,0 +1,94 @@
+"""Surfaces that are one although files cut them: meshes that glow alike and meet at edges."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..maths.weld import welded
+from ..scene.checks import F64
+from ..scene.material import Material
+from ..scene.mesh import Geometry, Mesh
+
+I64 = NDArray[np.int64]
+_SAME = 2.0**-20  # of the meshes' extent: corners so near to each other meet
+_MOST = 1 << 18  # triangles, of the smallest meshes first; what are more are no cut lights
+
+
+class Part(NamedTuple):
+    """A mesh's place in a surface `whole` of several, in the world: its `first` triangle there."""
+
+    whole: Geometry
+    first: int
+
+
+def parts_of_wholes(meshes: Sequence[Mesh]) -> dict[int, Part]:
+    """The parts of surfaces that several meshes make together, by the meshes' rows."""
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for row in sorted(range(len(meshes)), key=lambda row: len(meshes[row].geometry.indices)):
+        if meshes[row].material.emission_texture is None:
+            alike.setdefault(_glow(meshes[row].material), []).append(row)
+    found = {}
+    for rows in alike.values():
+        for whole in _meeting(rows, meshes):
+            geometry, first = _merged([meshes[row] for row in whole]), 0
+            for row in whole:
+                found[row] = Part(geometry, first)
+                first += len(meshes[row].geometry.indices)
+    return found
+
+
+def _glow(material: Material) -> tuple[object, ...]:
+    """What is the same of meshes that are one light."""
+    return (
+        material.emission,
+        material.two_sided,
+        material.is_blended,
+        material.alpha_cutoff,
+        material.transmission,
+    )
+
+
+def _meeting(rows: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
+    """Groups of several of these meshes, the smallest first, that share edges."""
+    triangles = np.cumsum([len(meshes[row].geometry.indices) for row in rows])
+    rows = rows[: int(np.searchsorted(triangles, _MOST, side="right"))]
+    if len(rows) < 2:
+        return []
+    # All edges between numbers of places that several meshes may share.
+    corners = [_placed(meshes[row]) for row in rows]
+    placed = np.concatenate(corners)
+    owner = np.repeat(np.arange(len(rows)), [3 * len(own) for own in corners])
+    step = max(_SAME * float(np.ptp(placed, axis=(0, 1)).max()), 1e-30)
+    numbers = welded(np.round(placed.reshape(-1, 3) / step)).reshape(-1, 3)
+    ends = np.sort(np.stack([numbers, np.roll(numbers, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    _, edge = np.unique(ends, axis=0, return_inverse=True)
+    # Meshes with an edge in common are joined, until none has another's number any more.
+    group = np.arange(len(rows))
+    order = np.argsort(edge.reshape(-1), kind="stable")
+    is_same = np.diff(edge.reshape(-1)[order]) == 0
+    one, two = owner[order][:-1][is_same], owner[order][1:][is_same]
+    while (group[one] != group[two]).any():
+        lower = np.minimum(group[one], group[two])
+        np.minimum.at(group, one, lower)
+        np.minimum.at(group, two, lower)
+    wholes = [sorted(rows[k] for k in np.flatnonzero(group == own)) for own in np.unique(group)]
+    return [whole for whole in wholes if len(whole) > 1]
+
+
+def _placed(mesh: Mesh) -> F64:
+    """The corners (T, 3, 3) of a mesh's triangles, m, whose front is the mesh's."""
+    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+    placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
+    indices = mesh.geometry.indices
+    return np.asarray(placed[indices if np.linalg.det(linear) >= 0.0 else indices[:, ::-1]])
+
+
+def _merged(meshes: Sequence[Mesh]) -> Geometry:
+    """Their triangles in the world, one mesh's after the other's."""
+    corners = np.concatenate([_placed(mesh) for mesh in meshes]).reshape(-1, 3)
+    indices = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
+    return Geometry(corners.astype(np.float32), indices, np.zeros((len(corners), 3), np.float32))
