@@ -1,7 +1,8 @@
 """Lights with extent: area lights and emissive meshes, and their direct light on surfaces.
 
 glowing   media that give off light, as samples alone
-sources   a scene's area lights and emissive meshes, one side each; touching: which of them files cut
+sources   a scene's area lights and emissive meshes, one side each; touching: those
+               that files cut
 -> pieces, threads   small triangles, of smooth parts; tubes of few sides are one
 -> grouping, strata, stretches   groups of equal power, a sample for each stratum; bent ones in
                straight stretches

@@ -8,6 +8,7 @@ frame.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -117,13 +118,39 @@ class Emitters:
         plain = [light for light in scene.lights if not has_extent(light)]
         spots = [x for s in self._grouping.sources if s.spot for x in _spots(s.spot)]
         samples = [
-            self._sample(rows, 0, 0, has_cube=self._grouping.is_body(rows)).light
+            self._opening(rows)
+            if self._grouping.is_hollow(rows) and not self._grouping.is_round(rows)
+            else self._sample(rows, 0, 0, has_cube=self._grouping.is_body(rows)).light
             for rows in self._scattering
         ]
         places = [light.position for light in spots] + [light.position for light in samples]
         self._places = np.array(places).reshape(-1, 3)
         self._first_sample = len(spots)
         return (*plain, *spots, *samples, *self._glowing.lights)
+
+    def _opening(self, rows: I64) -> LightSample:
+        """What a hollow part sends, from the opening through which its light leaves it.
+
+        From outside, a surface of one radiance gives what anything over its rim gives that is as
+        bright: a rectangle there, as large as the pieces' areas along the mean normal add up to.
+        """
+        light, own = (
+            self._sample(rows, 0, 0, has_cube=False).light,
+            self._grouping.found.taken(rows),
+        )
+        normal = np.array(light.direction)
+        share = float(own.areas @ (own.normals @ normal) / own.areas.sum())
+        middle = own.areas @ own.positions / own.areas.sum()
+        # Of a cap of a sphere the middle is as far behind its rim as before its deepest point.
+        rim = -float(((own.corners - middle) @ normal).min())
+        across, along = (math.sqrt(share) * half for half in light.size)
+        r, g, b = (share * c for c in light.intensity)
+        return replace(
+            light,
+            position=_triple(middle + rim * normal),
+            intensity=(r, g, b),
+            size=(across, along),
+        )
 
     def _stand_ins(self) -> list[slice]:
         """Of each group, which of those points stand for it alone; else the one nearest to it."""

@@ -30,6 +30,7 @@ _UNEVEN = 0.3  # deviation of the glow, of its mean, from which on it is
 _ONE_SIDED = 0.6  # length of the mean normal from which on samples send by the cosine alone
 MOST_LAYERS = 240
 """Shadow maps; devices have arrays of 256 layers at least."""
+_HOLLOW = 0.01  # of its extent, that a middle lies in front of a part from which on it is
 _DIM = 1e-4  # of the brightest: lights that are dark for now count as much
 
 
@@ -151,10 +152,18 @@ class Grouping:
 
     def is_body(self, rows: I64) -> bool:
         """Whether pieces are round and face away from their middle, as a ball's do, no dome's."""
+        return self.is_round(rows) and self._outwards(rows) > 0.0
+
+    def is_hollow(self, rows: I64) -> bool:
+        """Whether pieces face their middle, as the inside of a dome does."""
+        extent = float(np.sqrt(self.found.areas[rows].sum()))
+        return self._outwards(rows) < -_HOLLOW * extent
+
+    def _outwards(self, rows: I64) -> float:
+        """How far, m, pieces are in front of a middle that they face away from, in the mean."""
         found, weight = self.found.taken(rows), self.weights[rows]
-        middle = weight @ found.positions / max(float(weight.sum()), 1e-300)
-        outwards = ((found.positions - middle) * found.normals).sum(axis=1)
-        return self.is_round(rows) and float(weight @ outwards) > 0.0
+        weight = weight / max(float(weight.sum()), 1e-300)
+        return float(weight @ ((found.positions - weight @ found.positions) * found.normals).sum(1))
 
     def _atoms(self) -> I64:
         """Pieces of one number stay together: smooth parts; what glows unevenly in patches."""
@@ -206,7 +215,9 @@ class Grouping:
         found = []
         for rows in own:
             share = float(self.weights[rows].sum()) / total
-            count = min(1 + int(share * (SCATTERING_MOST - len(own))), SCATTERING_EACH)
+            # Parts of the inside of a dome are flat only where they are many.
+            most = SCATTERING_MOST if self.is_hollow(rows) else SCATTERING_EACH
+            count = min(1 + int(share * (SCATTERING_MOST - len(own))), most)
             # A ball sends to all sides alike; its parts would leave gaps between their normals.
             if self.is_body(rows) and not is_long(self.found.corners[rows], self.weights[rows]):
                 count = 1
