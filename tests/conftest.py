@@ -66,6 +66,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.skip(reason=reason))
 
 
+def pytest_collection_finish() -> None:
+    """What modules and tests are made of lives to the end: collections need not look at it."""
+    gc.collect()
+    gc.freeze()
+
+
 def _why_not(item: pytest.Item, *, is_slow_welcome: bool) -> str:
     """Why a test is skipped, and what to do about it; "" where it runs."""
     if item.get_closest_marker("slow") and not is_slow_welcome:

@@ -71,6 +71,14 @@ def dotted(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _trees_go():
+    """A million nodes would slow every collection of garbage after this file."""
+    yield
+    imported_by.cache_clear()
+    tree.cache_clear()
+
+
 @cache
 def tree(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.gather.points import MOST_POINTS, reduction
+from airlight.gpu.pipelines import Pipelines
 from airlight.rendering import Renderer, render
 from airlight.scene import (
     Camera,
@@ -203,6 +204,26 @@ def test_rays_meet_what_began_to_move():
     assert followed is not None and fresh is not None
     a, b = (frame.layers["indirect"] for frame in (followed, fresh))
     assert np.linalg.norm(a - b) < 0.02 * np.linalg.norm(b)
+
+
+def test_a_scene_and_a_lattice_of_another_size_compile_nothing_again(monkeypatch):
+    """Sizes are read from buffers: one that a shader has as a constant is a pipeline for each."""
+    made, get = [], Pipelines.get
+    monkeypatch.setattr(
+        Pipelines,
+        "get",
+        lambda self, text, parts, make: get(
+            self, text, parts, lambda: made.append(parts[0]) or make()
+        ),
+    )
+    lights = (PointLight((0.5, 1.5, 1.0), (5, 5, 5)),)
+    for size, cells in ((1.0, 8), (1.37, 12)):
+        made.clear()
+        large = np.diag((size, size, size, 1.0))
+        meshes = tuple(replace(mesh, world_from_object=large) for mesh in (FLOOR, WALL))
+        settings = {**LPV, "resolution": cells, "gather": "still"}
+        render(Scene(meshes, lights, camera=ABOVE), "lpv", (24, 16), samples=2, settings=settings)
+    assert not made
 
 
 def bumpy_floor():

@@ -16,6 +16,8 @@ from airlight.scene.lens import through_lens
 from airlight.scene.shapes import sphere
 
 SIZE = (120, 80)
+SMALL = {"shadow_resolution": 16, "lamp_resolution": 16, "area_samples": 1, "surfels": 100}
+"""All light here is a black ball's own: nothing is lit by it, and shadow maps are of no use."""
 
 
 def glowing(at, radius_m: float) -> Mesh:
@@ -44,8 +46,8 @@ def test_the_circle_of_confusion_is_a_thin_lens_s(gpu, distance_m):
     camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), fov_y_deg=40.0, aperture_m=0.4, focus_m=4.0)
     scene = Scene(meshes=(glowing((0.0, 0.0, -distance_m), 0.04 * distance_m),), camera=camera)
     pinhole = replace(scene, camera=replace(camera, aperture_m=0.0))
-    sharp_at, sharp = spread(render(pinhole, "direct", SIZE, samples=64).radiance)
-    at, blurred = spread(render(scene, "direct", SIZE, samples=64).radiance)
+    sharp_at, sharp = spread(render(pinhole, "direct", SIZE, settings=SMALL, samples=64).radiance)
+    at, blurred = spread(render(scene, "direct", SIZE, settings=SMALL, samples=64).radiance)
     px_per_m = SIZE[1] / (2.0 * 4.0 * np.tan(np.radians(20.0)))
     diameter = 0.4 * abs(distance_m - 4.0) / distance_m * px_per_m
     # 64 points of the sequence have the disc's variance within 5 %, and go with the pixel's points
@@ -88,8 +90,8 @@ def moving(shutter_s: float) -> Scene:
 def test_what_moves_is_smeared_along_its_way(gpu):
     """From x = -.5 to .5 m: the mean in the middle, the variance that of an even line."""
     px_per_m = SIZE[1] / (2.0 * 4.0 * np.tan(np.radians(20.0)))
-    image = render(moving(1.0), "direct", SIZE, samples=32, time=0.5).radiance
-    still = render(moving(0.0), "direct", SIZE, samples=32, time=0.5).radiance
+    image = render(moving(1.0), "direct", SIZE, settings=SMALL, samples=32, time=0.5).radiance
+    still = render(moving(0.0), "direct", SIZE, settings=SMALL, samples=32, time=0.5).radiance
     at, variance = spread(image)
     began, sharp = spread(still)
     assert at[0] - began[0] == pytest.approx(0.5 * px_per_m, abs=0.2)
@@ -100,30 +102,32 @@ def test_what_moves_is_smeared_along_its_way(gpu):
 
 def test_a_frame_leaves_the_scene_at_its_time(gpu):
     """The frame after one with an open shutter is the same as without it."""
-    with Renderer(moving(1.0), "direct", SIZE) as renderer:
+    with Renderer(moving(1.0), "direct", SIZE, settings=SMALL) as renderer:
         renderer.frame(time=0.5, samples=4)
         after = renderer.frame().radiance
-    with Renderer(moving(1.0), "direct", SIZE) as renderer:
+    with Renderer(moving(1.0), "direct", SIZE, settings=SMALL) as renderer:
         alone = renderer.frame(time=0.5).radiance
     assert np.array_equal(after, alone)
 
 
 def test_an_open_shutter_needs_no_time(gpu, monkeypatch):
     """From the animation's start on, and of many samples; a still scene has those of a still."""
-    image = render(moving(1.0), "direct", SIZE, samples=8).radiance
-    assert np.array_equal(image, render(moving(1.0), "direct", SIZE, samples=8, time=0.0).radiance)
+    image = render(moving(1.0), "direct", SIZE, settings=SMALL, samples=8).radiance
+    assert np.array_equal(
+        image, render(moving(1.0), "direct", SIZE, settings=SMALL, samples=8, time=0.0).radiance
+    )
     seen = []
     whole = Renderer.frame
     monkeypatch.setattr(
         Renderer, "frame", lambda self, **kw: seen.append(kw["samples"]) or whole(self, **kw)
     )
-    render(moving(1.0), "direct", (16, 16))
-    render(replace(moving(1.0), animation=None), "direct", (16, 16))
+    render(moving(1.0), "direct", (16, 16), settings=SMALL)
+    render(replace(moving(1.0), animation=None), "direct", (16, 16), settings=SMALL)
     assert seen == [64, 8]
 
 
 def test_a_frame_solves_once_for_each_moment(gpu, monkeypatch):
-    with Renderer(moving(1.0), "direct", SIZE) as renderer:
+    with Renderer(moving(1.0), "direct", SIZE, settings=SMALL) as renderer:
         times, whole = [], renderer.technique.solve
         monkeypatch.setattr(
             renderer.technique, "solve", lambda *a, **kw: times.append(a[1]) or whole(*a, **kw)

@@ -125,6 +125,7 @@ class HitLighting:
             size=hits.size,
             environment_rotation=lights.background.rotation,
             has_lattice=1,
+            ray_start=self.shadows.raised if self.shadows else 0.0,
             # The suns that rays would meet are lights already.
             **{**lights.background.seen, **NO_SUNS},
         )

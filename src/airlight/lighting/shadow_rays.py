@@ -70,14 +70,12 @@ class ShadowRays:
 
     def constants(self, points: Points) -> dict[str, float]:
         """For `wgsl/traced_shadow.wgsl` and `wgsl/shadow.wgsl`."""
-        is_pixel = points is PIXELS
         return {
             **self.scene.constants,
             # The transmittance of translucent surfaces is in maps of their own.
             "RAYS_MEET_TRANSLUCENT": 0.0,
             "SHADOW_REACH": _REACH,
-            "SHADOW_RAISED": _RAISED if is_pixel else 0.0,
-            "SHADOW_RAISED_M": 0.0 if is_pixel else self.raised,
+            "SHADOW_RAISED": _RAISED if points is PIXELS else 0.0,
         }
 
 

@@ -33,7 +33,8 @@ class LightingParams(Struct):
 
     The sun's disk: where, the cosine of its angular radius, what it sends to the eye. `horizon`:
     half a row of the environment's map, in heights of the map, 0 where its rows blend everywhere.
-    `map_sun_colour`, of luminance 1: that of suns in the map which are lights, too.
+    `map_sun_colour`, of luminance 1: that of suns in the map which are lights, too. `ray_start`:
+    how far above surfaces that rays met others start, which look for shadows.
     """
 
     world_from_clip = mat4x4f()
@@ -47,6 +48,7 @@ class LightingParams(Struct):
     sun_radiance = vec3f("W m^-2 sr^-1")
     horizon = f32()
     map_sun_colour = vec3f()
+    ray_start = f32("m")
 
 
 NO_SUNS = {"sun_radiance": (0.0, 0.0, 0.0), "map_sun_colour": (0.0, 0.0, 0.0)}

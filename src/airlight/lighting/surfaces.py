@@ -187,6 +187,7 @@ class Surfaces:
             size=view.size,
             environment_rotation=lights.background.rotation,
             has_lattice=1,
+            ray_start=0.0,  # by the distance to the eye
             **lights.background.seen,
         )
         return {

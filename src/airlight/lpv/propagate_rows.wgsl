@@ -1,12 +1,11 @@
 // propagate.wgsl for CPU adapters, whose invocations are lanes of a vector and whose cost is the number of loads.
 // A lane has a pair of cells along x, one load of 64-bit integers, and its neighbours along x from the lanes beside
-// it (gpu.lanes); it marches LAYERS pairs along z and keeps those below and here in registers. Counts of cells along
+// it (gpu.lanes); it marches `layers` pairs along z and keeps those below and here in registers. Counts of cells along
 // x are even.
 //! use stencil6
 //! use cell_pairs
 //! needs fn stepped(s: Stencil, faces: Faces) -> mat3x4f
 
-override LAYERS: u32 = 8;
 override IS_ADDED: bool = false;        // `added` to what is stored
 
 struct Pair { a: mat3x4f, b: mat3x4f }
@@ -65,11 +64,11 @@ fn lane_after(v: mat3x4f) -> mat3x4f {
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = params.count;
     let x = 2u * id.x;
-    let z_first = LAYERS * id.z;
+    let z_first = params.layers * id.z;
     if (x >= n.x || id.y >= n.y || z_first >= n.z) {
         return;
     }
-    let z_last = min(z_first + LAYERS, n.z);
+    let z_last = min(z_first + params.layers, n.z);
     let layer = n.x * n.y;
     let is_first = x == 0u;
     let is_last = x + 2u >= n.x;

@@ -14,7 +14,7 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.lanes import LANES, has_row_lanes
-from ..gpu.layout import Struct, f32, vec3u
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, uniform
 from ..maths.lattice6 import SPREAD_KEPT, Scheme, hops
@@ -31,6 +31,7 @@ class StepParams(Struct):
 
     count = vec3u("cells")
     handed_back = f32("share of negative power into closed faces that is handed back")
+    layers = u32("that an invocation of propagate_rows marches")
 
 
 def _slots(element: str, face: str) -> tuple[Slot, ...]:
@@ -91,9 +92,8 @@ class _PropagateRows(ComputePass):
     workgroup = (LANES, 1, 1)
     file = "propagate_rows.wgsl"
 
-    def __init__(self, gpu: Gpu, kind: StepKind, layers: int) -> None:
-        constants = {**kind.constants, "LAYERS": float(layers)}
-        super().__init__(gpu, constants=constants, generated=kind.wgsl)
+    def __init__(self, gpu: Gpu, kind: StepKind) -> None:
+        super().__init__(gpu, constants=kind.constants, generated=kind.wgsl)
 
 
 class Step:
@@ -102,13 +102,13 @@ class Step:
     def __init__(
         self, gpu: Gpu, count: tuple[int, int, int], kind: StepKind, format: Format = FLOAT
     ) -> None:
-        self._count = count
+        self._count, self._layers = count, 1
         if takes_rows(gpu, count, format):
             # Longer columns reload less at their ends, shorter ones are more work for all cores.
             x, y, z = count
-            layers = max(2, _MARCHED_CELLS // (x * y))
-            self._invocations = (x // 2, y, -(-z // layers))
-            self._pass: ComputePass = _PropagateRows(gpu, kind, layers)
+            self._layers = max(2, _MARCHED_CELLS // (x * y))
+            self._invocations = (x // 2, y, -(-z // self._layers))
+            self._pass: ComputePass = _PropagateRows(gpu, kind)
         else:
             self._invocations = count
             self._pass = _PropagateCells(gpu, kind, format)
@@ -126,7 +126,7 @@ class Step:
         self._pass.dispatch(
             commands,
             self._invocations,
-            params=StepParams.of(count=self._count, handed_back=handed_back),
+            params=StepParams.of(count=self._count, handed_back=handed_back, layers=self._layers),
             before=before,
             after=after,
             faces=faces,

@@ -2,13 +2,12 @@
 //! use rays
 
 override SHADOW_RAISED: f32 = 0.0;      // of the distance to the eye: where rays start above their surface
-override SHADOW_RAISED_M: f32 = 0.0;
 
 // `lit`: the share that the map says.
 fn arriving_share(lit: f32, p: vec3f, n: vec3f, in: Incoming) -> f32 {
     if (lit <= 0.0 || lit >= 1.0) {
         return lit;
     }
-    let raised = SHADOW_RAISED * distance(p, params.eye) + SHADOW_RAISED_M;
+    let raised = SHADOW_RAISED * distance(p, params.eye) + params.ray_start;
     return select(1.0, 0.0, any_hit(p + raised * n, in.to_light, 0.0, in.distance));
 }
