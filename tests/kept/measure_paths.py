@@ -21,6 +21,8 @@ from airlight.scene.image import Image
 
 CEILINGS = Path(__file__).with_name("paths.toml")
 SIZE, SAMPLES = (160, 90), 2
+QUICK_SETTINGS = {name: {"resolution": 16} for name in ("lpv-scatter", "auto")}
+"""Of quick cases, in whose lattices light is scattered: most of the time went there."""
 SETTINGS = {"pop": {"virtual_lights": 0}}
 """Virtual lights are texels of maps: one that flips is a larger step than what is asked here."""
 LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")
@@ -34,10 +36,12 @@ def read_cases() -> dict[str, Any]:
 def both(case: str, setenv: Any) -> tuple[Image, Image]:
     """The images of a case on the paths of GPUs and of CPUs; `setenv(name, value)` switches."""
     scene, technique = case.split()
+    is_slow = read_cases()[case].get("is_slow", False)
+    settings = (SETTINGS if is_slow else SETTINGS | QUICK_SETTINGS).get(technique, {})
     loaded, found = builtin_scene(scene), []
     for paths in ("gpu", "cpu"):
         setenv(SWITCH, paths)
-        with Renderer(loaded, technique, SIZE, settings=SETTINGS.get(technique, {})) as renderer:
+        with Renderer(loaded, technique, SIZE, settings=settings) as renderer:
             found.append(renderer.frame(samples=SAMPLES))
             assert renderer.stats()["paths"] == paths
     return found[0], found[1]

@@ -1,5 +1,6 @@
 import dataclasses
 
+import numpy as np
 import pytest
 
 from airlight.errors import SettingsError
@@ -23,6 +24,10 @@ def test_no_air_is_lit_by_a_propagation_volume(foggy_box):
 
 def test_fog_is_solved_on_the_lattice(foggy_box):
     assert chosen(foggy_box) == "lpv-scatter"
+    ours, theirs = (
+        render(foggy_box, name, SIZE, settings=SMALL, samples=1) for name in ("auto", "lpv-scatter")
+    )
+    np.testing.assert_array_equal(ours.radiance, theirs.radiance)
 
 
 def test_a_ball_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over_floor):
