@@ -66,10 +66,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.skip(reason=reason))
 
 
+def pytest_configure() -> None:
+    """While modules are imported and tests made, there is next to no garbage to look for."""
+    gc.disable()
+
+
 def pytest_collection_finish() -> None:
     """What modules and tests are made of lives to the end: collections need not look at it."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def _why_not(item: pytest.Item, *, is_slow_welcome: bool) -> str:

@@ -39,6 +39,9 @@ BASELINES = {
 }
 """Techniques whose air is wrong by design: they are there to be compared with."""
 
+ALIKE = {"single": "direct", "pop": "direct", "lpv-march": "lpv", "lpv-sum": "lpv", "auto": "lpv"}
+"""Techniques that are another one where there is no air, which test_surfaces.py holds."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Judged:
@@ -51,8 +54,7 @@ class Judged:
         """Whether air is drawn in every pixel; `auto` takes its half resolution for granted."""
         if self.name == MITSUBA:
             return True
-        fields = {f.name for f in dataclasses.fields(technique_settings(self.name))}
-        return "shaft_resolution" in fields
+        return "shaft_resolution" in _known(self.name)
 
     def image(
         self, scene: Scene, size: tuple[int, int] = (24, 24), spp: int = 256, **settings: Any
@@ -68,11 +70,15 @@ class Judged:
         spp: int = 256,
         **settings: Any,
     ) -> list[Image]:
-        """The scene solved once and seen by each camera."""
+        """The scene solved once and seen by each camera.
+
+        Skips the test where another technique draws the same.
+        """
+        if self.name in ALIKE and scene.medium is None and not scene.volumes:
+            pytest.skip(f"without air {self.name} is {ALIKE[self.name]}")
         if self.name == MITSUBA:
             return [_reference(dataclasses.replace(scene, camera=c), size, spp) for c in cameras]
-        known = {f.name for f in dataclasses.fields(technique_settings(self.name))}
-        own = {k: v for k, v in {**SMALL, **settings}.items() if k in known}
+        own = {k: v for k, v in {**SMALL, **settings}.items() if k in _known(self.name)}
         with Renderer(scene, self.name, size, settings=own) as renderer:
             return [renderer.frame(camera=camera) for camera in cameras]
 
@@ -94,6 +100,29 @@ class Judged:
             if layer not in image.layers:
                 pytest.skip(f"{self.name} draws no layer '{layer}'")
         return image
+
+
+def _known(technique: str) -> set[str]:
+    """The names of a technique's settings."""
+    return {f.name for f in dataclasses.fields(technique_settings(technique))}
+
+
+@pytest.fixture(params=ALIKE)
+def two_alike(request: pytest.FixtureRequest, gpu: Any) -> Callable[[Scene], list[Image]]:
+    """two_alike(scene) -> the images of a technique and of the one that it is without air."""
+    names = (request.param, ALIKE[request.param])
+    # By the settings that both have: `auto` has fewer of its own.
+    known = set.intersection(*(_known(name) for name in names))
+    settings = {k: v for k, v in SMALL.items() if k in known}
+
+    def drawn(scene: Scene) -> list[Image]:
+        images = []
+        for name in names:
+            with Renderer(scene, name, (24, 24), settings=settings) as renderer:
+                images.append(renderer.frame())
+        return images
+
+    return drawn
 
 
 def _reference(scene: Scene, size: tuple[int, int], spp: int) -> Image:

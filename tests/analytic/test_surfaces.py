@@ -186,3 +186,18 @@ def test_black_surfaces_do_not_bounce(judged, square):
     image = judged.image(scene)
     assert not image.layers["indirect"].any()
     np.testing.assert_allclose(image.radiance, image.layers["direct"])
+
+
+def test_without_air_techniques_are_another_one(two_alike, square):
+    paint = Material(base_color=tuple(ALBEDO), specular=0.0)
+    meshes = (
+        square((0, 0, 0), (2.5, 0, 0), (0, 0, -2.5), paint),
+        square((0, 1, -2), (2.5, 0, 0), (0, 1, 0), paint),
+    )
+    sky = Environment(radiance=(0.5, 1.0, 2.0))
+    scene = Scene(meshes=meshes, lights=tuple(LIGHTS.values()), environment=sky, camera=ABOVE)
+    image, other = two_alike(scene)
+    assert image.radiance.any() and set(other.layers) <= set(image.layers)
+    np.testing.assert_array_equal(image.radiance, other.radiance)
+    for layer in ("direct", "indirect"):
+        np.testing.assert_array_equal(image.layers[layer], other.layers[layer])

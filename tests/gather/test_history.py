@@ -43,10 +43,10 @@ def off(found, truth):
     return np.linalg.norm(found - truth) / np.linalg.norm(truth)
 
 
-def still(scene):
+def still(scene, samples=16):
     """Indirect light of a still, its edges as hard as those of frames."""
     return render(
-        scene, "lpv", SIZE, samples=48, settings={**LPV, "ambient_occlusion": False}
+        scene, "lpv", SIZE, samples=samples, settings={**LPV, "ambient_occlusion": False}
     ).layers["indirect"]
 
 
@@ -70,7 +70,7 @@ def test_the_first_frame_is_that_of_none_and_none_depends_on_another():
 
 
 def test_at_rest_frames_converge_to_the_still():
-    truth = still(ROOM)
+    truth = still(ROOM, 48)
     with Renderer(ROOM, "lpv", SIZE, settings={**FRAMES, "gather_history": 64}) as r:
         errors = [off(flat(r.frame().layers["indirect"]), flat(truth)) for _ in range(32)]
         last = r.frame().layers["indirect"]

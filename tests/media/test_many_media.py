@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def drawn(monkeypatch, scene: Scene, technique: str, *, has_tree: bool):
 @pytest.mark.parametrize("technique", ["single", "lpv-scatter"])
 def test_a_tree_changes_nothing(monkeypatch, technique: str) -> None:
     """Sums in another order: single precision; half floats of a few cells round otherwise."""
-    scene = puffs(14)
+    scene = puffs(12)
     fast = drawn(monkeypatch, scene, technique, has_tree=True)
     whole = drawn(monkeypatch, scene, technique, has_tree=False)
     for name in ("direct", "indirect", "single_scatter", "multiple_scatter", "transmittance"):
@@ -119,6 +120,7 @@ def work(renderer: Renderer, stage: str, **changes) -> Count:
     return tally.stages.get(stage, Count())
 
 
+@functools.cache
 def works(count: int, technique: str, stage: str = "air") -> dict[str, Count]:
     """The same after each of some changes to so many grids."""
     scene = grids(count)
