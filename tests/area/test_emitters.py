@@ -190,7 +190,7 @@ def test_visible_lights_have_surfaces() -> None:
 
 
 def test_what_is_among_bulbs_shadows_them_and_no_bulb_itself() -> None:
-    """The sample of many bulbs lies between them, that of one within it."""
+    """A sample stands in one bulb, of however many, and what is outside of that hides it."""
     ball = sphere(16, 8)
     bulbs = [Mesh(ball, GLOW, at(0.5 * k, 0.3 * (k % 3), 0.0, 0.1)) for k in range(60)]
     found = emitters(*bulbs)
@@ -228,6 +228,22 @@ def test_lights_of_other_colours_stay_apart_where_they_meet() -> None:
     other = replace(GLOW, emission=(1.0, 2.0, 3.0))
     found = emitters(Mesh(quad(), GLOW), Mesh(quad(), other, at(1.0)))
     assert len(found.list) == 2
+
+
+def test_tiles_that_meet_and_glow_differently_later_are_samples() -> None:
+    tiles = tuple(Mesh(quad(), GLOW, at(x)) for x in (0.0, 1.0))
+    scene = Scene(meshes=tiles, camera=Camera((0, 0, 50), (0, 0, 0)))
+    found = Emitters(scene, samples=16, most=32)
+    found.of(scene)
+    assert [e.shape.kind for e in found.list] == [Kind.POLYGON]
+    dark = replace(tiles[1], material=replace(GLOW, emission=(0.0, 0.0, 0.0)))
+    found.of(replace(scene, meshes=(tiles[0], dark)))
+    (tile,) = found.list
+    assert tile.shape.kind == Kind.SAMPLES
+    sent = np.array([s.light.power[0] for s in tile.samples])
+    where = np.array([s.light.position[0] for s in tile.samples])
+    assert sent[where > 0.5].sum() == pytest.approx(0.0, abs=1e-9)
+    assert sent.sum() == pytest.approx(np.pi * GLOW.emission[0], rel=1e-6)
 
 
 def test_the_inside_of_a_glowing_ball_is_all_around() -> None:

@@ -131,13 +131,12 @@ class Emitters:
     def _opening(self, rows: I64) -> LightSample:
         """What a hollow part sends, from the opening through which its light leaves it.
 
-        From outside, a surface of one radiance gives what anything over its rim gives that is as
-        bright: a rectangle there, as large as the pieces' areas along the mean normal add up to.
+        Before it, a surface of one radiance gives what anything over its rim gives that is as
+        bright (Stokes' theorem, of the vector irradiance; solid angles alike): a rectangle there,
+        as large as the pieces' areas along the mean normal add up to. Source: ours.
         """
-        light, own = (
-            self._sample(rows, 0, 0, has_cube=False).light,
-            self._grouping.found.taken(rows),
-        )
+        light = self._sample(rows, 0, 0, has_cube=False).light
+        own = self._grouping.found.taken(rows)
         normal = np.array(light.direction)
         share = float(own.areas @ (own.normals @ normal) / own.areas.sum())
         middle = own.areas @ own.positions / own.areas.sum()
@@ -209,16 +208,14 @@ class Emitters:
         spread = float(np.sqrt(weight @ ((points - middle) ** 2).sum(axis=1)))
         segment = long_part(own)
         bodies = self._grouping.cut.body[rows]
+        at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
         if segment is not None and has_cube:
             # Anywhere along the segment.
-            share = 2.0 * ((0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0) - 1.0
-            middle = segment.middle + (share if index else 0.0) * segment.half
+            middle = segment.middle + (2.0 * at - 1.0 if index else 0.0) * segment.half
         elif has_cube and bodies.min() < bodies.max():
             # One of several bodies: between them the others would hide it, or walls.
-            at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
             middle = _one_of(bodies, points, weight, at if index else None)
         elif index and not has_cube:
-            at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
             piece = int(np.searchsorted(np.cumsum(weight), at * weight.sum()))
             piece = min(piece, len(rows) - 1)
             middle, normal = points[piece], normals[piece]

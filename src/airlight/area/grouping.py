@@ -118,8 +118,13 @@ class Grouping:
         return made
 
     def shape(self, rows: I64) -> Shape:
-        """What a group of pieces is in closed form, as far as it is."""
-        return fitted(self.found.taken(rows), is_one=self._is_one(rows))
+        """What a group of pieces is in closed form, as far as it is; of meshes that were one light
+        and glow differently in this frame, samples."""
+        own, is_one = self.found.taken(rows), self._is_one(rows)
+        shape, glow = fitted(own, is_one=is_one), own.radiance.mean(axis=1)
+        if is_one and np.ptp(self.cut.source[rows]) and glow.std() > _UNEVEN * glow.mean():
+            return replace(shape, kind=Kind.SAMPLES, corners=None)
+        return shape
 
     def is_outlined(self, rows: I64, shape: Shape) -> bool:
         """Whether what is seen of a group is its polygon, with the same glow all over."""
@@ -155,9 +160,10 @@ class Grouping:
         return self.is_round(rows) and self._outwards(rows) > 0.0
 
     def is_hollow(self, rows: I64) -> bool:
-        """Whether pieces face their middle, as the inside of a dome does."""
+        """Whether pieces of one body face their middle, as a part of the inside of a dome does."""
         extent = float(np.sqrt(self.found.areas[rows].sum()))
-        return self._outwards(rows) < -_HOLLOW * extent
+        is_one = np.ptp(self.cut.body[rows]) == 0
+        return bool(is_one) and self._outwards(rows) < -_HOLLOW * extent
 
     def _outwards(self, rows: I64) -> float:
         """How far, m, pieces are in front of a middle that they face away from, in the mean."""

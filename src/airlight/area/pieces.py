@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maths.weld import welded
+from ..maths.weld import connected, welded
 from ..scene.checks import F64
 from ..scene.mesh import Geometry
 from .sources import Source, snapped, texture_light
@@ -162,19 +162,6 @@ def parts_and_bodies(geometry: Geometry) -> tuple[I64, I64]:
     is_same = (edges[1:] == edges[:-1]).all(axis=1)
     a, b = owner[:-1][is_same], owner[1:][is_same]
     joins = (normals[a] * normals[b]).sum(axis=1) > _FOLD_COSINE
-    part = _joined(len(corners), a[joins], b[joins])
-    body = _joined(len(corners), a, b)
+    part = connected(len(corners), a[joins], b[joins])
+    body = connected(len(corners), a, b)
     return threads_joined(points, part, body), body
-
-
-def _joined(count: int, a: I64, b: I64) -> I64:
-    """Numbers (count,) of the connected parts of a graph with edges a-b."""
-    label = np.arange(count)
-    while True:
-        lower = label.copy()
-        np.minimum.at(lower, a, label[b])
-        np.minimum.at(lower, b, label[a])
-        lower = lower[lower]  # halves the way to the least
-        if (lower == label).all():
-            return np.asarray(np.unique(label, return_inverse=True)[1].reshape(-1))
-        label = lower

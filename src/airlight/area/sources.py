@@ -53,11 +53,12 @@ def sources(scene: Scene) -> list[Source]:
         for row, mesh in enumerate(scene.meshes)
         if mesh.material.is_emissive and not isinstance(mesh, LightMesh)
     }
-    parts = dict(zip(glowing, _parts(list(glowing.values())), strict=True))
+    parts = parts_of_wholes(glowing)
     found = [
-        Source(mesh, side, mesh=row, part=parts[row])
+        Source(mesh, side, mesh=row, part=part)
         for row, mesh in glowing.items()
-        for side in _sides(_whole(mesh, parts[row]), eye)
+        for part in [parts.get(row)]
+        for side in _sides(Mesh(part.whole, mesh.material) if part else mesh, eye)
     ]
     # Area lights are surfaces of their own; points with a radius are balls.
     for row, light in enumerate(scene.lights):
@@ -70,15 +71,6 @@ def sources(scene: Scene) -> list[Source]:
             spot = light if isinstance(light, SpotLight) else None
             found.append(Source(surface, 1, light=row, spot=spot, is_solid=False))
     return found
-
-
-def _parts(meshes: list[Mesh]) -> list[Part | None]:
-    found = parts_of_wholes(meshes)
-    return [found.get(row) for row in range(len(meshes))]
-
-
-def _whole(mesh: Mesh, part: Part | None) -> Mesh:
-    return Mesh(part.whole, mesh.material) if part else mesh
 
 
 def _surface(light: AreaLight) -> Mesh:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maths.weld import welded
+from ..maths.weld import connected, welded
 from ..scene.checks import F64
 from ..scene.material import Material
 from ..scene.mesh import Geometry, Mesh
@@ -25,10 +25,10 @@ class Part(NamedTuple):
     first: int
 
 
-def parts_of_wholes(meshes: Sequence[Mesh]) -> dict[int, Part]:
-    """The parts of surfaces that several meshes make together, by the meshes' rows."""
+def parts_of_wholes(meshes: Mapping[int, Mesh]) -> dict[int, Part]:
+    """The parts of surfaces that several of these meshes make together, by the meshes' rows."""
     alike: dict[tuple[object, ...], list[int]] = {}
-    for row in sorted(range(len(meshes)), key=lambda row: len(meshes[row].geometry.indices)):
+    for row in sorted(meshes, key=lambda row: len(meshes[row].geometry.indices)):
         if meshes[row].material.emission_texture is None:
             alike.setdefault(_glow(meshes[row].material), []).append(row)
     found = {}
@@ -52,7 +52,7 @@ def _glow(material: Material) -> tuple[object, ...]:
     )
 
 
-def _meeting(rows: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
+def _meeting(rows: list[int], meshes: Mapping[int, Mesh]) -> list[list[int]]:
     """Groups of several of these meshes, the smallest first, that share edges."""
     triangles = np.cumsum([len(meshes[row].geometry.indices) for row in rows])
     rows = rows[: int(np.searchsorted(triangles, _MOST, side="right"))]
@@ -66,17 +66,14 @@ def _meeting(rows: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     numbers = welded(np.round(placed.reshape(-1, 3) / step)).reshape(-1, 3)
     ends = np.sort(np.stack([numbers, np.roll(numbers, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     _, edge = np.unique(ends, axis=0, return_inverse=True)
-    # Meshes with an edge in common are joined, until none has another's number any more.
-    group = np.arange(len(rows))
+    # Meshes with an edge in common are joined.
     order = np.argsort(edge.reshape(-1), kind="stable")
     is_same = np.diff(edge.reshape(-1)[order]) == 0
-    one, two = owner[order][:-1][is_same], owner[order][1:][is_same]
-    while (group[one] != group[two]).any():
-        lower = np.minimum(group[one], group[two])
-        np.minimum.at(group, one, lower)
-        np.minimum.at(group, two, lower)
-    wholes = [sorted(rows[k] for k in np.flatnonzero(group == own)) for own in np.unique(group)]
-    return [whole for whole in wholes if len(whole) > 1]
+    group = connected(len(rows), owner[order][:-1][is_same], owner[order][1:][is_same])
+    wholes: dict[int, list[int]] = {}
+    for row, own in sorted(zip(rows, group.tolist(), strict=True)):
+        wholes.setdefault(own, []).append(row)
+    return [whole for whole in wholes.values() if len(whole) > 1]
 
 
 def _placed(mesh: Mesh) -> F64:

@@ -33,7 +33,7 @@ class LightingParams(Struct):
 
     The sun's disk: where, the cosine of its angular radius, what it sends to the eye. `horizon`:
     half a row of the environment's map, in heights of the map, 0 where its rows blend everywhere.
-    `map_sun_colour`, of luminance 1: that of suns in the map which are lights, too. `ray_start`:
+    `map_sun_colour`, of luminance 1: that of what in the map is a light, too. `ray_start`:
     how far above surfaces that rays met others start, which look for shadows.
     """
 

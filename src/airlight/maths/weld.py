@@ -1,4 +1,4 @@
-"""Vertices at one position as one vertex, and the vertices at the rims of surfaces."""
+"""Vertices at one position as one vertex, those at the rims of surfaces, and what is connected."""
 
 from __future__ import annotations
 
@@ -48,6 +48,22 @@ def open_vertices(corners: NDArray[np.integer[Any]]) -> NDArray[np.bool_]:
         change = np.roll(marks, -1, axis=1) - np.roll(marks, 1, axis=1)
         np.add.at(balance, corners[part].ravel(), change.ravel())
     return np.asarray(balance != 0.0)
+
+
+def connected(count: int, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers (count,) of the connected parts of a graph with the edges (E,) from `a` to `b`.
+
+    Numbers go from 0 up in the order of the parts' first nodes, each is used.
+    """
+    label = np.arange(count)
+    while True:
+        lower = label.copy()
+        np.minimum.at(lower, a, label[b])
+        np.minimum.at(lower, b, label[a])
+        lower = lower[lower]  # halves the way to the least
+        if (lower == label).all():
+            return np.asarray(np.unique(label, return_inverse=True)[1].reshape(-1))
+        label = lower
 
 
 def _hashes(points: NDArray[np.floating[Any]]) -> NDArray[np.uint64]:
