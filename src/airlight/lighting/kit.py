@@ -162,6 +162,7 @@ class Kit:
             make_blockers=make_blockers,
         )
         self.rays = SceneRays(gpu, self.meshes)
+        self._is_first = context.commands is not None
         self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None
         """Of lights with extent, where there are any and surfaces that they could light."""
@@ -207,6 +208,10 @@ class Kit:
             self.lattices.encode(commands, scene)
         with commands.stage("sky"):
             self._light_sky(commands, scene)
+        # In the first frame the device does all this while the solvers' kernels are compiled.
+        if self._is_first:
+            self._is_first = False
+            commands.submit()
 
     def _light_sky(self, commands: Commands, scene: Scene) -> None:
         """Update the sky's maps, and its light in lattices where it or their blockers changed."""
