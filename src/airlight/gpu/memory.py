@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 from .device import Gpu
 from .process import is_forked
 
-# Bytes of a buffer: more would hold up whoever else uses the device. A CPU adapter copies as many
-# in some 25 ms; and a submit waits there until all before it is done, with the host.
-_AT_ONCE, _AT_ONCE_ON_CPU = 8 << 20, 64 << 20
 _TEXTURE_USAGE = (
     wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC | wgpu.TextureUsage.COPY_DST
 )
@@ -227,7 +224,7 @@ class Buffer(_Counted):
         """Upload; happens before anything submitted later, after anything submitted before."""
         sent = np.ascontiguousarray(data).reshape(-1).view(np.uint8)
         with self.gpu.guarded():
-            most = _AT_ONCE_ON_CPU if self.gpu.is_cpu else _AT_ONCE
+            most = self.gpu.uploaded_at_once
             for k in range(0, len(sent), most):
                 self.gpu.queue.write_buffer(self.handle, offset + k, sent[k : k + most])
                 if len(sent) > most:  # copied while the next part is handed over
