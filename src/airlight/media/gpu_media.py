@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.commands import Commands
@@ -30,6 +31,7 @@ from .atlas import LIMIT
 from .density_grids import ColumnPlan, density_atlas, light_columns
 from .detail import detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, glows, has_emission
+from .media_changes import MediaChanges
 from .media_rows import (
     BOX,
     GRID,
@@ -112,7 +114,7 @@ class GpuMedia:
         # What the table was filled from: frozen media, and the box of those without bounds.
         self._media: tuple[object, ...] = ()
         self._box: tuple[float, ...] = ()
-        self.version = 0
+        self.version, self._changes = 0, MediaChanges()
         self.has_emission, has_glow = has_emission(scene), any(map(glows, scene.volumes))
         self._emission = EmissionGrids(gpu, scene.volumes) if has_glow else None
         # What passes bind, and the WGSL that reads it: media alone, or with columns towards lights.
@@ -190,6 +192,7 @@ class GpuMedia:
             self._densities_seen = self.atlas.version
         self.rows = self._rows(scene, low, high)
         packed = pack_array(MediumData, self.rows)
+        plain, boxes = packed.tobytes(), np.array(packed["volume_from_world"])
         packed["nodes"] = media_nodes(self.rows, len(packed))
         if self._emission is not None:
             changed = self._emission.update(scene.volumes) or changed
@@ -197,7 +200,24 @@ class GpuMedia:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
         self._box, self._media = box, media
+        if changed:
+            self._changes.take(self.version + 1, plain, boxes, self._grid_versions())
         return changed
+
+    def _grid_versions(self) -> list[int]:
+        """The version of each medium's densities."""
+        grids = iter(self.atlas.versions if self.atlas is not None else ())
+        return [next(grids) if row["kind"] == GRID else 0 for row in self.rows]
+
+    def touched_since(self, version: int) -> NDArray[np.float32] | None:
+        """The boxes (n, 4, 4) of media before and after they changed since a `version`.
+
+        None where they may be anywhere, also where the order in which media are added up may
+        differ: in a tree that was built again.
+        """
+        if has_tree(self.count) and self.paths is None and version != self.version:
+            return None
+        return self._changes.since(version, self.version)
 
     @property
     def medium_bound(self) -> dict[str, Any]:

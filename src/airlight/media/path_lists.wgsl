@@ -1,18 +1,8 @@
 // The lists of some blocks for one light: a bit for each medium that lies on the way from any point of a block.
 //! use media_tree
+//! use wider_box
 
 const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a point between two
-
-// From anywhere in a block whose centre is `o` in the medium's box, light may meet the box where the ray from its centre
-// meets one that is larger by the block.
-fn may_meet(o: vec3f, d: vec3f, reach: f32, half: vec3f) -> bool {
-    let inverse = 1.0 / select(d, vec3f(1e-30), abs(d) < vec3f(1e-30));
-    let a = (-half - o) * inverse;
-    let b = (1.0 + half - o) * inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, reach));
-}
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let n = PATH_BLOCKS;
@@ -40,7 +30,8 @@ fn may_meet(o: vec3f, d: vec3f, reach: f32, half: vec3f) -> bool {
                 let o = axes * centre + from_world[3].xyz;
                 let to_light = axes * select(light.towards, light.towards - centre, light.is_local != 0u);
                 let reach = select(3.0e38, 1.0, light.is_local != 0u);
-                bits[k] |= select(vec4u(0u), bit, may_meet(o, to_light, reach, half));
+                // From anywhere in a block light may meet the box where the ray from its centre meets a wider one.
+                bits[k] |= select(vec4u(0u), bit, meets_wider_box(o, to_light, reach, half));
             }
         }
         for (var k = 0u; k < LISTS_AT_ONCE; k++) {

@@ -16,9 +16,10 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
-from ..gpu.slots import Slot, image, storage, uniform
+from ..gpu.slots import image, storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
+from ..media.stale_cells import ALL_CELLS, LISTED_CELLS, STALE_CELL_SLOTS, StaleCells
 from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 from .cells import LatticeCells
 from .forward_textures import ForwardTextures
@@ -35,16 +36,20 @@ class ForwardParams(Struct):
     is_blurred = u32("1: directional lights are blurred across their direction")
     scale = f32("stored units per W m^-2")
     depth = u32("cells along z of the textures that each light has")
+    is_listed = u32("1: cells of the list alone")
 
 
 class _Forward(ComputePass):
-    """forward = base + fluence and flux per cell, W m; `stores` each light's in a texture."""
+    """forward = base + fluence and flux per cell, W m; `stores` each light's in a texture.
+
+    What stores none may compute only cells of a list.
+    """
 
     workgroup = (32, 4, 2)
     file = "forward.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool) -> None:
-        own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) if stores else ()
+        own = (image("unblurred", "rgba16float", "3d"),) if stores else STALE_CELL_SLOTS
         self.slots = (  # type: ignore[misc]
             uniform("params", ForwardParams),
             uniform("lattice", LatticeParams),
@@ -55,7 +60,8 @@ class _Forward(ComputePass):
             storage("forward", "vec4f", "read_write"),
             *own,
         )
-        super().__init__(gpu, generated=media.wgsl + (_KEEP if stores else _DROP))
+        own_wgsl = ALL_CELLS + _KEEP if stores else LISTED_CELLS + _DROP
+        super().__init__(gpu, generated=media.wgsl + own_wgsl)
 
 
 _DROP = "fn store_light(id: vec3u, i: u32, light: vec4f) {}\n"
@@ -84,11 +90,22 @@ class ForwardLight:
         self.all = Buffer(gpu, "forward light", 3 * placement.cells * 16)
 
     def encode_sky(
-        self, commands: Commands, cells: LatticeCells, lights: CellLights, *, base: Buffer
+        self,
+        commands: Commands,
+        cells: LatticeCells,
+        lights: CellLights,
+        *,
+        base: Buffer,
+        stale: StaleCells,
     ) -> None:
-        """Of the lights that stand for the sky, on top of `base`: no light."""
+        """Of the lights that stand for the sky, on top of `base`: no light; in `stale` cells."""
         params = ForwardParams(
-            light_count=lights.count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0, depth=0
+            light_count=lights.count,
+            stride=_SKY_STRIDE,
+            is_blurred=0,
+            scale=1.0,
+            depth=0,
+            is_listed=stale.is_listed,
         )
         self._sky.dispatch(
             commands,
@@ -98,6 +115,7 @@ class ForwardLight:
             face_visibility=cells.blockers.face_visibility,
             base=base,
             forward=self.sky,
+            **stale.bound,
             **lights.bound,
             **self._media.sky.bound,
         )
@@ -114,6 +132,7 @@ class ForwardLight:
             is_blurred=1,
             scale=textures.scale,
             depth=textures.depth,
+            is_listed=0,
         )
         self._lights.dispatch(
             commands,

@@ -5,6 +5,7 @@
 //! use cell_light
 //! use lights_in_media
 //! use entering_share
+//! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 
 const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
@@ -144,8 +145,9 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     return away / max(length(away), 1e-6);
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id >= lattice.count)) {
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let id = computed_cell(invocation);
+    if (any(id == NO_CELL)) {
         return;
     }
     let span = cell_span(lattice, id);
