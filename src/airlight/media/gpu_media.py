@@ -60,6 +60,7 @@ from .media_slots import (
     path_list_reads,
     path_list_slots,
     path_list_wgsl,
+    room_for,
 )
 from .media_tree import media_nodes
 from .path_lists import PathLists
@@ -104,7 +105,7 @@ class GpuMedia:
                 remedy="Merge some of the volumes into one grid",
             )
         # Media as rows of a table, their densities as boxes of a texture.
-        self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
+        self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * room_for(self.count))
         volumes, shared = gridded(scene), columns.shared or Shared()
         self.atlas = density_atlas(gpu, volumes, shared) if volumes else None
         self._densities_seen = -1
@@ -191,9 +192,11 @@ class GpuMedia:
             changed = self.atlas.version != self._densities_seen
             self._densities_seen = self.atlas.version
         self.rows = self._rows(scene, low, high)
-        packed = pack_array(MediumData, self.rows)
+        packed = np.zeros(room_for(self.count), MediumData.dtype)
+        packed[: max(1, self.count)] = pack_array(MediumData, self.rows)
         plain, boxes = packed.tobytes(), np.array(packed["volume_from_world"])
-        packed["nodes"] = media_nodes(self.rows, len(packed))
+        blocks = self.paths.count if self.paths else None
+        packed["nodes"] = media_nodes(self.rows, len(packed), blocks)
         if self._emission is not None:
             changed = self._emission.update(scene.volumes) or changed
         if packed.tobytes() != self._written:
@@ -206,14 +209,13 @@ class GpuMedia:
 
     def _grid_versions(self) -> list[int]:
         """The version of each medium's densities."""
-        grids = iter(self.atlas.versions if self.atlas is not None else ())
+        grids = iter(self.atlas.versions if self.atlas else ())
         return [next(grids) if row["kind"] == GRID else 0 for row in self.rows]
 
     def touched_since(self, version: int) -> NDArray[np.float32] | None:
         """The boxes (n, 4, 4) of media before and after they changed since a `version`.
 
-        None where they may be anywhere, also where the order in which media are added up may
-        differ: in a tree that was built again.
+        None: anywhere; also where a tree was built again, and media add up in another order.
         """
         if has_tree(self.count) and self.paths is None and version != self.version:
             return None
@@ -245,7 +247,7 @@ class GpuMedia:
         has_sized = any(light.has_size for light in scene.lights)
         wgsl = self.medium_wgsl
         wgsl += column_wgsl(grids, light_count, has_sized_lights=has_sized)
-        wgsl += path_list_wgsl(self.count, self.paths.count if self.paths else None)
+        wgsl += path_list_wgsl(self.count, has_lists=self.paths is not None)
         wgsl += path_list_reads(has_lists=self.paths is not None)
         return slots + (path_list_slots() if self.paths else ()), wgsl
 

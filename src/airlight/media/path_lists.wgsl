@@ -5,7 +5,7 @@
 const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a point between two
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = PATH_BLOCKS;
+    let n = params.blocks;
     let blocks = n.x * n.y * n.z;
     let apart = (blocks + LISTS_AT_ONCE - 1u) / LISTS_AT_ONCE;
     if (id.x >= apart || id.y >= params.lights) {
