@@ -41,10 +41,13 @@ def has_tree(count: int) -> bool:
 def room_for(count: int) -> int:
     """The number of media that shaders for `count` of them are made for.
 
-    Of many the next power of two, so that scenes with other numbers compile nothing again; the rows
-    of their table beyond `count` are empty.
+    Of many the next power of two or three quarters of it, so that scenes with other numbers compile
+    nothing again; the rows of their table beyond `count` are empty.
     """
-    return 1 << (count - 1).bit_length() if has_tree(count) else max(1, count)
+    if not has_tree(count):
+        return max(1, count)
+    power = 1 << (count - 1).bit_length()
+    return power if 4 * count > 3 * power else 3 * power // 4
 
 
 LIST_BITS = 128
