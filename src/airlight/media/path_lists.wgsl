@@ -15,6 +15,12 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
     let all = media_node(0u);
     let side = (all.high - all.low) / vec3f(n);
     let light = path_lights[id.y];
+    var centres: array<vec3f, LISTS_AT_ONCE>;
+    for (var k = 0u; k < LISTS_AT_ONCE; k++) {
+        let block = id.x + k * apart;
+        let place = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
+        centres[k] = all.low + (vec3f(place) + 0.5) * side;
+    }
     for (var texel = 0u; texel < PATH_TEXELS; texel++) {
         var bits: array<vec4u, LISTS_AT_ONCE>;
         let end = min(128u * (texel + 1u), params.media);
@@ -24,11 +30,8 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
             let half = 0.5 * mat3x3f(abs(axes[0]), abs(axes[1]), abs(axes[2])) * (WIDER * side);
             let bit = select(vec4u(0u), vec4u(1u << (m & 31u)), vec4u(0u, 1u, 2u, 3u) == vec4u((m >> 5u) & 3u));
             for (var k = 0u; k < LISTS_AT_ONCE; k++) {
-                let block = id.x + k * apart;
-                let place = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
-                let centre = all.low + (vec3f(place) + 0.5) * side;
-                let o = axes * centre + from_world[3].xyz;
-                let to_light = axes * select(light.towards, light.towards - centre, light.is_local != 0u);
+                let o = axes * centres[k] + from_world[3].xyz;
+                let to_light = axes * select(light.towards, light.towards - centres[k], light.is_local != 0u);
                 let reach = select(3.0e38, 1.0, light.is_local != 0u);
                 // From anywhere in a block light may meet the box where the ray from its centre meets a wider one.
                 bits[k] |= select(vec4u(0u), bit, meets_wider_box(o, to_light, reach, half));
