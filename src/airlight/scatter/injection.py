@@ -150,6 +150,7 @@ class Injection:
     def _single_of_sky(self, commands: Commands) -> Buffer:
         """What media scatter of the sky, once; and forwards, in `forward.sky`."""
         light, sky, walls = self.light, self.kit.sky, self.cells.blockers.walls
+        # The sky's lights with their maps, bound as if they were the scene's.
         resources = {
             **self.kit.lights.bound,
             "lights": light.sky_table,
@@ -166,6 +167,7 @@ class Injection:
         self._sky_made, self._sky_media = made, media.version
         shining = SkyLights(light.sky_table, count, sky.maps, walls)
         self._stale.find(commands, touched, self.placement, shining)
+        # Once, as isotropic power in each cell; then forwards, for what stays a beam.
         light.sky_single.encode(
             commands,
             self.placement,
