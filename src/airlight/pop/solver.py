@@ -83,7 +83,6 @@ class PopSolver:
                 f"scheme = '{settings.scheme}' knows no volume whose colour varies",
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
-        # A grid of its own, or one inside a larger one's, with the same ordinates.
         if outer is None:
             self.medium = GridMedium.made_of(
                 gpu, given, settings.grid, voxels=voxels, others=others
@@ -95,7 +94,6 @@ class PopSolver:
         self.emission = Emission(
             self.medium, settings.furnace_correction, has_local_shafts=has_local_shafts
         )
-        # What carries light through it, and what closed media lose on the way.
         self.transport: Transport = self._scheme(settings.ordinates + lights)
         self._furnace: Furnace | None = None
         if is_beam and settings.furnace_correction > 0.0:
