@@ -15,6 +15,7 @@ from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, Slot, image, storage, texture, uniform
 from ..maths.half import half_scale
+from ..maths.lattice6 import LOOKUP_SCALE
 from .inject import forward_share
 from .lobes import SHAPED_LOBE
 from .placement import EVERYWHERE, Hull, Placement
@@ -41,15 +42,17 @@ class PackParams(Struct):
     cell = f32("m")
     low = vec3f("m along its axes, as the origin: corner of a box beyond which it is dark")
     high = vec3f("m")
+    beams = f32("W sr^-1 per W m of beams; 0: there are none")
 
 
 class Pack(ComputePass):
-    """injected + propagated -> three textures."""
+    """injected + propagated + beams -> three textures."""
 
     slots = (
         uniform("params", PackParams),
         storage("injected", "vec4f"),
         storage("propagated", "vec4f"),
+        storage("beams", "vec4f"),
         *CHANNEL_IMAGES,
     )
     workgroup = (32, 8, 1)
@@ -103,11 +106,12 @@ class LatticeTextures(ChannelTextures):
         is_shaped: bool,
         placement: Placement | None = None,
         hull: Hull = EVERYWHERE,
+        beams: Buffer | None = None,
     ) -> None:
         """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as for the lobes.
 
         `placement`: which of the lattices that share the textures. `hull`: cells outside it are
-        dark.
+        dark. `beams`: fluence and flux, W m, of light that the lattice does not hold.
         """
         placement = placement or self.placement
         # A shaped lobe is narrower than what a surface in its own cell should read of it.
@@ -126,9 +130,12 @@ class LatticeTextures(ChannelTextures):
                 cell=placement.cell,
                 low=hull[0],
                 high=hull[1],
+                # Fluence is read off as irradiance, whatever the lookup's scale.
+                beams=1.0 / (4.0 * math.pi * LOOKUP_SCALE * placement.cell) if beams else 0.0,
             ),
             injected=injected,
             propagated=propagated,
+            beams=beams or propagated,
             **self.written,
         )
 

@@ -228,6 +228,7 @@ class LpvSolver(Solver):
             fields,
             irradiance=irradiance,
             reflected=reflected,
+            forward=self.media.forward if self.media else None,
             scattered=light if self.is_marched else fields.scattered,
         )
 

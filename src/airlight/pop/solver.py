@@ -282,6 +282,7 @@ class PopSolver:
             medium=medium,
             parts=len(own.parts),
             whole=self.emission.whole,
+            mean=self.emission.mean if self.settings.scheme == "delta-beam" else None,
             texels=self.emission.smooth.TEXELS,
             fade=own.grid.shares if isinstance(own, FinerMedium) else None,
         )

@@ -14,15 +14,16 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32
+from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, image, storage, uniform
+from ..lattice.lattices import Level
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
 from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 from .cells import LatticeCells
 from .forward_textures import ForwardTextures
-from .reduced_media import ReducedMedia
+from .reduced_media import SLANT_MEDIA, ReducedMedia
 
 _SKY_STRIDE = 4  # every fourth part of a cell for each of a sky's many lights
 
@@ -35,6 +36,8 @@ class ForwardParams(Struct):
     is_blurred = u32("1: directional lights are blurred across their direction")
     scale = f32("stored units per W m^-2")
     depth = u32("cells along z of the textures that each light has")
+    taps = u32("of each part, where directional lights are blurred")
+    pad = vec3u()
 
 
 class _Forward(ComputePass):
@@ -55,9 +58,10 @@ class _Forward(ComputePass):
             storage("forward", "vec4f", "read_write"),
             *own,
         )
-        super().__init__(gpu, generated=media.wgsl + (_KEEP if stores else _DROP))
+        super().__init__(gpu, generated=media.wgsl + _SLANT_MEDIA + (_KEEP if stores else _DROP))
 
 
+_SLANT_MEDIA = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
 _DROP = "fn store_light(id: vec3u, i: u32, light: vec4f) {}\n"
 _KEEP = """
 fn store_light(id: vec3u, i: u32, light: vec4f) {
@@ -71,24 +75,34 @@ fn store_light(id: vec3u, i: u32, light: vec4f) {
 class ForwardLight:
     """The sky's and all lights' forward light in the cells of one lattice, W m.
 
-    Each light's own goes into the `textures` for marching.
+    Each light's own goes into the `textures` for marching, if there are any.
     """
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, media: ReducedMedia, textures: ForwardTextures
+        self,
+        gpu: Gpu,
+        placement: Placement,
+        media: ReducedMedia,
+        textures: ForwardTextures | None = None,
     ) -> None:
         self._media, self._textures = media, textures
-        self._lights = _Forward(gpu, media.lights, stores=True)
+        self._lights = _Forward(gpu, media.lights, stores=textures is not None)
         self._sky = _Forward(gpu, media.sky, stores=False)
         self.sky = Buffer(gpu, "forward light of the sky", 3 * placement.cells * 16)
         self.all = Buffer(gpu, "forward light", 3 * placement.cells * 16)
 
     def encode_sky(
-        self, commands: Commands, cells: LatticeCells, lights: CellLights, *, base: Buffer
+        self, commands: Commands, cells: LatticeCells | Level, lights: CellLights, *, base: Buffer
     ) -> None:
         """Of the lights that stand for the sky, on top of `base`: no light."""
         params = ForwardParams(
-            light_count=lights.count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0, depth=0
+            light_count=lights.count,
+            stride=_SKY_STRIDE,
+            is_blurred=0,
+            scale=1.0,
+            depth=0,
+            taps=1,
+            pad=(0, 0, 0),
         )
         self._sky.dispatch(
             commands,
@@ -103,7 +117,7 @@ class ForwardLight:
         )
 
     def encode(
-        self, commands: Commands, cells: LatticeCells, lights: CellLights, *, base: Buffer
+        self, commands: Commands, cells: LatticeCells | Level, lights: CellLights, *, base: Buffer
     ) -> None:
         """Of the scene's lights, on top of `base`: the sky's, or no light."""
         # Each light's forward light in all cells, for marching, and the sum of all for surfaces.
@@ -112,8 +126,10 @@ class ForwardLight:
             light_count=lights.count,
             stride=1,
             is_blurred=1,
-            scale=textures.scale,
-            depth=textures.depth,
+            scale=textures.scale if textures else 1.0,
+            depth=textures.depth if textures else 0,
+            taps=self._media.taps,
+            pad=(0, 0, 0),
         )
         self._lights.dispatch(
             commands,
@@ -123,10 +139,10 @@ class ForwardLight:
             face_visibility=visibility,
             base=base,
             forward=self.all,
-            unblurred=textures.unblurred,
+            **({"unblurred": textures.unblurred} if textures else {}),
             **lights.bound,
             **self._media.lights.bound,
         )
         # Marching takes the blurred light where beams have spread over more than a cell.
-        if lights.count:
+        if textures and lights.count:
             textures.encode_blur(commands, cells.placement, lights.count, visibility)

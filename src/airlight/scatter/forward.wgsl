@@ -8,6 +8,9 @@
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 
 const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
+const SLANT_DEVIATIONS = 3.0;   // beside a medium that its light is looked for
+const SLANT_BOX = 0.8;          // of a medium's box that light comes from
+const LEAST_DEFLECTED = 1e-3;   // optical depth, by which media beside the straight path count
 
 struct Depths {
     reduced: vec3f,     // optical depth of the reduced medium
@@ -17,10 +20,60 @@ struct Depths {
     back: f32,          // m, from where it is deflected
 }
 
+// Where light comes slantwise to a point from: sums over media, by weight.
+struct Slant {
+    deviation: f32,     // m^2
+    back: f32,          // m^2
+    weight: f32,
+}
+
+// Of medium m between a and b, m, before the point. Three times the mean square of the distance from there is the square of
+// the length where it begins at the point. Green's spread; where all of a path deflects alike, the place is 1/sqrt(3) of it back.
+fn slant_of(m: u32, a: f32, b: f32, weight: f32) -> Slant {
+    let reach = a * a + a * b + b * b;
+    let isotropic = max(1e-4, 1.0 - media[m].g.g);
+    return Slant(0.0841 * 2.0 * isotropic * reach * weight, 0.3364 * reach * weight, weight);
+}
+
+fn with_slant(sum: Slant, more: Slant) -> Slant {
+    return Slant(sum.deviation + more.deviation, sum.back + more.back, sum.weight + more.weight);
+}
+
+// Of a medium that the path from p passes by, where it would lie on a path that goes through it.
+fn slant_beside(m: u32, p: vec3f, direction: vec3f) -> Slant {
+    let none = Slant(0.0, 0.0, 0.0);
+    // Metres along the axes of the medium's box, from its middle; the box a little smaller.
+    let rows = transpose(media[m].volume_from_world);
+    let size = 1.0 / vec3f(length(rows[0].xyz), length(rows[1].xyz), length(rows[2].xyz));
+    let o = (medium_coordinates(m, p) - 0.5) * size;
+    let d = volume_direction(m, direction) * size;
+    let half = 0.5 * SLANT_BOX * size;
+    // The place in it that is nearest to the path, and how far that is.
+    var t = max(-dot(o, d), 0.0);
+    var nearest = vec3f(0.0);
+    for (var i = 0u; i < 3u; i++) {
+        nearest = clamp(o + t * d, -half, half);
+        t = max(dot(nearest - o, d), 0.0);
+    }
+    let aside = nearest - (o + t * d);
+    let span = ray_box_interval(o + aside, d, -0.5 * size, 0.5 * size);
+    let a = max(span.x, 0.0);
+    if (a >= span.y) {
+        return none;
+    }
+    let slant = slant_of(m, a, span.y, 1.0);
+    let apart = dot(aside, aside) / max(slant.deviation, 1e-12);
+    if (apart > SLANT_DEVIATIONS * SLANT_DEVIATIONS) {
+        return none;
+    }
+    return slant_of(m, a, span.y, LEAST_DEFLECTED * exp(-0.5 * apart));
+}
+
 // All media between p and a light.
 fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
     let path = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
+    var slant = Slant(0.0, 0.0, 0.0);
     var walk = walk_towards(index, p, path);
     for (var v = 0u; v < MEDIA_VISITS; v++) {
         let m = next_towards(&walk);
@@ -33,12 +86,24 @@ fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
         let scattering = reduced * media[m].albedo / isotropic;
         sum.forward += scattering * media[m].g;
         sum.scattering += scattering;
-        // Of the green of spread; lengths of several media add up. Where all of a path deflects alike, the place
-        // is 1/sqrt(3) of it back (root mean square).
-        let deflecting = select(0.0, column, media[m].g.g > 0.0);
-        sum.deviation += 0.29 * sqrt(2.0 * isotropic.g) * deflecting;
-        sum.back += 0.58 * deflecting;
+        // Each counts by what it deflects.
+        let deflected = scattering.g * media[m].g.g;
+        if (deflected > 0.0) {
+            let span = medium_interval(m, p, path.xyz);
+            slant = with_slant(slant, slant_of(m, max(span.x, 0.0), min(span.y, path.w), deflected));
+        }
     }
+    // Directional lights are blurred, and so come to where the straight path meets no medium.
+    if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && MEDIA_COUNT <= SLANT_MEDIA
+        && slant.weight < LEAST_DEFLECTED) {
+        for (var m = 0u; m < MEDIA_COUNT; m++) {
+            if (media[m].g.g > 0.0) {
+                slant = with_slant(slant, slant_beside(m, p, path.xyz));
+            }
+        }
+    }
+    sum.deviation = sqrt(slant.deviation / max(slant.weight, 1e-20));
+    sum.back = sqrt(slant.back / max(slant.weight, 1e-20));
     return sum;
 }
 
@@ -79,6 +144,52 @@ fn place_of(coordinates: vec3f) -> vec3f {
     return unwarped_point(lattice, cell, coordinates - vec3f(cell));
 }
 
+// What the reduced medium transmits of a light to p beyond the true one: that is what was deflected once.
+fn gained_at(light: LightData, p: vec3f, lit: f32, depths: Depths) -> vec3f {
+    // A local light may be in the cell, so its mean over the part is taken.
+    let in = incoming_in_media(light, p);
+    var irradiance = in.irradiance;
+    if (light.kind != LIGHT_DIRECTIONAL) {
+        let near = ball_radius(vec3f(0.5 * lattice.cell));
+        irradiance *= gain_in_ball(light, in.distance, near);
+    }
+    if (all(irradiance * depths.forward == vec3f(0.0))) {
+        return vec3f(0.0);
+    }
+    return lit * irradiance * exp(-depths.reduced) * (1.0 - exp(-depths.forward));
+}
+
+// Across a light's direction, in deviations: of one tap at each part two rings of four, each for half of a Gaussian; else
+// equal shares of one, turned by the golden angle.
+fn slant_aside(k: u32, tap: u32) -> vec2f {
+    if (params.taps == 1u) {
+        let turn = (f32(k) + 0.5) * 0.7853981634;
+        return select(0.83, 1.82, (k & 1u) == 1u) * vec2f(cos(turn), sin(turn));
+    }
+    let number = f32(tap * 8u + (5u * k & 7u));
+    let turn = number * 2.39996323;
+    let share = (number + 0.5) / f32(8u * params.taps);
+    return sqrt(-2.0 * log(1.0 - share)) * vec2f(cos(turn), sin(turn));
+}
+
+// What was deflected comes slantwise from a beam beside it, whose light is looked up where it was deflected. At lattice
+// coordinates `start`; `depths` on the straight path.
+fn slanted(light: LightData, i: u32, start: vec3f, deviations: vec2f, depths: Depths) -> vec3f {
+    let across = normalize(cross(light.direction,
+        select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
+    let radius = depths.deviation / lattice.cell;
+    let ring = min(radius, BLUR_CELLS) * deviations;
+    let aside = lattice_from_world(lattice, ring.x * across + ring.y * cross(light.direction, across));
+    let back = depths.back / lattice.cell * min(1.0, BLUR_CELLS / radius);
+    let offset = aside - back * lattice_from_world(lattice, light.direction);
+    let moved = moved_freely(start, offset);
+    let way = length(moved - start) / length(offset);
+    // As much medium as there is before the place beside this one; lit if the beam is where it was deflected.
+    let beside = depths_towards(light, i, place_of(start + way * aside));
+    let p = place_of(moved);
+    return gained_at(light, p, lit_point(light, -light.direction, p), beside);
+}
+
 struct Part {
     straight: vec3f,    // W m^-2, attenuated by the true medium
     gained: vec3f,      // what the reduced medium does besides
@@ -100,39 +211,15 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit, vec3f(0.0), depth);
-    // What was deflected comes slantwise from a beam beside it, whose light is looked up where it was deflected.
-    let radius = depths.deviation / lattice.cell;
-    if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && radius > 0.0) {
-        // Two rings of four, each for half of a Gaussian.
-        let across = normalize(cross(light.direction,
-            select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
-        let turn = (f32(k) + 0.5) * 0.7853981634;
-        let ring = min(radius, BLUR_CELLS) * select(0.83, 1.82, (k & 1u) == 1u);
-        let aside = lattice_from_world(lattice,
-            ring * (cos(turn) * across + sin(turn) * cross(light.direction, across)));
-        let back = depths.back / lattice.cell * min(1.0, BLUR_CELLS / radius);
-        let offset = aside - back * lattice_from_world(lattice, light.direction);
-        let start = vec3f(id) + half;
-        let moved = moved_freely(start, offset);
-        let way = length(moved - start) / length(offset);
-        // As much medium as there is before the place beside this one; lit if the beam is where it was deflected.
-        depths = depths_towards(light, i, place_of(start + way * aside));
-        p = place_of(moved);
-        lit = lit_point(light, own.to_light, p);
+    let is_slanted = params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && depths.deviation > 0.0;
+    if (!is_slanted) {
+        return Part(seen.straight, gained_at(light, p, lit, depths), depth);
     }
-    // A local light may be in the cell, so its mean over the part is taken.
-    let in = incoming_in_media(light, p);
-    var irradiance = in.irradiance;
-    if (light.kind != LIGHT_DIRECTIONAL) {
-        let near = ball_radius(vec3f(0.5 * lattice.cell));
-        irradiance *= gain_in_ball(light, in.distance, near);
+    var gained = vec3f(0.0);
+    for (var tap = 0u; tap < params.taps; tap++) {
+        gained += slanted(light, i, vec3f(id) + half, slant_aside(k, tap), depths);
     }
-    if (all(irradiance * depths.forward == vec3f(0.0))) {
-        return seen;
-    }
-    // The reduced medium transmits more than the true one: that is what was deflected once.
-    let gained = exp(-depths.reduced) * (1.0 - exp(-depths.forward));
-    return Part(seen.straight, lit * irradiance * gained, depth);
+    return Part(seen.straight, gained / f32(params.taps), depth);
 }
 
 // The direction in which light travels at the cell's centre.
