@@ -43,8 +43,9 @@ class Source:
     of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
     one volume's, at the density's own resolution. `whole`: the same with what shafts draw in the
     eye's rays; `texture` if not given. `mean`: what rays of a gather meet instead, of the reduced
-    medium (similarity theory), through which they go then. `texels`: of the texture along a solved cell. `fade`, in
-    shares of its box: where it is a finer grid inside the next source, which takes over there.
+    medium (similarity theory), through which they go then. `texels`: of the texture along a solved
+    cell. `fade`, in shares of its box: where it is a finer grid inside the next source, which takes
+    over there.
     """
 
     texture: Texture

@@ -6,6 +6,7 @@
 //! use lights_in_media
 //! use entering_share
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
+//! needs fn is_read(cell: u32) -> bool
 
 const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
 const SLANT_DEVIATIONS = 3.0;   // beside a medium that its light is looked for
@@ -144,6 +145,10 @@ fn place_of(coordinates: vec3f) -> vec3f {
     return unwarped_point(lattice, cell, coordinates - vec3f(cell));
 }
 
+fn part_middle(k: u32) -> vec3f {
+    return vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
+}
+
 // What the reduced medium transmits of a light to p beyond the true one: that is what was deflected once.
 fn gained_at(light: LightData, p: vec3f, lit: f32, depths: Depths) -> vec3f {
     // A local light may be in the cell, so its mean over the part is taken.
@@ -196,18 +201,48 @@ struct Part {
     depth: f32,         // optical, of scattering
 }
 
+// What comes straight to p, where nobody asks for the rest: most of space has no media before it.
+fn forward_alone(light: LightData, i: u32, p: vec3f) -> Part {
+    let depths = depths_towards(light, i, p);
+    if (all(depths.forward == vec3f(0.0))) {
+        return Part(vec3f(0.0), vec3f(0.0), 0.0);
+    }
+    let lit = lit_point(light, incoming_in_media(light, p).to_light, p);
+    if (lit <= 0.0) {
+        return Part(vec3f(0.0), vec3f(0.0), 0.0);
+    }
+    return Part(vec3f(0.0), gained_at(light, p, lit, depths), 0.0);
+}
+
+// What comes slantwise into all of a cell, by how much it spreads on its way to the middle.
+fn slanted_alone(light: LightData, i: u32, id: vec3u, span: CellSpan) -> vec3f {
+    let depths = depths_towards(light, i, point_in_span(lattice, span, vec3f(0.5)));
+    if (depths.deviation <= 0.0) {
+        return vec3f(0.0);
+    }
+    var sum = vec3f(0.0);
+    for (var n = 0u; n < 8u * params.taps; n++) {
+        let start = vec3f(id) + part_middle(n & 7u);
+        sum += slanted(light, i, start, slant_aside(n & 7u, n >> 3u), depths);
+    }
+    return sum / f32(8u * params.taps);
+}
+
 // Of light i at part k of a cell.
 fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> Part {
-    let half = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
+    let half = part_middle(k);
     // What shines straight onto the part, as the true medium attenuates it.
-    var p = point_in_span(lattice, span, half);
+    let p = point_in_span(lattice, span, half);
+    if (FOR_SURFACES) {
+        return forward_alone(light, i, p);
+    }
     let own = incoming_in_media(light, p);
-    var lit = lit_point(light, own.to_light, p);
+    let lit = lit_point(light, own.to_light, p);
     // In the shade nothing arrives, and the way through the media need not be known.
     if (params.is_blurred == 0u && lit <= 0.0) {
         return Part(vec3f(0.0), vec3f(0.0), 0.0);
     }
-    var depths = depths_towards(light, i, p);
+    let depths = depths_towards(light, i, p);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit, vec3f(0.0), depth);
@@ -235,22 +270,31 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
+    let cells = lattice.count.x * lattice.count.y * lattice.count.z;
+    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     let span = cell_span(lattice, id);
     var fluence = vec3f(0.0);
     var flux = mat3x3f();   // columns x, y, z of rgb
     // Each light at eight points of the cell, or at a few where there are many lights.
-    for (var i = 0u; i < params.light_count; i++) {
+    let light_count = select(0u, params.light_count, is_read(cell));
+    // Of every so many lights one, of each cell another than of its neighbours.
+    let first_light = (id.x + id.y + id.z) % params.light_step;
+    for (var i = first_light; i < light_count; i += params.light_step) {
         let light = lights[i];
         var sum = vec3f(0.0);
         var passed = vec4f(0.0);
-        for (var k = 0u; k < 8u; k += params.stride) {
+        let is_whole = FOR_SURFACES && params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL;
+        if (is_whole) {
+            sum = 8.0 / f32(params.stride) * slanted_alone(light, i, id, span);
+        }
+        for (var k = select(0u, 8u, is_whole); k < 8u; k += params.stride) {
             // Of few parts the next light takes others.
             let turned = (k + select(0u, 3u * i, params.stride > 1u)) & 7u;
             let part = forward_part(light, i, id, span, turned);
             sum += part.gained;
             passed += vec4f(part.straight + part.gained, part.depth);
         }
-        sum *= f32(params.stride) / 8.0;
+        sum *= f32(params.stride * params.light_step) / 8.0;
         store_light(id, i, f32(params.stride) / 8.0 * passed);
         let along = lattice_from_world(lattice, travel_of(light, span));
         fluence += sum;
@@ -258,8 +302,6 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     }
     // Power units: fluence and flux times the cell's volume, W m.
     let volume = lattice.cell * lattice.cell * lattice.cell;
-    let cells = lattice.count.x * lattice.count.y * lattice.count.z;
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
     for (var c = 0u; c < 3u; c++) {
         let index = c * cells + cell;
         forward[index] = base[index]

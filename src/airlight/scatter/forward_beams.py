@@ -24,10 +24,12 @@ from ..scene.volume import Volume
 from ..surface.light_table import LightData, packed_lights
 from .cell_lights import CellLights
 from .forward import ForwardLight
+from .near_surfaces import NearSurfaces
 from .reduced import is_forward
 from .reduced_media import ReducedMedia, sky_capacity
 from .surface_beams import SurfaceBeams
 
+_FRAME_STEP = 2  # of the sky's lights moving frames take one in each cell, neighbours others
 _M = TypeVar("_M", Medium, Volume)
 
 
@@ -52,7 +54,8 @@ class ForwardBeams:
         if not self._has_any:
             return
         if self._made is None:
-            self._made = _Made(self._kit, scene)
+            # Of the scene that all tables of media are made of, whose densities they share.
+            self._made = _Made(self._kit, self._kit.context.scene)
         has_sky = frame.is_still or self._has_sky
         self._made.encode(commands, replace(frame, scene=scene), has_sky=has_sky)
 
@@ -87,19 +90,21 @@ class _Made:
             self._media.update(commands, frame)
         has_sky = has_sky and bool(sky.lights and sky.maps.layers)
         sky_key: tuple[Any, ...] = ()
+        step = 1 if frame.is_still else _FRAME_STEP
         if has_sky:
             sky_key = (self._packed_sky(), sky.version, self._media.sky.version)
         flux = flux_bound([*scene.lights, *sky.lights], *frame.bounds)
         key = (scene.lights, self._media.lights.version, flux)
         with commands.stage("single-scattered"):
             for level in self.levels:
+                level.near.encode(commands)
                 # The sky's lights stay the same for long, the scene's move.
                 if has_sky:
                     lights = self._sky_lights(level.of)
-                    level.encode_sky(commands, kit, lights, self._black, sky_key)
+                    level.encode_sky(commands, kit, lights, self._black, sky_key, step)
                 base = level.forward.sky if has_sky else self._black
                 lights = CellLights(kit.lights.bound, len(scene.lights), level.of.blockers.walls)
-                if level.encode(commands, kit, lights, base, (*key, sky_key)):
+                if level.encode(commands, kit, lights, base, (*key, step, sky_key)):
                     beams, placement = level.forward.all, level.of.placement
                     self.surfaces.encode(commands, beams, self._black, flux, placement)
 
@@ -128,6 +133,7 @@ class _Level:
 
     def __init__(self, kit: Kit, level: Level, media: ReducedMedia) -> None:
         self.of, self.forward = level, ForwardLight(kit.gpu, level.placement, media)
+        self.near = NearSurfaces(kit.gpu, level)
         self._key: tuple[Any, ...] = ()
         self._sky_key: tuple[Any, ...] = ()
 
@@ -137,13 +143,24 @@ class _Level:
         return placement, kit.meshes.version, self.of.blockers.version
 
     def encode_sky(
-        self, commands: Commands, kit: Kit, lights: CellLights, black: Buffer, key: tuple[Any, ...]
+        self,
+        commands: Commands,
+        kit: Kit,
+        lights: CellLights,
+        black: Buffer,
+        key: tuple[Any, ...],
+        step: int,
     ) -> None:
-        """The sky's, if the `key` of its light or the walls are others."""
-        key = (key, self._walls(kit))
+        """The sky's, if the `key` of its light or the walls are others.
+
+        `step`: cells take each so many of its lights.
+        """
+        key = (key, step, self._walls(kit))
         if key != self._sky_key:
             self._sky_key = key
-            self.forward.encode_sky(commands, self.of, lights, base=black)
+            self.forward.encode_sky(
+                commands, self.of, lights, base=black, near=self.near.cells, light_step=step
+            )
 
     def encode(
         self, commands: Commands, kit: Kit, lights: CellLights, base: Buffer, key: tuple[Any, ...]
@@ -153,7 +170,7 @@ class _Level:
         if key == self._key:
             return False
         self._key = key
-        self.forward.encode(commands, self.of, lights, base=base)
+        self.forward.encode(commands, self.of, lights, base=base, near=self.near.cells)
         return True
 
 

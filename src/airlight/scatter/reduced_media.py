@@ -42,9 +42,8 @@ class ReducedMedia:
             columns=sky_columns(kit.lattices.placements[0].cell, kit.shared),
         )
         self.has_forward = self.is_reduced = False
+        # Beside each part of a cell; the borders of volumes show where there are few.
         self.taps = _TAPS if 0 < len(scene.volumes) <= SLANT_MEDIA else 1
-        """Places beside each part of a cell from which light comes slantwise: of volumes the borders
-        show."""
         self.sigma_s: Rgb = NO_MEDIUM.sigma_s
         self.sigma_t: Rgb = NO_MEDIUM.sigma_t
 

@@ -64,7 +64,7 @@ class ScatterSolver(Solver):
         self.emission = Emission(gpu, kit.placement, size)
         self.surfaces = SurfaceLight(gpu, kit.placement, size)
         self.air = LightInAir(gpu, kit) if is_gathered else None
-        # Light that media only scatter forwards, apart from the rest for rays, which do not meet it.
+        # Light that media only scatter forwards, apart for rays, which do not meet it.
         self.beams = beams
         self._beams = SurfaceBeams(gpu, kit) if is_gathered and beams is None else None
         self._has_beams = False
