@@ -89,7 +89,11 @@ def moving(square):
         lights=(DirectionalLight((0.3, -1, 0.2), (6, 6, 6)),),
         environment=Environment(map=sky),
         camera=Camera((0, 1.5, 5), (0, 0.7, 0)),
-        volumes=(Volume((2, 2, 2), density=drifting(0.0), bounds=((-1, 0.9, -1), (1, 2.5, 1))),),
+        volumes=(
+            Volume(
+                (2, 2, 2), density=drifting(0.0), bounds=((-1, 0.9, -1), (1, 2.5, 1)), g=(0.5,) * 3
+            ),
+        ),
         animation=Animation(
             (
                 CameraTrack({"position": line((0, 1.5, 5), (2, 1.5, 4))}),

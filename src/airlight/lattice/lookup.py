@@ -7,6 +7,7 @@ fits into half floats.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -85,6 +86,15 @@ class ChannelTextures:
         return {"red": self.red, "green": self.green, "blue": self.blue}
 
 
+class CellLight(NamedTuple):
+    """States of cells: injected, propagated; and `beams`, the fluence and flux, W m, of light that
+    the lattice does not hold."""
+
+    injected: Buffer
+    propagated: Buffer
+    beams: Buffer | None = None
+
+
 class LatticeTextures(ChannelTextures):
     """The textures of a solved lattice; nested lattices share them."""
 
@@ -99,19 +109,17 @@ class LatticeTextures(ChannelTextures):
     def encode(
         self,
         commands: Commands,
-        injected: Buffer,
-        propagated: Buffer,
+        light: CellLight,
         scale: float,
         *,
         is_shaped: bool,
         placement: Placement | None = None,
         hull: Hull = EVERYWHERE,
-        beams: Buffer | None = None,
     ) -> None:
         """Fill the textures; `scale` as from `texture_scale`, `is_shaped` as for the lobes.
 
         `placement`: which of the lattices that share the textures. `hull`: cells outside it are
-        dark. `beams`: fluence and flux, W m, of light that the lattice does not hold.
+        dark.
         """
         placement = placement or self.placement
         # A shaped lobe is narrower than what a surface in its own cell should read of it.
@@ -131,11 +139,11 @@ class LatticeTextures(ChannelTextures):
                 low=hull[0],
                 high=hull[1],
                 # Fluence is read off as irradiance, whatever the lookup's scale.
-                beams=1.0 / (4.0 * math.pi * LOOKUP_SCALE * placement.cell) if beams else 0.0,
+                beams=1.0 / (4.0 * math.pi * LOOKUP_SCALE * placement.cell) if light.beams else 0.0,
             ),
-            injected=injected,
-            propagated=propagated,
-            beams=beams or propagated,
+            injected=light.injected,
+            propagated=light.propagated,
+            beams=light.beams or light.propagated,
             **self.written,
         )
 

@@ -1,149 +1,15 @@
 // Of each cell, the light that was scattered forwards only: what the reduced medium transmits beyond
 // the true medium. `store_light`, of all light that is unscattered in the reduced medium, is generated.
 //! use lattice_space
-//! use media_light
 //! use cell_light
 //! use lights_in_media
-//! use entering_share
+//! use forward_beams
+//! use forward_depths
+//! use free_way
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 //! needs fn is_read(cell: u32) -> bool
 
 const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
-const SLANT_DEVIATIONS = 3.0;   // beside a medium that its light is looked for
-const SLANT_BOX = 0.8;          // of a medium's box that light comes from
-const LEAST_DEFLECTED = 1e-3;   // optical depth, by which media beside the straight path count
-
-struct Depths {
-    reduced: vec3f,     // optical depth of the reduced medium
-    forward: vec3f,     // what the true medium has besides
-    scattering: vec3f,  // of it
-    deviation: f32,     // m, of the light's spread across its direction
-    back: f32,          // m, from where it is deflected
-}
-
-// Where light comes slantwise to a point from: sums over media, by weight.
-struct Slant {
-    deviation: f32,     // m^2
-    back: f32,          // m^2
-    weight: f32,
-}
-
-// Of medium m between a and b, m, before the point. Three times the mean square of the distance from there is the square of
-// the length where it begins at the point. Green's spread; where all of a path deflects alike, the place is 1/sqrt(3) of it back.
-fn slant_of(m: u32, a: f32, b: f32, weight: f32) -> Slant {
-    let reach = a * a + a * b + b * b;
-    let isotropic = max(1e-4, 1.0 - media[m].g.g);
-    return Slant(0.0841 * 2.0 * isotropic * reach * weight, 0.3364 * reach * weight, weight);
-}
-
-fn with_slant(sum: Slant, more: Slant) -> Slant {
-    return Slant(sum.deviation + more.deviation, sum.back + more.back, sum.weight + more.weight);
-}
-
-// Of a medium that the path from p passes by, where it would lie on a path that goes through it.
-fn slant_beside(m: u32, p: vec3f, direction: vec3f) -> Slant {
-    let none = Slant(0.0, 0.0, 0.0);
-    // Metres along the axes of the medium's box, from its middle; the box a little smaller.
-    let rows = transpose(media[m].volume_from_world);
-    let size = 1.0 / vec3f(length(rows[0].xyz), length(rows[1].xyz), length(rows[2].xyz));
-    let o = (medium_coordinates(m, p) - 0.5) * size;
-    let d = volume_direction(m, direction) * size;
-    let half = 0.5 * SLANT_BOX * size;
-    // The place in it that is nearest to the path, and how far that is.
-    var t = max(-dot(o, d), 0.0);
-    var nearest = vec3f(0.0);
-    for (var i = 0u; i < 3u; i++) {
-        nearest = clamp(o + t * d, -half, half);
-        t = max(dot(nearest - o, d), 0.0);
-    }
-    let aside = nearest - (o + t * d);
-    let span = ray_box_interval(o + aside, d, -0.5 * size, 0.5 * size);
-    let a = max(span.x, 0.0);
-    if (a >= span.y) {
-        return none;
-    }
-    let slant = slant_of(m, a, span.y, 1.0);
-    let apart = dot(aside, aside) / max(slant.deviation, 1e-12);
-    if (apart > SLANT_DEVIATIONS * SLANT_DEVIATIONS) {
-        return none;
-    }
-    return slant_of(m, a, span.y, LEAST_DEFLECTED * exp(-0.5 * apart));
-}
-
-// All media between p and a light.
-fn depths_towards(light: LightData, index: u32, p: vec3f) -> Depths {
-    let path = media_light_path(light, p);
-    var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
-    var slant = Slant(0.0, 0.0, 0.0);
-    var walk = walk_towards(index, p, path);
-    for (var v = 0u; v < MEDIA_VISITS; v++) {
-        let m = next_towards(&walk);
-        if (walk.is_done) { break; }
-        if (m == NO_MEDIUM) { continue; }
-        let column = media_light_column(m, index, p, path);
-        let reduced = media[m].sigma_t * column;
-        let isotropic = max(vec3f(1e-4), 1.0 - media[m].g);
-        sum.reduced += reduced;
-        let scattering = reduced * media[m].albedo / isotropic;
-        sum.forward += scattering * media[m].g;
-        sum.scattering += scattering;
-        // Each counts by what it deflects.
-        let deflected = scattering.g * media[m].g.g;
-        if (deflected > 0.0) {
-            let span = medium_interval(m, p, path.xyz);
-            slant = with_slant(slant, slant_of(m, max(span.x, 0.0), min(span.y, path.w), deflected));
-        }
-    }
-    // Directional lights are blurred, and so come to where the straight path meets no medium.
-    if (params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && MEDIA_COUNT <= SLANT_MEDIA
-        && slant.weight < LEAST_DEFLECTED) {
-        for (var m = 0u; m < MEDIA_COUNT; m++) {
-            if (media[m].g.g > 0.0) {
-                slant = with_slant(slant, slant_beside(m, p, path.xyz));
-            }
-        }
-    }
-    sum.deviation = sqrt(slant.deviation / max(slant.weight, 1e-20));
-    sum.back = sqrt(slant.back / max(slant.weight, 1e-20));
-    return sum;
-}
-
-// Whether walls close the face that a hop crosses into a cell.
-fn is_shut(cell: vec3i, hop: u32) -> bool {
-    let c = vec3u(clamp(cell, vec3i(0), vec3i(lattice.count) - 1));
-    let index = (c.z * lattice.count.y + c.y) * lattice.count.x + c.x;
-    return entering_share(face_visibility[index], hop) < 0.5;
-}
-
-// From lattice coordinates by an `offset` in cells, but not through walls.
-fn moved_freely(start: vec3f, offset: vec3f) -> vec3f {
-    let steps = ceil(length(offset));
-    var at = start;
-    for (var i = 0.0; i < steps; i += 1.0) {
-        let next = at + offset / steps;
-        let from_cell = vec3i(floor(at));
-        // Beyond the lattice no walls are known.
-        if (any(from_cell < vec3i(0)) || any(from_cell >= vec3i(lattice.count))) {
-            return start + offset;
-        }
-        let to_cell = vec3i(floor(next));
-        for (var axis = 0u; axis < 3u; axis++) {
-            let step = to_cell[axis] - from_cell[axis];
-            // Visibility is of the hops that enter a cell: + of a pair first.
-            if (step != 0 && is_shut(to_cell, 2u * axis + select(1u, 0u, step > 0))) {
-                return at;
-            }
-        }
-        at = next;
-    }
-    return at;
-}
-
-// The world point of lattice coordinates. Beyond the lattice cells go on; within it walls stand where the warp has them.
-fn place_of(coordinates: vec3f) -> vec3f {
-    let cell = vec3u(clamp(vec3i(floor(coordinates)), vec3i(0), vec3i(lattice.count) - 1));
-    return unwarped_point(lattice, cell, coordinates - vec3f(cell));
-}
 
 fn part_middle(k: u32) -> vec3f {
     return vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
@@ -161,7 +27,7 @@ fn gained_at(light: LightData, p: vec3f, lit: f32, depths: Depths) -> vec3f {
     if (all(irradiance * depths.forward == vec3f(0.0))) {
         return vec3f(0.0);
     }
-    return lit * irradiance * exp(-depths.reduced) * (1.0 - exp(-depths.forward));
+    return lit * irradiance * passed_forwards(depths.reduced, depths.forward);
 }
 
 // Across a light's direction, in deviations: of one tap at each part two rings of four, each for half of a Gaussian; else
@@ -190,7 +56,7 @@ fn slanted(light: LightData, i: u32, start: vec3f, deviations: vec2f, depths: De
     let moved = moved_freely(start, offset);
     let way = length(moved - start) / length(offset);
     // As much medium as there is before the place beside this one; lit if the beam is where it was deflected.
-    let beside = depths_towards(light, i, place_of(start + way * aside));
+    let beside = depths_towards(light, i, place_of(start + way * aside), false);
     let p = place_of(moved);
     return gained_at(light, p, lit_point(light, -light.direction, p), beside);
 }
@@ -203,7 +69,7 @@ struct Part {
 
 // What comes straight to p, where nobody asks for the rest: most of space has no media before it.
 fn forward_alone(light: LightData, i: u32, p: vec3f) -> Part {
-    let depths = depths_towards(light, i, p);
+    let depths = depths_towards(light, i, p, params.is_blurred != 0u);
     if (all(depths.forward == vec3f(0.0))) {
         return Part(vec3f(0.0), vec3f(0.0), 0.0);
     }
@@ -216,7 +82,7 @@ fn forward_alone(light: LightData, i: u32, p: vec3f) -> Part {
 
 // What comes slantwise into all of a cell, by how much it spreads on its way to the middle.
 fn slanted_alone(light: LightData, i: u32, id: vec3u, span: CellSpan) -> vec3f {
-    let depths = depths_towards(light, i, point_in_span(lattice, span, vec3f(0.5)));
+    let depths = depths_towards(light, i, point_in_span(lattice, span, vec3f(0.5)), true);
     if (depths.deviation <= 0.0) {
         return vec3f(0.0);
     }
@@ -242,7 +108,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     if (params.is_blurred == 0u && lit <= 0.0) {
         return Part(vec3f(0.0), vec3f(0.0), 0.0);
     }
-    let depths = depths_towards(light, i, p);
+    let depths = depths_towards(light, i, p, params.is_blurred != 0u);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit, vec3f(0.0), depth);

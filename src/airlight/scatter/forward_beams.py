@@ -39,10 +39,10 @@ class ForwardBeams:
     Nothing is made before the first frame whose media scatter forwards.
     """
 
-    def __init__(self, kit: Kit, *, has_solved_medium: bool = False, has_sky: bool = True) -> None:
-        """`has_solved_medium`: the scene's own medium is solved as volumes are. `has_sky`: frames
-        that are no stills have the sky's beams, too."""
-        self._kit, self._has_sky = kit, has_sky
+    def __init__(self, kit: Kit, *, has_solved_medium: bool = False, sky: str = "always") -> None:
+        """`has_solved_medium`: the scene's own medium is solved as volumes are. `sky`: which frames
+        have its beams, as the setting `gather` has it: off, still, always."""
+        self._kit, self._sky = kit, sky
         self._forwards = _ForwardsOnly(has_medium=has_solved_medium)
         self._made: _Made | None = None
         self._has_any = False
@@ -56,7 +56,7 @@ class ForwardBeams:
         if self._made is None:
             # Of the scene that all tables of media are made of, whose densities they share.
             self._made = _Made(self._kit, self._kit.context.scene)
-        has_sky = frame.is_still or self._has_sky
+        has_sky = self._sky == "always" or (self._sky == "still" and frame.is_still)
         self._made.encode(commands, replace(frame, scene=scene), has_sky=has_sky)
 
     def beams(self, level: int) -> Buffer | None:

@@ -160,6 +160,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     from ..media.media import Media, Solved
     from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
+    from .beams import forward_solvers
 
     # Delta scaling: forward peaks sharper than a grid resolves count as unscattered.
     scaled = None if settings.scheme == "paper" else DeltaScaling().scaled
@@ -177,24 +178,8 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
     layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
     gathering = _gathering(kit, settings, media if scaled else None, sources=sources)
-    solvers: list[Solver] = [media, solved, *gathering]
-    # Surfaces gather; in frames that do not, the sky's light on them knows no media.
-    if _has_forward_beams(context, settings):
-        from ..scatter.forward_beams import ForwardBeams, ForwardSolver
-
-        has_sky = settings.gather == "always"
-        solvers.insert(1, ForwardSolver(ForwardBeams(kit, has_solved_medium=True, has_sky=has_sky)))
+    solvers = [media, *forward_solvers(kit, settings), solved, *gathering]
     return Technique("pop", kit, solvers, media=media, scene_filter=scaled, layers=layers)
-
-
-def _has_forward_beams(context: Context, settings: PopSettings) -> bool:
-    """Whether there are surfaces for what volumes of principal ordinates scatter forwards alone.
-
-    Schemes of hops know no reduced medium; what lies beyond the lattices has beams of its own.
-    """
-    medium = context.scene.medium
-    is_endless = medium is not None and medium.endless
-    return bool(context.scene.meshes) and settings.scheme == "delta-beam" and not is_endless
 
 
 def _drawn_by_pop(settings: PopTechniqueSettings, shafts: str) -> MediaSettings:
@@ -244,16 +229,14 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     from ..lpv.solver import LpvSolver
     from ..media.media import Media
     from ..pop.media import PopMedia
-    from ..scatter.forward_beams import ForwardBeams
+    from .beams import forward_beams
     from .volumes import LatticeVolumes
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     own, drawn, in_cells, sources = _with_pop(context, settings, LpvMarchSettings)
     media = Media(kit, drawn, sources=sources, solved=in_cells)
     lattice = LpvSolver(kit, settings)
-    beams = None
-    if settings.scheme != "paper" and _has_forward_beams(context, own):
-        beams = ForwardBeams(kit)
+    beams = forward_beams(kit, own, is_paper=settings.scheme == "paper")
     lattice.media = LatticeVolumes(lattice, media.on_device, beams)
     solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
     met = media if settings.scheme != "paper" else None
@@ -265,8 +248,8 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
     """`lpv-scatter` for surfaces and fog, principal ordinates for the volumes in the fog."""
     from ..media.media import Media
     from ..pop.media import PopMedia
-    from ..scatter.forward_beams import ForwardBeams
     from ..scatter.solver import ScatterSolver
+    from .beams import forward_beams
 
     # Media hand volumes to the ordinates, and march the rest in the lattice.
     kit = _scattering_kit(context, settings)
@@ -277,14 +260,13 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
     # Surfaces and fog, then volumes, which take the light that surfaces reflect.
     met = media if _is_gathered(context, settings) else None
     gathering = _gathering(kit, settings, met, sources=sources)
-    has_beams = _is_gathered(context, settings) and _has_forward_beams(context, own)
     lattice = ScatterSolver(
         kit,
         settings,
         has_volumes=False,
         has_border_light=settings.cascade_light,
         is_gathered=bool(gathering),
-        beams=ForwardBeams(kit) if has_beams else None,
+        beams=forward_beams(kit, own, is_paper=settings.scheme.startswith("paper")),
     )
     solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
     return Technique("lpv-scatter with pop", kit, [media, lattice, solved, *gathering], media=media)

@@ -22,7 +22,7 @@ from ..gpu.memory import Buffer
 from ..lattice.inject import Resolve, new_sums
 from ..lattice.irradiance import Irradiance
 from ..lattice.lobes import InjectionTarget
-from ..lattice.lookup import LatticeTextures
+from ..lattice.lookup import CellLight, LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.solver import LpvSolver
 from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
@@ -44,7 +44,7 @@ class LatticeVolumes:
         self, solver: LpvSolver, media: GpuMedia, beams: ForwardBeams | None = None
     ) -> None:
         """`beams`: of what the media scatter forwards, on surfaces."""
-        self._solver, self._media, self._beams = solver, media, beams
+        self._solver, self._media, self.beams = solver, media, beams
         kit = solver.kit
         gpu, scene = kit.gpu, kit.context.scene
         # Reflective shadow maps, attenuated between their light and each texel: less where what is
@@ -79,8 +79,8 @@ class LatticeVolumes:
         with commands.stage("air"):
             self._media.update(commands, frame.scene, *frame.bounds)
             self.isotropic.update(commands, _reduced_isotropic(frame.scene), *frame.bounds)
-        if self._beams is not None:
-            self._beams.encode(commands, frame)
+        if self.beams is not None:
+            self.beams.encode(commands, frame)
 
     @property
     def version(self) -> int:
@@ -145,18 +145,16 @@ class LatticeVolumes:
         with commands.stage("pack"):
             self.textures.encode(
                 commands,
-                own.cells,
-                total,
+                CellLight(own.cells, total, self.beams.beams(level) if self.beams else None),
                 solver.power_scale,
                 is_shaped=solver.settings.occlusion,
                 placement=part.placement,
-                beams=self._beams.beams(level) if self._beams else None,
             )
 
     @property
     def forward(self) -> Irradiance | None:
         """Light that volumes only scatter forwards, of which `textures` have it, too."""
-        return self._beams.field if self._beams else None
+        return self.beams.field if self.beams else None
 
 
 class _Level:
