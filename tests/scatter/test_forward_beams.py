@@ -128,7 +128,8 @@ def test_a_directional_lights_beams_spread_and_lose_nothing():
     found, side = found[:, row], (np.arange(8) - 3.5) * cell / 8
     x, z = (grid.ravel() for grid in np.meshgrid(side, side))
     parts = middles[:, row, :, None] + np.stack([x, 0.0 * x, z], axis=-1)
-    passed = passed_forwards(*depths(columns(parts, parts + [0.0, 1e4, 0.0]), SIGMA_T, ALBEDO, G))
+    far = np.array([0.0, 1e4, 0.0])
+    passed = passed_forwards(*depths(columns(parts, parts + far), SIGMA_T, ALBEDO, G))
     truth = passed.mean(axis=-2) * np.array(DOWN.irradiance)
     # Half of it would be left without those beside the shadow.
     np.testing.assert_allclose(found.sum((0, 1)) / truth.sum((0, 1)), 1.0, atol=0.08)

@@ -36,7 +36,7 @@ def test_all_cells_that_surfaces_read_are_near_them(gpu):
     # Lattice coordinates of the point half a cell before, and the eight cells around it.
     cells = (points - origin - np.array(place.origin)) / place.cell + 0.5 * normals - 0.5
     for corner in range(8):
-        c = np.floor(cells).astype(int) + [corner & 1, corner >> 1 & 1, corner >> 2]
+        c = np.floor(cells).astype(int) + np.array([corner & 1, corner >> 1 & 1, corner >> 2])
         assert is_near[c[:, 2], c[:, 1], c[:, 0]].all()
     # Most of the space is not.
     assert 0.02 < is_near.mean() < 0.5

@@ -29,6 +29,8 @@ _SKY_STRIDE = (
     4  # every fourth part of a cell for each of a sky's many lights; for surfaces alone one
 )
 
+_FEW = 4  # lights of which surfaces alone have every part of a cell; else every second, in turn
+
 
 class ForwardParams(Struct):
     """Which lights shine, and how finely cells are sampled."""
@@ -167,7 +169,8 @@ class ForwardLight:
         textures, visibility = self._textures, cells.blockers.face_visibility
         params = ForwardParams.of(
             light_count=lights.count,
-            stride=1,
+            # Many lights are samples of few with extent.
+            stride=1 if textures or lights.count <= _FEW else 2,
             is_blurred=1,
             scale=textures.scale if textures else 1.0,
             depth=textures.depth if textures else 0,
