@@ -49,6 +49,7 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
     let path = media_light_path(light, p);
     var sum = Depths(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     var slants = Slants(vec2f(0.0), 0.0);
+    var along = vec2f(0.0);
     var walk = walk_towards(index, p, path);
     for (var v = 0u; v < MEDIA_VISITS; v++) {
         let m = next_towards(&walk);
@@ -61,9 +62,11 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
         let scattering = reduced * media[m].albedo / isotropic;
         sum.forward += scattering * media[m].g;
         sum.scattering += scattering;
-        // Each counts by what it deflects.
+        // Each counts by what it deflects; of many, none of which is looked for beside the path, the ways in them add up.
         let deflected = scattering.g * media[m].g.g;
-        if (is_slanted && deflected > 0.0) {
+        if (MEDIA_COUNT > SLANT_MEDIA) {
+            along += slant(0.0, select(0.0, column, deflected > 0.0), media[m].g.g);
+        } else if (is_slanted && deflected > 0.0) {
             let span = medium_interval(m, p, path.xyz);
             slants = with_slant(slants, m, max(span.x, 0.0), min(span.y, path.w), deflected);
         }
@@ -77,7 +80,7 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
             }
         }
     }
-    let slanted_m = sqrt(slants.squares / max(slants.weight, 1e-20));
+    let slanted_m = along + sqrt(slants.squares / max(slants.weight, 1e-20));
     sum.deviation = slanted_m.x;
     sum.back = slanted_m.y;
     return sum;
