@@ -98,7 +98,8 @@ def columns(points: np.ndarray, light: np.ndarray) -> np.ndarray:
     reach = np.linalg.norm(way, axis=-1)
     found = []
     for low, high in BOXES:
-        ends = np.sort([(low - points) / way, (high - points) / way], axis=0)
+        with np.errstate(divide="ignore"):
+            ends = np.sort([(low - points) / way, (high - points) / way], axis=0)
         near, far = np.clip(ends[0].max(-1), 0.0, 1.0), np.clip(ends[1].min(-1), 0.0, 1.0)
         found.append(np.maximum(far - near, 0.0) * reach)
     return np.stack(found, -1)

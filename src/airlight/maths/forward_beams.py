@@ -63,6 +63,7 @@ def span_beside(size: ArrayLike, origin: ArrayLike, towards: ArrayLike) -> F64:
         t = np.maximum(((nearest - o) * d).sum(axis=-1), 0.0)
     way = nearest - (o + t[..., None] * d)
     aside = way - (way * d).sum(axis=-1, keepdims=True) * d
-    ends = np.sort([(-half - o - aside) / d, (half - o - aside) / d], axis=0)
+    with np.errstate(divide="ignore"):
+        ends = np.sort([(-half - o - aside) / d, (half - o - aside) / d], axis=0)
     near, far = ends[0].max(axis=-1), ends[1].min(axis=-1)
     return np.stack([np.maximum(near, 0.0), far, np.linalg.norm(aside, axis=-1)], axis=-1)
