@@ -177,7 +177,6 @@ class PopSolver:
         is_same = len(parts) == len(old) and all(map(operator.is_, parts, old))
         if not is_same or self._outer is not None:
             self.medium.take(parts)
-        # Directional lights and environment as ordinates, directed to what the camera sees.
         with commands.stage("pop ordinates"):
             self._ordinates = self._ordinates_of(lit)
         # Local lights follow, then virtual point lights, whose rows the device fills.
@@ -282,6 +281,7 @@ class PopSolver:
             medium=medium,
             parts=len(own.parts),
             whole=self.emission.whole,
+            mean=self.emission.mean if isinstance(self.transport, DeltaBeams) else None,
             texels=self.emission.smooth.TEXELS,
             fade=own.grid.shares if isinstance(own, FinerMedium) else None,
         )
