@@ -25,10 +25,8 @@ from .cells import LatticeCells
 from .forward_textures import ForwardTextures
 from .reduced_media import SLANT_MEDIA, ReducedMedia
 
-_SKY_STRIDE = (
-    4  # every fourth part of a cell for each of a sky's many lights; for surfaces alone one
-)
-
+# Every fourth part of a cell for each of a sky's many lights; for surfaces alone one.
+_SKY_STRIDE = 4
 _FEW = 4  # lights of which surfaces alone have every part of a cell; else every second, in turn
 
 
@@ -71,12 +69,9 @@ class _Forward(ComputePass):
 
 
 _SLANT_MEDIA = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
-_DROP = """
-fn store_light(id: vec3u, i: u32, light: vec4f) {}
+_DROP = """fn store_light(id: vec3u, i: u32, light: vec4f) {}
 """
-_KEEP = """
-
-fn store_light(id: vec3u, i: u32, light: vec4f) {
+_KEEP = """fn store_light(id: vec3u, i: u32, light: vec4f) {
     let stored = clamp(light.rgb * params.scale, vec3f(0.0), vec3f(65504.0));
     let texel = id + vec3u(0u, lattice.first_row, i * params.depth);
     textureStore(unblurred, texel, vec4f(stored, light.a));
