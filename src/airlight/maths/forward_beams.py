@@ -2,7 +2,7 @@
 
 For any media on a light's path: a lattice's, and volumes that are
 solved on grids of their own. Their depths add up. In the reduced medium (similarity theory, see
-`scatter.reduced`) the share g of what is scattered counts as unscattered.
+`media.reduced`) the share g of what is scattered counts as unscattered.
 Source: ours; see `scatter.forward`.
 """
 

@@ -182,7 +182,7 @@ class PopSolver:
         self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
         self._local = local_lights(lit.lights) + [_VIRTUAL] * self._virtual
         count = self._ordinates.count + len(self._local) + self.transport.light.blocks
-        self.medium.params = self.medium.params_of(count)
+        self.medium.params = self.medium.params_of(count, around=lit.around)
         return self.medium.encode(commands)
 
     def _ordinates_of(self, lit: Illumination) -> Ordinates:

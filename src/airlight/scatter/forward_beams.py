@@ -18,6 +18,7 @@ from ..lattice.irradiance import Irradiance
 from ..lattice.lattices import Level
 from ..lighting.kit import Kit
 from ..lighting.view import View
+from ..media.reduced import is_forward
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -25,7 +26,6 @@ from ..surface.light_table import LightData, packed_lights
 from .cell_lights import CellLights
 from .forward import ForwardLight
 from .near_surfaces import NearSurfaces
-from .reduced import is_forward
 from .reduced_media import ReducedMedia, sky_capacity
 from .surface_beams import SurfaceBeams
 

@@ -12,9 +12,9 @@ from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..media.density_grids import ColumnPlan, sky_columns
 from ..media.gpu_media import GpuMedia
+from ..media.reduced import is_forward, reduced_scene
 from ..scene.checks import Rgb
 from ..scene.scene import Scene
-from .reduced import is_forward, reduced_scene
 from .settings import densest_medium
 from .surface_light import NO_MEDIUM
 

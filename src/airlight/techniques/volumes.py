@@ -28,11 +28,11 @@ from ..lpv.solver import LpvSolver
 from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
 from ..media.density_grids import ColumnPlan
 from ..media.gpu_media import GpuMedia
+from ..media.reduced import reduced
 from ..media.volume_blockers import VolumeBlockers
 from ..scatter.cell_lights import CellLights
 from ..scatter.forward_beams import ForwardBeams
 from ..scatter.inject_single import InjectSingle
-from ..scatter.reduced import reduced
 from ..scene.scene import Scene
 from ..surface.reflective import ReflectiveShadowMaps
 
