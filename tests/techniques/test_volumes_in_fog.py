@@ -1,4 +1,4 @@
-"""Volumes on grids of ordinates in a medium that a lattice solves: how its fog changes their light."""
+"""Volumes on grids of ordinates in a medium that a lattice solves: how its fog lights them."""
 
 from __future__ import annotations
 
