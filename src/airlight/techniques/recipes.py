@@ -278,7 +278,8 @@ def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
     Raises SettingsError where more lattices are asked for than the paper's parts know.
     """
     # The paper's blockers and schemes know one lattice; nested ones are ours.
-    if settings.blockers == "maps" or settings.scheme.startswith("paper"):
+    is_paper = settings.blockers == "maps" or settings.scheme.startswith("paper")
+    if is_paper:
         if settings.cascades > 1:
             raise SettingsError(
                 f"cascades = {settings.cascades} with blockers = '{settings.blockers}' and "
@@ -286,7 +287,7 @@ def _scattering_kit(context: Context, settings: LpvScatterSettings) -> Kit:
                 remedy="Leave out cascades, or blockers and scheme.",
             )
         settings = replace(settings, cascades=1)
-    nest = cascades_nest(context.scene, settings, in_medium=True)
+    nest = cascades_nest(context.scene, settings, in_medium=True, has_outer=not is_paper)
     # Blockers of the paper come from six maps around the scene.
     if settings.blockers == "maps":
         from ..scatter.map_blockers import MapBlockers
