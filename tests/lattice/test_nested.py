@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -79,6 +80,29 @@ def test_lattices_that_would_be_no_finer_are_left_out():
     assert cells == sorted(cells) and len(cells) == 3  # .5, 2, and the hall's own
     assert not nest.follows(2)
     assert nest.levels[-1].cell == pytest.approx(fitted(*HALL, 16).cell)
+
+
+def test_one_lattice_more_lies_around_all_others():
+    around = ((-90.0, -10.0, -70.0), (80.0, 40.0, 60.0))
+    alone, nest = nested(*HALL, 48, count=3), nested(*HALL, 48, count=3, around=around)
+    # The others are what they are without it, but for the borders at which it takes over.
+    assert nest.levels[:2] == alone.levels[:2]
+    assert replace(nest.over_inner, fade=None) == alone.over_inner == alone.levels[2]
+    assert [nest.follows(k) for k in range(4)] == [True, True, False, False]
+    low, high = nest.levels[3].bounds
+    assert (low <= around[0]).all() and (high >= around[1]).all()
+    # All of the light beyond the hall's lattice is its own, in the hall's middle none.
+    points = np.array([0.5 * np.add(*HALL), [60.0, 20.0, 50.0], [-80.0, 0.0, 0.0]])
+    found = shares(nest.levels[2:], points)
+    np.testing.assert_allclose(found, [[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
+
+
+def test_lattices_stay_where_they_are_for_inside_of_the_one_around_them():
+    nest = nested(*HALL, 32, count=2, around=((-900.0,) * 3, (900.0,) * 3))
+    for place, centre in walk(nest, 0, [(-500.0, 90.0, 3.0), (900.0, -50.0, 0.0)]):
+        low, high = place.bounds
+        assert (high > HALL[0]).all() and (low < HALL[1]).all()
+        assert not must_move(place, centre)
 
 
 def test_a_lattice_moves_in_whole_cells_of_the_common_grid():

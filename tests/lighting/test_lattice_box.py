@@ -12,7 +12,12 @@ import airlight
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
 from airlight.lattice.placement import STRAIGHT, fitted
-from airlight.lighting.lattice_box import MEDIUM_BEYOND, lattice_box, lattice_extent
+from airlight.lighting.lattice_box import (
+    MEDIUM_BEYOND,
+    lattice_box,
+    lattice_extent,
+    medium_around,
+)
 from airlight.maths.transforms import box_along
 from airlight.scene import Camera, Environment, Medium, Mesh, Scene
 from airlight.scene.animation import Animation
@@ -77,6 +82,24 @@ def test_fog_for_miles_does_not_take_all_cells():
     wide = replace(FOG, bounds=((-1000.0,) * 3, (1000.0,) * 3))
     low, high = lattice_box(replace(CUBE, medium=wide), in_medium=True)
     np.testing.assert_allclose([low, high], [[-0.5 - MEDIUM_BEYOND] * 3, [0.5 + MEDIUM_BEYOND] * 3])
+
+
+def test_fog_around_the_surfaces_lattice_is_covered_as_far_as_it_is_seen():
+    box = lattice_box(replace(CUBE, medium=FOG), in_medium=True)
+    assert medium_around(replace(CUBE, medium=FOG), (), box, STRAIGHT) is None
+    wide = replace(FOG, bounds=((-9.0, -8.0, -7.0), (1000.0, 8.0, 7.0)))
+    scene = replace(CUBE, medium=wide)
+    box = lattice_box(scene, in_medium=True)
+    # As far as ten optical depths from the surfaces and from the eye.
+    far = OUTSIDE.position[0] + 10.0 / 0.3
+    np.testing.assert_allclose(
+        medium_around(scene, (), box, STRAIGHT), [[-9.0, -8.0, -7.0], [far, 8.0, 7.0]]
+    )
+    # An eye beside the fog looks into it where it is near.
+    scene = replace(scene, camera=Camera((300.0, 20.0, 0.0), (0.0, 0.0, 0.0)))
+    _, high = medium_around(scene, (), box, STRAIGHT)
+    assert high[0] == pytest.approx(300.0 + 10.0 / 0.3)
+    assert medium_around(scene, (-1, -1, -1, 1, 1, 1), box, STRAIGHT) is None
 
 
 def test_the_fog_is_covered_wherever_the_camera_goes():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from airlight.fields import LatticeSource, ReflectedLight
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import Texture
-from airlight.lattice.placement import Placement
+from airlight.lattice.placement import Fade, Placement
 from airlight.maths.transforms import F64
 from airlight.pop.light.illumination import Illumination
 from airlight.pop.settings import PopSettings
@@ -53,6 +55,20 @@ def test_what_does_not_absorb_passes_the_lattice_on(gpu):
     got = emission(gpu, ball, lattice(gpu, (2.0, 0, 0, 0), 0.75))
     np.testing.assert_allclose(got, 1.5, rtol=2e-3)
     assert emission(gpu, ball, None).max() == 0.0
+
+
+def test_of_nested_lattices_each_has_what_it_is_for(gpu):
+    """Beside a finer one all of the light is the larger one's, whose power is in larger cells."""
+    ball = Volume((4.0,) * 3, shape="sphere")
+    source = lattice(gpu, (2.0, 0, 0, 0), 0.75)
+    far = Placement((50.0,) * 3, 0.5, (8, 8, 8), fade=Fade((50.0,) * 3, (1.0,) * 3, (54.0,) * 3,
+                                                          (1.0,) * 3))  # fmt: skip
+    near = replace(far, origin=(-2.0,) * 3, fade=Fade((-3.0,) * 3, (0.1,) * 3, (3.0,) * 3,
+                                                     (0.1,) * 3))  # fmt: skip
+    beside = emission(gpu, ball, replace(source, finer=(far,)))
+    np.testing.assert_allclose(beside, 1.5, rtol=2e-3)
+    inside = emission(gpu, ball, replace(source, finer=(near,)))
+    np.testing.assert_allclose(inside, 1.5 * 4.0, rtol=2e-3)
 
 
 def test_an_even_lattice_is_an_uniform_sky(gpu):

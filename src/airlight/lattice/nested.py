@@ -26,17 +26,21 @@ SLACK = 0.75
 """How far, in cells, a lattice may be from where it should be: an eye that trembles moves none."""
 _NEVER_M = 1e6
 
+Box = tuple[Triple, Triple]
+
 
 @dataclass(frozen=True)
 class Nest:
     """Lattices from the finest to the coarsest, as `nested` makes them.
 
-    `low`, `high`: the box that they are for, metres along the axes that all of them have.
+    `low`, `high`: the box that they are for, metres along the axes that all of them have. `inner`:
+    its part that all but the largest are for, if they do not reach as far.
     """
 
     low: Triple
     high: Triple
     levels: tuple[Placement, ...]
+    inner: Box | None = None
 
     @property
     def texture_size(self) -> tuple[int, int, int]:
@@ -47,7 +51,16 @@ class Nest:
 
     def follows(self, level: int) -> bool:
         """Whether a lattice moves with the camera."""
-        return level < len(self.levels) - 1
+        return level < self._last_inner
+
+    @property
+    def over_inner(self) -> Placement:
+        """The largest lattice of those for the `inner` part; the largest of all without one."""
+        return self.levels[self._last_inner]
+
+    @property
+    def _last_inner(self) -> int:
+        return len(self.levels) - (1 if self.inner is None else 2)
 
 
 def nested(
@@ -59,6 +72,7 @@ def nested(
     ratio: float = 2.0,
     finest_m: float = 0.0,
     axes: Axes = STRAIGHT,
+    around: Box | None = None,
 ) -> Nest:
     """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres
     along `axes`).
@@ -66,7 +80,8 @@ def nested(
     Cells of neighbours differ by `ratio`. The coarsest covers the box: nothing is dark for being
     beyond all lattices. With `finest_m` the finest has sides of that many metres, and the coarsest
     is larger than its neighbour by what that leaves; lattices that would be no finer than it are
-    left out. Raises SettingsError for an empty box.
+    left out. `around`: a box in which low..high lies, for which there is one lattice more. Raises
+    SettingsError for an empty box.
     """
     # Cells from the coarsest lattice down by the ratio, or from the finest side up.
     whole = fitted(low, high, resolution, axes)
@@ -84,7 +99,16 @@ def nested(
             placement = Placement(whole.origin, cell, tiled(needed), row, axes=axes)
         levels.append(placement)
         row += placement.count[1]
-    return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels))
+    inner = (triple(np.asarray(low)), triple(np.asarray(high)))
+    if around is None:
+        return Nest(*inner, tuple(levels))
+    # The lattice around all others takes over at the borders of the largest of them.
+    outer = replace(fitted(*around, resolution, axes), first_row=row)
+    nest = Nest(*around, (*levels, outer), inner)
+    whole = nest.over_inner
+    low, high = whole.bounds
+    levels[-1] = _with_borders(nest, whole, 0.5 * (low + high))
+    return replace(nest, levels=(*levels, outer))
 
 
 def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
@@ -97,7 +121,7 @@ def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
     eye, look = np.array(placement.axes) @ eye, np.array(placement.axes) @ look
     half = 0.5 * placement.cell * np.array(placement.count)
     direction = look / max(float(np.linalg.norm(look)), 1e-30)
-    low, high = _room(nest, placement)
+    low, high = _room(nest.inner or (nest.low, nest.high), placement)
     # Ahead of the eye, so far that it stays inside; a lattice larger than the box is centred in
     # it.
     reach = AHEAD * half * direction
@@ -110,10 +134,10 @@ def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
 def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Placement:
     """A lattice around `centre` on the grid of its own cells, or `before` where that is near.
 
-    Grids of all levels have the box's lower corner in common.
+    Grids of all levels that move have their box's lower corner in common.
     """
     placement = nest.levels[level]
-    base = np.array(nest.levels[-1].origin)
+    base = np.array(nest.over_inner.origin)
     ideal = (centre - base) / placement.cell - 0.5 * np.array(placement.count)
     # Hysteresis: an eye that trembles across the border of a cell moves no lattice.
     if before is not None:
@@ -137,12 +161,14 @@ def faded(nest: Nest, level: int, placement: Placement, centre: F64) -> Placemen
     They follow `centre`, not the cells: nothing jumps where the lattice does. Where the lattice
     nears the box's side there is less and less to take over, and the border moves out of it.
     """
-    if not nest.follows(level):
-        return placement
+    return _with_borders(nest, placement, centre) if nest.follows(level) else placement
+
+
+def _with_borders(nest: Nest, placement: Placement, centre: F64) -> Placement:
     # From the wanted centre, in from the borders unless those are the box's own sides.
     cell = placement.cell
     half = 0.5 * cell * np.array(placement.count)
-    room_low, room_high = _room(nest, placement)
+    room_low, room_high = _room((nest.low, nest.high), placement)
     low, high = centre - half, centre + half
     inset_low, inset_high = (
         np.where(gap > 0.0, np.minimum(gap, (BORDER + FADING) * cell) - FADING * cell, -_NEVER_M)
@@ -172,7 +198,7 @@ def shares(levels: Sequence[Placement], points: F64) -> F64:
     return np.stack(found)
 
 
-def _room(nest: Nest, placement: Placement) -> tuple[F64, F64]:
-    """The box that a lattice stays in: the scene's, with a margin."""
+def _room(box: Box, placement: Placement) -> tuple[F64, F64]:
+    """The box that a lattice stays in, with a margin of its cells."""
     margin = MARGIN * placement.cell
-    return np.array(nest.low) - margin, np.array(nest.high) + margin
+    return np.array(box[0]) - margin, np.array(box[1]) + margin

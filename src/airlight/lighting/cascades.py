@@ -15,7 +15,7 @@ from ..scene.light_shapes import furnished
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .kit import SurfaceSettings
-from .lattice_box import lattice_axes, lattice_extent
+from .lattice_box import lattice_axes, lattice_extent, medium_around
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,8 @@ class CascadeSettings(SurfaceSettings):
     cascades: int = setting(
         0,
         "nested lattices, which but for the largest follow the camera; "
-        "0: as many as give four cells to gaps between surfaces, where one gives less than two",
+        "0: as many as give four cells to gaps between surfaces, where one gives less than two; "
+        "a medium that reaches far beyond the surfaces has one more",
         low=0,
         high=6,
     )
@@ -44,8 +45,12 @@ class CascadeSettings(SurfaceSettings):
     )
 
 
-def cascades_nest(scene: Scene, settings: CascadeSettings, *, in_medium: bool = False) -> Nest:
+def cascades_nest(
+    scene: Scene, settings: CascadeSettings, *, in_medium: bool = False, has_outer: bool = True
+) -> Nest:
     """The nested lattices that `settings` ask for, over the scene, its medium too if `in_medium`.
+
+    Where that reaches far beyond the surfaces, one more is for it, unless not `has_outer`.
 
     Where they leave it open, the gaps between the scene's surfaces say how many there are: a scene
     has the same number wherever its camera and lights go. Raises SettingsError.
@@ -55,6 +60,9 @@ def cascades_nest(scene: Scene, settings: CascadeSettings, *, in_medium: bool = 
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
+    around = None
+    if in_medium and has_outer:
+        around = medium_around(scene, settings.bounds, (low, high), axes)
     # As many as it takes for a cell to fit the narrowest gap.
     count, ratio = settings.cascades, settings.cascade_ratio
     if count == 0:
@@ -68,4 +76,5 @@ def cascades_nest(scene: Scene, settings: CascadeSettings, *, in_medium: bool = 
         count=count,
         ratio=ratio,
         finest_m=settings.cascade_extent,
+        around=around,
     )

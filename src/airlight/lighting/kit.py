@@ -27,7 +27,7 @@ from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
-from .lattice_box import lattice_axes, lattice_extent
+from .lattice_box import lattice_axes, lattice_extent, medium_around
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
 from .sky import Sky
@@ -153,7 +153,7 @@ class Kit:
         # The device draws the sky's maps while the host samples surfels and makes solvers.
         self.sky = Sky(gpu, scene.environment, settings.sky_lights, settings.sky_resolution)
         if context.commands:
-            self._begin(context.commands, scene, nest.levels[-1])
+            self._begin(context.commands, scene, nest.over_inner)
         self.lattices = Lattices(
             gpu,
             scene,
@@ -217,7 +217,8 @@ class Kit:
     def _light_sky(self, commands: Commands, scene: Scene) -> None:
         """Update the sky's maps, and its light in lattices where it or their blockers changed."""
         # The device draws the maps while the passes that read them are compiled and encoded.
-        if self.sky.encode(commands, self.meshes, scene.environment, self.placement):
+        inner = self.lattices.nest.over_inner
+        if self.sky.encode(commands, self.meshes, scene.environment, inner):
             commands.submit()
         for level in self.lattices.levels:
             versions = (self.sky.version, level.blockers.version)
@@ -269,4 +270,5 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
-    return nested(low, high, resolution, axes=axes)
+    around = medium_around(scene, settings.bounds, (low, high), axes) if in_medium else None
+    return nested(low, high, resolution, axes=axes, around=around)

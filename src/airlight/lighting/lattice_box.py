@@ -18,8 +18,10 @@ from ..scene.medium import medium_box
 from ..scene.scene import Scene
 
 MEDIUM_BEYOND = 2.0
-"""Of the surfaces' longest side: how far a lattice reaches for the medium alone. A camera that
+"""Of the surfaces' longest side: how far their lattices reach into the medium. A camera that
 frames an object stands about so far away, in a medium that fills the scene up to its camera."""
+_HIDDEN = 10.0
+"""Optical depths behind which nothing of a medium is seen: as far a lattice of its own reaches."""
 MOST_CELLS = 256
 MOST_MORE = 1.5
 """Times as many cells along a side at most, where a turned lattice covers a medium."""
@@ -106,6 +108,32 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
     seen = whole_bounds_along(scene, np.eye(3))
     boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in _eyes(scene)]
     return _reached(low, high, boxes)
+
+
+def medium_around(
+    scene: Scene, bounds: Sequence[float], box: tuple[F64, F64], axes: Axes
+) -> tuple[Any, Any] | None:
+    """What a medium fills around the `box` of the surfaces' lattices, as far as it is seen.
+
+    In metres along `axes`. None where that is nothing, or settings have `bounds` of their own.
+    """
+    medium = scene.medium
+    if bounds or medium is None or medium.endless or not any(medium.sigma_t):
+        return None
+    turn, seen = np.array(axes), whole_bounds_along(scene, np.eye(3))
+    surfaces = whole_bounds_along(furnished(scene), np.eye(3))
+    reach = _HIDDEN / min(c for c in medium.sigma_t if c > 0.0)
+    low, high = (np.array(corner) for corner in box)
+    longest = float((high - low).max())
+    for eye in _eyes(scene):
+        # Around surfaces, and around the eye or where it looks into the medium.
+        least, most = medium_box(medium, *seen, eye)
+        near = np.clip(np.asarray(eye, np.float64), least, most)
+        first, last = np.minimum(surfaces[0], near) - reach, np.maximum(surfaces[1], near) + reach
+        filled = box_along(turn, np.maximum(least, first), np.minimum(most, last))
+        low, high = np.minimum(low, filled[0]), np.maximum(high, filled[1])
+    beyond = max(float((box[0] - low).max()), float((high - box[1]).max()))
+    return (low, high) if beyond > _HAIR * longest else None
 
 
 def _eyes(scene: Scene) -> Sequence[Any]:

@@ -19,6 +19,7 @@ from ..gpu.slots import sampler, storage, uniform
 from ..lattice.blockers import BLOCKER_SLOTS
 from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
+from ..lattice.table import LatticeTable
 from ..maths.ordinates import uniform_sky
 from ..maths.transforms import F64
 from .delta.beams import DeltaBeams
@@ -46,7 +47,7 @@ class _Indirect(ComputePass):
         uniform("reflected", IndirectParams),
         storage("diffuse", "vec4f"),
         storage("reach", "u32"),
-        uniform("lattice", LatticeParams),
+        storage("lattices", LatticeParams),
         sampler("linear_clamp"),
         *CHANNEL_SLOTS,
         *BLOCKER_SLOTS,
@@ -75,6 +76,7 @@ class IndirectLight:
         )
         self._pass = _Indirect(medium.gpu, self._uniform.light)
         self._linear = linear_sampler(medium.gpu)
+        self._lattices: LatticeTable | None = None
 
     def encode_medium(
         self, commands: Commands, params: MediumParams, reflected: ReflectedLight
@@ -114,11 +116,16 @@ class IndirectLight:
             **light.bound,
             diffuse=self._uniform.diffuse.diffuse,
             reach=medium.density.reach,
-            lattice=source.placement.params(),
+            lattices=self._table(len(source.levels)).filled([p.params() for p in source.levels]),
             linear_clamp=self._linear,
             **source.bound,
             indirect=target,
         )
+
+    def _table(self, count: int) -> LatticeTable:
+        if self._lattices is None:
+            self._lattices = LatticeTable(self._medium.gpu, count)
+        return self._lattices
 
     @property
     def count(self) -> int:

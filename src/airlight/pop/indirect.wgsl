@@ -30,19 +30,29 @@ fn scattered_radiance(state: vec4f, travel: vec3f, g: f32) -> f32 {
     let centre = cell_centre(cell_of(id.x));
     let p = (reflected.world_from_medium * vec4f(centre, 1.0)).xyz;
     let to_eye = normalize(reflected.eye - centre + vec3f(1e-12));
-    let travel = lattice_from_world(lattice,
-        (reflected.world_from_medium * vec4f(to_eye, 0.0)).xyz);
-    let weight = reflected.scale * lattice_weight(lattice, p);
+    let towards = (reflected.world_from_medium * vec4f(to_eye, 0.0)).xyz;
+    // Of nested lattices each takes over from the finer ones where those end.
+    let last = arrayLength(&lattices) - 1u;
     var light = vec3f(0.0);
-    if (weight > 0.0) {
-        let uvw = lattice_coordinates(lattice, p, vec3f(0.0));
-        let red = textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0);
-        let green = textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0);
-        let blue = textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0);
-        light = weight * uniform_radiance(id.x) * vec3f(
-            scattered_radiance(red, travel, params.g.r),
-            scattered_radiance(green, travel, params.g.g),
-            scattered_radiance(blue, travel, params.g.b));
+    var left = 1.0;
+    for (var k = 0u; k <= last && left > 0.0; k++) {
+        let lattice = lattices[k];
+        let share = left * lattice_weight(lattice, p);
+        if (share > 0.0) {
+            // A cell's power over that of the largest lattice, where both hold the same light.
+            let finer = lattices[last].cell / lattice.cell;
+            let travel = lattice_from_world(lattice, towards);
+            let uvw = lattice_coordinates(lattice, p, vec3f(0.0));
+            let red = textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0);
+            let green = textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0);
+            let blue = textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0);
+            light += share * finer * finer * vec3f(
+                scattered_radiance(red, travel, params.g.r),
+                scattered_radiance(green, travel, params.g.g),
+                scattered_radiance(blue, travel, params.g.b));
+            left -= share;
+        }
     }
+    light *= reflected.scale * uniform_radiance(id.x);
     indirect[id.x] = vec4f(light, 0.0);
 }

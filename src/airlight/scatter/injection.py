@@ -21,6 +21,7 @@ from ..lattice.inject import new_sums
 from ..lattice.lobes import InjectionTarget
 from ..lattice.placement import Placement
 from ..lighting.kit import Kit
+from ..media.reduced import reduced_scene
 from ..media.stale_cells import SkyLights, StaleCells
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
@@ -30,7 +31,6 @@ from .entering_light import EnteringLight
 from .forward import ForwardLight
 from .inject_border import InjectBorder, Outside
 from .inject_single import CellFluence
-from .reduced import reduced_scene
 
 
 class Injection:
