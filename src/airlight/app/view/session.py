@@ -93,7 +93,10 @@ class Session(Renderers):
                 self.fine.moved()
                 self.compared.moved()
             self.quality.is_alone = bool(self.fine.message)
-            plan = self.quality.plan(now_s, size, changed=changed, is_busy=is_busy)
+            is_rough = self._drawn is not None and self._drawn.is_quick
+            plan = self.quality.plan(
+                now_s, size, changed=changed, is_busy=is_busy, is_rough=is_rough
+            )
             wants_more = self._drawn is not None and self._drew(plan)
             wants_more &= changed or not self._making.is_under_way
             self._show(target, place)
@@ -114,6 +117,8 @@ class Session(Renderers):
     @property
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is."""
+        if self._shot is not None and self.fine.is_working and not self.fine.samples:
+            return "full resolution follows ..." if not self.fine.is_shown else "refining ..."
         if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
             return f"refining   {self.fine.samples} of {SAMPLES}"
         width, height = self.renderer.size if self.renderer else self._size
