@@ -124,12 +124,13 @@ def test_stills_that_would_block_the_window_end_and_never_become_coarser(is_alon
     assert quality.full_samples == (12 if is_alone else 2)
 
 
+@pytest.mark.parametrize("slow_ms", [200.0, 2000.0])
 @pytest.mark.parametrize("is_rough", [False, True])
-def test_a_view_at_rest_is_as_fine_as_the_moving_image(is_rough):
+def test_a_view_at_rest_is_as_fine_as_the_moving_image(is_rough, slow_ms):
     """Where it could not be refined as quickly as a hand needs it, that image is what stays."""
     quality = Quality(is_cpu=True)
     plan = quality.plan(0.0, FULL, changed=True)
-    for ms in (160.0, 200.0):  # others are at work
+    for ms in (160.0, slow_ms):  # others are at work
         plan = quality.plan(0.0, FULL, changed=True)
         quality.took(ms, plan)
     assert quality.coarse(FULL) < plan.size == (400, 225)

@@ -14,7 +14,7 @@ from airlight.app.view.save import Saver
 from airlight.app.view.session import Session
 from airlight.errors import SettingsError
 from airlight.gpu.memory import Texture
-from airlight.maths.tone import display_srgb8
+from airlight.maths.tone import auto_exposure, display_srgb8
 from airlight.rendering import Renderer
 from airlight.scene import Medium
 from airlight.scene.animation import Animation
@@ -547,3 +547,27 @@ def timed_stages(screen: Screen) -> set[str]:
     session.controls.camera = replace(camera, fov_y_deg=camera.fov_y_deg + 1.0)
     screen.frame()
     return set(session.renderer.commands.stage_ms)
+
+
+def test_a_moving_image_that_stays_has_its_exposure_at_once(screen, monkeypatch):
+    """Where stills are too slow for a hand the last moving image stays: metered as it is."""
+    session = screen.session
+    session.state.look = replace(session.state.look, exposure_stops=None)
+    screen.settle()
+    meter = session._shown._presenter._meter
+    before = float(meter.stops.read()[0])
+    # At the side of the box that lies in shade, and nothing else.
+    camera = replace(session.controls.camera, position=(1.0, 0.5, 0.0), target=(0.0, 0.5, 0.0))
+    session.controls.camera = camera
+    session.quality.still_scale = 8.0  # stills would take too long
+    screen.frame(0.01)
+    drew, draw = [], session._draw
+    monkeypatch.setattr(session, "_draw", lambda plan: (drew.append(plan), draw(plan)))
+    screen.frame(0.5)
+    assert drew == []
+    assert session.quality.is_coarse
+    assert session.quality.is_done
+    image = session._shown._presenter._combine.image.read()[..., :3]
+    expected = auto_exposure(image)
+    assert abs(expected - before) > 0.5
+    assert float(meter.stops.read()[0]) == pytest.approx(expected, abs=0.1)

@@ -54,7 +54,7 @@ class Quality:
         self._still_size = (0, 0)
         self._was_moving = True
         self._rest_size = (0, 0)  # of the view at rest: the same until it moves
-        self._moving_size = (0, 0)  # of the last moving image
+        self._moving_size: tuple[int, int] | None = None  # of the last moving image
         self._is_last = False  # whether the view at rest is drawn at full size, whatever it takes
         self._is_slow = False  # whether it takes too long at the size that it is drawn at
 
@@ -108,7 +108,7 @@ class Quality:
         # Another size: what was learnt about the time of frames no longer holds.
         if full != self._full:
             self._coarsest, self._finer = MOST_SCALE, None
-            self._full, self._rest_size, self._moving_size = full, full, (0, 0)
+            self._full, self._rest_size, self._moving_size = full, full, None
             self.still_scale, self._is_last, self._is_slow = 0.0, False, False
         if changed:
             self._changed_s = now_s
@@ -122,9 +122,9 @@ class Quality:
         if self._was_moving and not is_busy:
             # The machine may have time again.
             self.still_scale = _step_below(self.still_scale or self._guess())
-            self._is_last, self._is_slow = False, self.still_scale > self.scale
-            scale = min(self.still_scale, self.scale)
-            self._rest_size = max(_reduced(full, scale), self._moving_size)
+            affordable = _reduced(full, self.still_scale)
+            self._rest_size = max(affordable, self._moving_size or self.coarse(full))
+            self._is_last, self._is_slow = False, affordable < self._rest_size
             # What is too slow for a hand has one sample: the moving image that is seen.
             if self._is_slow and self._rest_size == self._moving_size and not is_rough:
                 self._was_moving, self._still_size, self._done = False, self._rest_size, 1

@@ -99,7 +99,7 @@ class Session(Renderers):
             )
             wants_more = self._drawn is not None and self._drew(plan)
             wants_more &= changed or not self._making.is_under_way
-            self._show(target, place)
+            self._show(target, place, is_at_rest=not plan.is_moving)
             is_waiting = self.state.notice in (PREPARING, REBUILDING)
             is_moving = self.controls.is_moving or self.state.is_playing
             return wants_more or is_moving or (is_waiting and not self._making.is_under_way)
@@ -251,10 +251,12 @@ class Session(Renderers):
             self.times_ms = dict(commands.stage_ms)
         commands.is_timed = False
 
-    def _show(self, target: Any, place: Place | None) -> None:
+    def _show(self, target: Any, place: Place | None, *, is_at_rest: bool) -> None:
         """The best image that there is, onto the surface."""
         if self._drawn is None:
             return
         state, commands = self.state, self._drawn.renderer.commands
         beside = (self.compared, state.split) if state.compared and self._shot else None
-        self._shown.show(commands, target, place, self.fine, beside, state.look)
+        self._shown.show(
+            commands, target, place, self.fine, beside, state.look, is_at_rest=is_at_rest
+        )
