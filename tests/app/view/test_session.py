@@ -393,7 +393,7 @@ def test_on_a_slow_machine_a_view_at_rest_ends_at_full_size(screen, monkeypatch,
     ones come in the background, and in their place where memory is short."""
     if is_refused:
         monkeypatch.setattr("airlight.app.view.fine.MOST_BYTES", 1 << 10)
-    session, drew = screen.session, []
+    session, drew, said = screen.session, [], set()
     draw, clock = session._draw, [0.0]
 
     def slow(plan):
@@ -410,8 +410,10 @@ def test_on_a_slow_machine_a_view_at_rest_ends_at_full_size(screen, monkeypatch,
     while wants_more or not (session.fine.is_shown or session.renderer.size == SIZE):
         wants_more = screen.frame(0.5)
         assert time.monotonic() < end
+        said.add(session.status)
     coarser = [size for size in drew if size[0] < SIZE[0]]
     assert coarser == sorted(coarser)  # at rest never coarser than before
+    assert is_refused or "full resolution follows ..." in said
     if is_refused:
         assert drew[-session.quality.samples :] == [SIZE] * session.quality.samples
         assert "no finer image" in session.fine.message

@@ -118,7 +118,8 @@ class Session(Renderers):
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is."""
         if self._shot is not None and self.fine.is_working and not self.fine.samples:
-            return "full resolution follows ..." if not self.fine.is_shown else "refining ..."
+            is_full = self.fine.is_shown or self.quality.full_samples > 0
+            return "refining ..." if is_full else "full resolution follows ..."
         if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
             return f"refining   {self.fine.samples} of {SAMPLES}"
         width, height = self.renderer.size if self.renderer else self._size
