@@ -13,9 +13,18 @@ import pytest
 from airlight.errors import DeviceError, SceneError, SettingsError
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
-from airlight.gpu.memory import Buffer, Texture
+from airlight.gpu.memory import Buffer, Texture, _Counted
 from airlight.rendering import Renderer
-from airlight.scene import Camera, DirectionalLight, PointLight, Scene
+from airlight.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    Material,
+    Mesh,
+    PointLight,
+    Scene,
+)
+from airlight.scene import Texture as SceneTexture
 from airlight.surface.gbuffer import GBuffer
 
 SMALL = {"resolution": 8, "shadow_resolution": 32, "lamp_resolution": 16, "surfels": 500}
@@ -296,3 +305,76 @@ def test_interrupted_at_any_moment_it_goes_on(child):
     """)
     assert "True True" in said  # among what Python says of interrupts that destructors lost
     assert not any(line.startswith("exit code") for line in said)
+
+
+@pytest.fixture(scope="module")
+def painted(square) -> Scene:
+    """A floor with a map under a lamp, and a sky with a map."""
+    rng = np.random.default_rng(4)
+    pixels = rng.integers(0, 256, (64, 64, 4), np.uint8)
+    pixels[..., 3] = 255
+    material = Material("floor", base_color_texture=SceneTexture(pixels), emission=(0.1, 0.0, 0.0))
+    floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2), material)
+    sky = Environment(map=rng.random((32, 64, 3), np.float32))
+    camera = Camera((0, 2, 5), (0, 0, 0))
+    return Scene((floor, Mesh(floor.geometry)), (LAMP,), sky, camera=camera)
+
+
+UPLOADS = ("packed maps", "vertices", "positions", "indices", "triangle table", "environment")
+
+
+def labelled(monkeypatch) -> list[str]:
+    """The labels of all that is made on the device from here on."""
+    labels: list[str] = []
+    hold = _Counted._hold
+    monkeypatch.setattr(
+        _Counted, "_hold", lambda self, gpu: (labels.append(self.label), hold(self, gpu))[1]
+    )
+    return labels
+
+
+def test_renderers_of_one_scene_hold_one_upload(gpu, painted, monkeypatch):
+    labels, before, count = labelled(monkeypatch), gpu.allocated_bytes, len(gpu.uploads)
+    with direct(painted) as one:
+        image = one.frame().radiance
+        first, own = set(labels), gpu.allocated_bytes - before
+        labels.clear()
+        two = direct(dataclasses.replace(painted))
+        np.testing.assert_array_equal(two.frame().radiance, image)
+        # Copies of its meshes and maps would be the same, too: a file that is read again.
+        assert set(UPLOADS) - {"packed maps", "triangle table"} <= first
+        assert not set(labels) & set(UPLOADS)
+        assert gpu.allocated_bytes - before < 2 * own
+    # The other one goes on with what both had.
+    np.testing.assert_array_equal(two.frame().radiance, image)
+    two.close()
+    assert (gpu.allocated_bytes, len(gpu.uploads)) == (before, count)
+
+
+def test_what_one_renderer_changes_the_other_does_not_show(painted, square):
+    """Lights of materials, vertices and the sky, each in one of two renderers of one scene."""
+    floor, wall = painted.meshes
+    glowing = dataclasses.replace(floor.material, emission=(3.0, 0.0, 0.0))
+    bent = dataclasses.replace(
+        floor.geometry, positions=floor.geometry.positions + np.float32((0, 0.5, 0))
+    )
+    edits = [
+        {"meshes": (dataclasses.replace(floor, material=glowing), wall)},
+        {"meshes": tuple(dataclasses.replace(m, geometry=bent) for m in painted.meshes)},
+        {"environment": dataclasses.replace(painted.environment, scale=3.0)},
+    ]
+    alone = []
+    for edit in edits:
+        with direct(painted) as only:
+            alone.append(only.frame(**edit).radiance)
+    with direct(painted) as one, direct(painted) as two:
+        plain = one.frame().radiance
+        two.frame()
+        for edit, expected in zip(edits, alone, strict=True):
+            assert not np.array_equal(expected, plain)
+            back = {name: getattr(painted, name) for name in edit}
+            for changed, other in ((one, two), (two, one)):
+                for _ in range(3):  # encoded, recorded, replayed
+                    np.testing.assert_array_equal(changed.frame(**edit).radiance, expected)
+                    np.testing.assert_array_equal(other.frame().radiance, plain)
+                np.testing.assert_array_equal(changed.frame(**back).radiance, plain)

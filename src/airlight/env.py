@@ -24,7 +24,9 @@ SWITCHES: tuple[Switch, ...] = (
     Switch("AIRLIGHT_ADAPTER", "auto", "graphics adapter: auto, cpu, gpu or a part of its name"),
     Switch("AIRLIGHT_CACHE", "", "folder for what is costly to make again; empty: the system's"),
     Switch(
-        "AIRLIGHT_ROOT", "", "folder around a Mitsuba XML that it may name files in; empty: its own"
+        "AIRLIGHT_ROOT",
+        "",
+        "folder around a Mitsuba XML or USD file that it may name files in; empty: its own",
     ),
     Switch("AIRLIGHT_PATHS", "auto", "code paths: auto (made for the adapter), gpu or cpu"),
     Switch(

@@ -16,6 +16,7 @@ from airlight.lattice.nested import (
     nested,
     shares,
     snapped,
+    surrounded,
     wanted_centre,
 )
 from airlight.lattice.placement import fitted
@@ -84,7 +85,7 @@ def test_lattices_that_would_be_no_finer_are_left_out():
 
 def test_one_lattice_more_lies_around_all_others():
     around = ((-90.0, -10.0, -70.0), (80.0, 40.0, 60.0))
-    alone, nest = nested(*HALL, 48, count=3), nested(*HALL, 48, count=3, around=around)
+    alone, nest = nested(*HALL, 48, count=3), surrounded(nested(*HALL, 48, count=3), around, 48)
     # The others are what they are without it, but for the borders at which it takes over.
     assert nest.levels[:2] == alone.levels[:2]
     assert replace(nest.over_inner, fade=None) == alone.over_inner == alone.levels[2]
@@ -98,7 +99,7 @@ def test_one_lattice_more_lies_around_all_others():
 
 
 def test_lattices_stay_where_they_are_for_inside_of_the_one_around_them():
-    nest = nested(*HALL, 32, count=2, around=((-900.0,) * 3, (900.0,) * 3))
+    nest = surrounded(nested(*HALL, 32, count=2), ((-900.0,) * 3, (900.0,) * 3), 32)
     for place, centre in walk(nest, 0, [(-500.0, 90.0, 3.0), (900.0, -50.0, 0.0)]):
         low, high = place.bounds
         assert (high > HALL[0]).all() and (low < HALL[1]).all()

@@ -84,9 +84,19 @@ def test_scenes_of_the_same_materials_share_packed_maps(gpu, owned):
     one, two = (
         Material(base_color_texture=Texture(np.full((2, 2, 4), code, np.uint8))) for code in (9, 7)
     )
-    maps, texels = store.packed([one, two])
-    assert store.packed([one, two]) == (maps, texels)
+    places, texels = store.packed([one, two])
+    assert store.packed([one, two]) == (places, texels)
     assert store.packed([two, one])[1] is not texels
+    # Another scene's, of copies of the same images.
+    copies = [
+        dataclasses.replace(m, base_color_texture=Texture(m.base_color_texture.pixels.copy()))
+        for m in (one, two)
+    ]
+    other = owned(TextureStore(gpu))
+    assert other.packed(copies) == (places, texels)
+    shown = [store.get(m.base_color_texture, store.white) for m in (one, two)]
+    assert [other.get(m.base_color_texture, other.white) for m in copies] == shown
+    assert other.get(Texture(copies[0].base_color_texture.pixels + 1), other.white) not in shown
 
 
 def test_maps_that_no_pass_binds_are_not_uploaded(gpu, owned):

@@ -1,7 +1,8 @@
 """The device and how to talk to it; the only importer of wgpu.
 
 device (asked, code_paths)   which adapter, its limits and features, the paths that suit it
-scope, memory, shared        who releases what; textures and buffers; what parts have in common
+scope, memory                who releases what; textures and buffers
+shared, uploads              what parts of a technique have in common; what all renderers have
 layout, slots, source        structs declared once, bindings, WGSL files and `//! use`
    -> compute, raster        passes: one class beside its WGSL; bindings, pipelines: cached
    -> fullscreen, stored     passes over whole images, drawn or, on GPUs, computed and stored

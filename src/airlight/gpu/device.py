@@ -27,6 +27,7 @@ from .pipelines import Pipelines
 from .process import enter_driver
 from .quick_types import declare_only_what_is_named
 from .scope import Memory, Scope
+from .uploads import Uploads
 
 NO_DRIVER_REMEDY = (
     "Install a Vulkan driver: your GPU vendor's, or the software one "
@@ -171,6 +172,7 @@ class Gpu(Scope):
         """Whether shaders read parameters from storage buffers, see `slots.on_cpu_adapter`."""
         self.pipelines = Pipelines()
         self.memory = Memory()
+        self.uploads = Uploads(self)
         self.facts: dict[str, bool] = {}
         """What was tried out on the device, once for all its scopes."""
         # For `wait`: a copy of a few bytes that ends after all work before it.

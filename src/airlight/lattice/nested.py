@@ -72,7 +72,6 @@ def nested(
     ratio: float = 2.0,
     finest_m: float = 0.0,
     axes: Axes = STRAIGHT,
-    around: Box | None = None,
 ) -> Nest:
     """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres
     along `axes`).
@@ -80,8 +79,7 @@ def nested(
     Cells of neighbours differ by `ratio`. The coarsest covers the box: nothing is dark for being
     beyond all lattices. With `finest_m` the finest has sides of that many metres, and the coarsest
     is larger than its neighbour by what that leaves; lattices that would be no finer than it are
-    left out. `around`: a box in which low..high lies, for which there is one lattice more. Raises
-    SettingsError for an empty box.
+    left out. Raises SettingsError for an empty box.
     """
     # Cells from the coarsest lattice down by the ratio, or from the finest side up.
     whole = fitted(low, high, resolution, axes)
@@ -99,16 +97,19 @@ def nested(
             placement = Placement(whole.origin, cell, tiled(needed), row, axes=axes)
         levels.append(placement)
         row += placement.count[1]
-    inner = (triple(np.asarray(low)), triple(np.asarray(high)))
-    if around is None:
-        return Nest(*inner, tuple(levels))
-    # The lattice around all others takes over at the borders of the largest of them.
-    outer = replace(fitted(*around, resolution, axes), first_row=row)
-    nest = Nest(*around, (*levels, outer), inner)
-    whole = nest.over_inner
+    return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels))
+
+
+def surrounded(nest: Nest, around: Box, resolution: int) -> Nest:
+    """A nest with one lattice more, for the box `around` that of the others."""
+    *finer, whole = nest.levels
+    outer = fitted(*around, resolution, whole.axes)
+    outer = replace(outer, first_row=whole.first_row + whole.count[1])
+    made = Nest(*around, (*nest.levels, outer), (nest.low, nest.high))
+    # It takes over at the borders of the largest of the others.
     low, high = whole.bounds
-    levels[-1] = _with_borders(nest, whole, 0.5 * (low + high))
-    return replace(nest, levels=(*levels, outer))
+    whole = _with_borders(made, whole, 0.5 * (low + high))
+    return replace(made, levels=(*finer, whole, outer))
 
 
 def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..lattice.gaps import narrow_gap, nested_count
-from ..lattice.nested import Nest, nested
+from ..lattice.nested import Nest, nested, surrounded
 from ..lattice.placement import fitted
 from ..scene.light_shapes import furnished
 from ..scene.scene import Scene
@@ -68,7 +68,7 @@ def cascades_nest(
     if count == 0:
         cell = fitted(low, high, resolution, axes).cell
         count = nested_count(narrow_gap(furnished(scene).meshes, axes), cell, ratio)
-    return nested(
+    nest = nested(
         low,
         high,
         resolution,
@@ -76,5 +76,5 @@ def cascades_nest(
         count=count,
         ratio=ratio,
         finest_m=settings.cascade_extent,
-        around=around,
     )
+    return nest if around is None else surrounded(nest, around, resolution)

@@ -21,7 +21,7 @@ from ..lattice.blockers import Blockers
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
 from ..lattice.lookup import LatticeTextures
-from ..lattice.nested import Nest, nested
+from ..lattice.nested import Nest, nested, surrounded
 from ..lattice.placement import STRAIGHT, Hull, Placement, triple
 from ..maths.transforms import F64
 from ..scene.scene import Scene
@@ -271,4 +271,5 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
     around = medium_around(scene, settings.bounds, (low, high), axes) if in_medium else None
-    return nested(low, high, resolution, axes=axes, around=around)
+    nest = nested(low, high, resolution, axes=axes)
+    return nest if around is None else surrounded(nest, around, resolution)

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..lattice.facing import wall_axes
-from ..lattice.placement import STRAIGHT, Axes, fitted
+from ..lattice.nested import Box
+from ..lattice.placement import STRAIGHT, Axes, fitted, triple
 from ..maths.transforms import box_along
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
@@ -112,7 +113,7 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
 
 def medium_around(
     scene: Scene, bounds: Sequence[float], box: tuple[F64, F64], axes: Axes
-) -> tuple[Any, Any] | None:
+) -> Box | None:
     """What a medium fills around the `box` of the surfaces' lattices, as far as it is seen.
 
     In metres along `axes`. None where that is nothing, or settings have `bounds` of their own.
@@ -133,7 +134,7 @@ def medium_around(
         filled = box_along(turn, np.maximum(least, first), np.minimum(most, last))
         low, high = np.minimum(low, filled[0]), np.maximum(high, filled[1])
     beyond = max(float((box[0] - low).max()), float((high - box[1]).max()))
-    return (low, high) if beyond > _HAIR * longest else None
+    return (triple(low), triple(high)) if beyond > _HAIR * longest else None
 
 
 def _eyes(scene: Scene) -> Sequence[Any]:

@@ -98,7 +98,7 @@ class Lights:
         if environment is not self._environment:
             self._environment = environment
             if not self.background.take(environment):
-                self.background.texture.release()
+                self.background.release()
                 self.background = EnvironmentTexture(self.gpu, environment)
         # Shadow maps of those views that changed.
         own = lights[: self._mapped]

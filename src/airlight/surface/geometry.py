@@ -46,6 +46,8 @@ class GpuScene:
         self.version = 0
         self.color_changes = 0
         """Counts geometries whose vertices gained or lost their colours."""
+        self.replaced = 0
+        """Counts how often vertices got other buffers, because other scenes show the old ones."""
         self._texture_sets: dict[tuple[Any, ...], MaterialTextures] = {}
         # Meshes that share geometry and material stand in a row, and are drawn as instances.
         order = draw_order(scene.meshes)
@@ -156,10 +158,10 @@ class GpuScene:
         changed = [key for key, geometry in wanted.items() if geometry is not uploaded[key]]
         for first in changed:
             geometry, had_colors = wanted[first], uploaded[first].colors is not None
-            self._vertices.deform(first, geometry)
+            self.replaced += self._vertices.deform(first, geometry)
             self.color_changes += had_colors != (geometry.colors is not None)
             if self._triangle_table:
-                self._triangle_table.deform(first, geometry)
+                self.replaced += self._triangle_table.deform(first, geometry)
         return bool(changed)
 
     def is_drawn_last(self, draw: Draw) -> bool:
@@ -225,17 +227,17 @@ class GpuScene:
     @property
     def positions(self) -> Buffer:
         """Of all vertices, m."""
-        return self._vertices.positions
+        return self._vertices.buffers.positions
 
     @property
     def vertices(self) -> Buffer:
         """Normals, texture coordinates and colours of all vertices."""
-        return self._vertices.vertices
+        return self._vertices.buffers.vertices
 
     @property
     def indices(self) -> Buffer:
         """Of all triangles."""
-        return self._vertices.indices
+        return self._vertices.buffers.indices
 
     def _textures_of(self, m: Material) -> MaterialTextures:
         """The textures of a material; those with the same maps share one value and bind group."""

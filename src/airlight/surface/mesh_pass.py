@@ -170,7 +170,7 @@ class MeshPass:
         shared = {"params": params, "materials": scene.materials, **bound}
         # What is in the key by its id is stored beside it, so that nothing else gets that id.
         kept = (draws, commands, scene.instances, *bound.values())
-        key = (commands.put(params), *map(id, kept))
+        key = (commands.put(params), scene.replaced, *map(id, kept))
         if key not in self._recorded:
             if len(self._recorded) >= _RECORDED:
                 self._recorded.pop(next(iter(self._recorded)))

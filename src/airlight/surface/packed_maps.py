@@ -7,9 +7,8 @@ and roughness, so that one load serves all three maps.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,33 +80,53 @@ def image_of(texture: Texture) -> tuple[int, bool]:
     return (id(texture.pixels), texture.is_srgb)
 
 
-class PackedMaps:
-    """`texels` (N, 2) uint32; `of` returns where in them a material's maps are."""
+Location = tuple[int, int, int, int]
+"""(first, width | height << 16, flags, levels) of a material's maps among packed ones.
 
-    def __init__(self, chain: Callable[[Texture], list[NDArray[np.uint8]]], most: int) -> None:
+At `first` stands a table of where each level and the one after it begin.
+"""
+Maps = tuple[Texture | None, Texture | None, Texture | None]
+"""Base colour, roughness, normal."""
+
+
+def packed_sets(
+    materials: Sequence[Material], image: Callable[[Texture], Hashable]
+) -> tuple[list[Hashable | None], dict[Hashable, Maps]]:
+    """The maps of each of the `materials` by a key, None where they are not packable; by key.
+
+    `image` returns what a texture's texels are identified by.
+    """
+    keys: list[Hashable | None] = []
+    sets: dict[Hashable, Maps] = {}
+    for m in materials:
+        if not is_packable(m):
+            keys.append(None)
+            continue
+        maps = (m.base_color_texture, m.metallic_roughness_texture, m.normal_texture)
+        keys.append(tuple(None if t is None else (image(t), t.wrap) for t in maps))
+        sets.setdefault(keys[-1], maps)
+    return keys, sets
+
+
+class PackedMaps:
+    """`texels` (N, 2) uint32; `locations` says where in them maps are, by their key.
+
+    None for those that are too large beside others.
+    """
+
+    def __init__(
+        self,
+        sets: Mapping[Hashable, Maps],
+        chain: Callable[[Texture], list[NDArray[np.uint8]]],
+        most: int,
+    ) -> None:
         """`chain` returns a texture's mip chain; there are at most `most` texels."""
         self._chain, self._most = chain, most
         self._parts: list[NDArray[np.uint32]] = []
         self._length = 0
-        self._alive: list[tuple[Texture | None, ...]] = []  # whose ids stay their own
-        self._locations: dict[tuple[Any, ...], tuple[int, int, int, int] | None] = {}
-
-    def of(self, m: Material) -> tuple[int, int, int, int] | None:
-        """(first, width
-
-        height << 16, flags, levels) of a material.
-
-        None if its maps are not packable, or too large beside those that are packed. At `first`
-        stands a table of where each level and the one after it begin.
-        """
-        if not is_packable(m):
-            return None
-        maps = (m.base_color_texture, m.metallic_roughness_texture, m.normal_texture)
-        key = tuple(None if t is None else (image_of(t), t.wrap) for t in maps)
-        if key not in self._locations:
-            self._alive.append(maps)
-            self._locations[key] = self._add(*maps)
-        return self._locations[key]
+        self.locations: dict[Hashable, Location | None] = {
+            key: self._add(*maps) for key, maps in sets.items()
+        }
 
     @property
     def texels(self) -> NDArray[np.uint32]:
@@ -116,7 +135,7 @@ class PackedMaps:
 
     def _add(
         self, base: Texture | None, rough: Texture | None, normal: Texture | None
-    ) -> tuple[int, int, int, int] | None:
+    ) -> Location | None:
         some = base or rough or normal
         if some is None:
             return (0, 1 | 1 << 16, 0, 1)

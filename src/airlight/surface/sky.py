@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Sampler, Texture
+from ..gpu.uploads import digest
 from ..maths.chunks import chunks
 from ..maths.half import half_floats
 from ..maths.latlong import (
@@ -123,12 +124,20 @@ def _half_pixels(
 
 
 class EnvironmentTexture:
-    """The map on the device, for the background; black where there is none or it is invisible."""
+    """The map on the device, for the background; black where there is none or it is invisible.
+
+    Scenes on one device share it while they show the same.
+    """
 
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
-        height, width = _background_map(environment)[0].shape[:2]
-        self.gpu = gpu
-        self.texture = Texture(gpu, "environment", (width, height), "rgba16float")
+        def make(scope: Gpu) -> Texture:
+            height, width = _background_map(environment)[0].shape[:2]
+            made = Texture(scope, "environment", (width, height), "rgba16float")
+            _upload(made, environment)
+            return made
+
+        self._lease = gpu.uploads.lease(gpu, _texels_of(environment), make)
+        self.texture = self._lease.value
         self.sampler = Sampler(
             gpu,
             "environment",
@@ -137,19 +146,27 @@ class EnvironmentTexture:
             address_mode_u="repeat",
             address_mode_v="clamp-to-edge",
         )
-        self._upload(environment)
         self._turn(environment)
 
     def take(self, environment: Environment | None) -> bool:
-        """Show another environment; returns False if its map has another size."""
+        """Show another environment.
+
+        Returns False if its map has another size, or if other scenes show the one before.
+        """
         old = self._shown
         is_same = old and environment and _pixels_of(old) == _pixels_of(environment)
         if not is_same:
             if _background_map(environment)[0].shape[1::-1] != self.texture.size[:2]:
                 return False
-            self._upload(environment)
+            if not self._lease.claim():
+                return False
+            _upload(self.texture, environment)
         self._turn(environment)
         return True
+
+    def release(self) -> None:
+        """Give the texture back, unless other scenes show it."""
+        self._lease.release()
 
     @property
     def seen(self) -> dict[str, Any]:
@@ -170,16 +187,23 @@ class EnvironmentTexture:
         self._shown = environment
         self.rotation = np.radians(environment.rotation_deg) if environment else 0.0
 
-    def _upload(self, environment: Environment | None) -> None:
-        """Upload the texels, in bands where they are many: the device copies each upload."""
-        radiance, scale = _background_map(environment)
-        suns = _sun_luminance(environment)
-        height, width = radiance.shape[:2]
-        for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
-            if rows.start:
-                self.gpu.wait()
-            texels = _half_pixels(radiance[rows], None if suns is None else suns[rows], scale)
-            self.texture.write(texels, row=rows.start)
+
+def _upload(texture: Texture, environment: Environment | None) -> None:
+    """Upload the texels, in bands where they are many: the device copies each upload."""
+    radiance, scale = _background_map(environment)
+    suns = _sun_luminance(environment)
+    height, width = radiance.shape[:2]
+    for rows in chunks(height, max(1, _BAND_BYTES // (8 * width))):
+        if rows.start:
+            texture.gpu.wait()
+        texels = _half_pixels(radiance[rows], None if suns is None else suns[rows], scale)
+        texture.write(texels, row=rows.start)
+
+
+def _texels_of(environment: Environment | None) -> tuple[object, ...]:
+    """What is equal for environments whose texels on the device are the same."""
+    radiance, scale = _background_map(environment)
+    return ("environment", digest(radiance, _sun_luminance(environment)), scale)
 
 
 def _background_map(environment: Environment | None) -> tuple[NDArray[Any], float]:

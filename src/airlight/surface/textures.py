@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from functools import cache, cached_property
 from typing import Any
 
@@ -11,25 +11,36 @@ from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
+from ..gpu.uploads import Lease, digest
 from ..maths.colour import srgb_decode, srgb_encode
 from ..scene.material import Material, Wrap
 from ..scene.material import Texture as SceneTexture
-from .packed_maps import PackedMaps, image_of, most_texels, uses_visibility_buffer
+from .packed_maps import (
+    Location,
+    PackedMaps,
+    image_of,
+    most_texels,
+    packed_sets,
+    uses_visibility_buffer,
+)
 
 _WRAPS: dict[Wrap, str] = {"repeat": "repeat", "mirror": "mirror-repeat", "clamp": "clamp-to-edge"}
 
 
 class TextureStore:
-    """Uploads each image once, however many textures show it, and keeps one sampler per way of
-    wrapping.
+    """The textures of a scene on the device, each image once, however many textures show it.
+
+    Scenes on one device share images that are the same, and maps packed of the same images. One
+    sampler is kept for each kind of wrapping.
     """
 
     def __init__(self, gpu: Gpu) -> None:
         self.gpu = gpu
-        self._textures: dict[tuple[int, bool], tuple[SceneTexture, Texture]] = {}
+        self._textures: dict[tuple[int, bool], tuple[SceneTexture, Lease[Texture]]] = {}
         self._samplers: dict[tuple[Wrap, Wrap], Sampler] = {}
         self._chains: dict[tuple[int, bool], tuple[SceneTexture, list[NDArray[np.uint8]]]] = {}
-        self._packed: tuple[list[Material], PackedMaps, Buffer] | None = None
+        self._images: dict[tuple[int, bool], tuple[SceneTexture, Hashable]] = {}
+        self._packed: list[Lease[tuple[dict[Hashable, Location | None], Buffer]]] = []
         self.white = _solid(gpu, "white", (255, 255, 255, 255))
         self.flat_normal = _solid(gpu, "flat normal", (128, 128, 255, 255))
 
@@ -39,9 +50,12 @@ class TextureStore:
             return default
         found = self._textures.get(image_of(texture))
         if found is None:
-            found = (texture, _uploaded(self.gpu, texture, self.chain(texture)))
-            self._textures[image_of(texture)] = found
-        return found[1]
+            key = ("texture", self._image(texture))
+            lease = self.gpu.uploads.lease(
+                self.gpu, key, lambda gpu: _uploaded(gpu, texture, self.chain(texture))
+            )
+            found = self._textures[image_of(texture)] = (texture, lease)
+        return found[1].value
 
     def chain(self, texture: SceneTexture) -> list[NDArray[np.uint8]]:
         """Its mip chain, kept until it is packed, where it will be."""
@@ -52,20 +66,31 @@ class TextureStore:
                 self._chains[image_of(texture)] = found
         return found[1]
 
-    def packed(self, materials: list[Material]) -> tuple[PackedMaps, Buffer]:
-        """Where the maps of `materials` are in one buffer, and that buffer.
+    def packed(self, materials: list[Material]) -> tuple[list[Location | None], Buffer]:
+        """Where the maps of each of the `materials` are in one buffer, and that buffer.
 
-        Packed once for all scenes with the same materials, which then share it.
+        Scenes whose materials have the same maps share it.
         """
-        known = self._packed
-        if known is None or [*map(id, known[0])] != [*map(id, materials)]:
-            maps = PackedMaps(self.chain, most_texels(self.gpu))
-            for material in materials:
-                maps.of(material)
-            texels = buffer_of(self.gpu, "packed maps", maps.texels)
-            known = self._packed = materials, maps, texels
-            self._chains.clear()
-        return known[1:]
+        keys, sets = packed_sets(materials, self._image)
+        most = most_texels(self.gpu)
+
+        def make(gpu: Gpu) -> tuple[dict[Hashable, Location | None], Buffer]:
+            maps = PackedMaps(sets, self.chain, most)
+            return maps.locations, buffer_of(gpu, "packed maps", maps.texels)
+
+        lease = self.gpu.uploads.lease(self.gpu, ("packed maps", most, *sets), make)
+        self._packed.append(lease)
+        self._chains.clear()
+        locations, texels = lease.value
+        return [None if key is None else locations[key] for key in keys], texels
+
+    def _image(self, texture: SceneTexture) -> Hashable:
+        """What is equal for textures of the same texels, of whatever scene."""
+        found = self._images.get(image_of(texture))
+        if found is None:
+            found = (texture, (digest(texture.pixels), texture.is_srgb))
+            self._images[image_of(texture)] = found
+        return found[1]
 
     def sampler(self, texture: SceneTexture | None) -> Sampler:
         """Trilinear; shaders see to footprints that are longer than wide (wgsl/footprint.wgsl)."""

@@ -6,6 +6,7 @@ adapters use it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,14 @@ from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
-from ..gpu.memory import buffer_of
+from ..gpu.memory import Buffer, buffer_of
 from ..maths.chunks import chunks
 from ..scene.material import Material
 from ..scene.mesh import Geometry
-from .packed_maps import ONE_SIDED, PackedMaps, metallic_factor
+from .packed_maps import ONE_SIDED, Location, metallic_factor
 from .provoking import U32, unique_provoking
 from .textures import TextureStore
+from .vertices import geometry_digest
 
 WORDS = 20  # of a triangle
 _MOST = 65535  # instances, and materials: a pixel has 16 bits for each
@@ -55,37 +57,25 @@ MATERIAL = np.dtype(
 """A material as its pixels need it, in 32 bytes: half floats, as in the G-buffer."""
 
 
-class TriangleTable:
-    """Buffers beside those of a `GpuScene`, of the geometries and materials that fit.
+class _Triangles:
+    """What tables share: the triangles of `geometries`, by their first vertex in the scene.
 
     positions  of the vertices of `unique_provoking`
     indices    in the scene's order, into those
-    instances  InstanceIds, in the scene's order
     triangles  WORDS u32 each, object space: corner and edges, uv and its edges, normals
     """
 
-    def __init__(
-        self,
-        gpu: Gpu,
-        geometries: dict[int, Geometry],
-        materials: list[Material],
-        instances: list[tuple[int, int]],
-        store: TextureStore,
-    ) -> None:
-        """`geometries` by their first vertex in the scene's buffers, `instances` their geometry
-        (its first vertex) and material in the scene's order."""
-        fits = len(instances) <= _MOST and len(materials) <= _MOST
-        geometries = _chosen(geometries, most_triangles(gpu) if fits else 0)
+    def __init__(self, gpu: Gpu, geometries: Mapping[int, Geometry]) -> None:
         # No two triangles begin at one vertex, so some are copied: where each geometry's are.
         self._sources: dict[int, U32] = {}
         self.base_vertex: dict[int, int] = {}
-        self._first_triangle: dict[int, int] = {}
+        self.first_triangle: dict[int, int] = {}
         self.first_index: dict[int, int] = {}
         indices: list[U32] = []
         vertex_count = triangle_count = 0
         for key, geometry in geometries.items():
             self._sources[key], corners = unique_provoking(geometry.indices)
-            self.base_vertex[key], self._first_triangle[key] = vertex_count, triangle_count
+            self.base_vertex[key], self.first_triangle[key] = vertex_count, triangle_count
             self.first_index[key] = 3 * triangle_count
             vertex_count += len(self._sources[key])
             triangle_count += len(corners)
@@ -100,12 +90,76 @@ class TriangleTable:
         self.indices = buffer_of(gpu, "seen indices", corners, index=True)
         laid = [_uvs(g)[self._sources[key]] for key, g in geometries.items()]
         self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
-        # What the second pass reads: triangles, materials and their maps.
+        # What the second pass reads.
         rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
         self.triangles = buffer_of(gpu, "triangle table", rows)
+
+    def write(self, base_vertex: int, geometry: Geometry, *, has_other_uvs: bool) -> None:
+        """Update the vertices of a geometry that moved."""
+        sources, first = self._sources[base_vertex], self.base_vertex[base_vertex]
+        self.positions.write(geometry.positions[sources], 12 * first)
+        if has_other_uvs:
+            self.uvs.write(_uvs(geometry)[sources], 8 * first)
+        self.triangles.write(_triangles(geometry), 4 * WORDS * self.first_triangle[base_vertex])
+
+
+class TriangleTable:
+    """Buffers beside those of a `GpuScene`, of the geometries and materials that fit.
+
+    positions, indices, uvs, triangles  as `_Triangles` has them; scenes on one device share those
+                                        of the same geometries, until one of them moves vertices
+    instances                           InstanceIds, in the scene's order
+    """
+
+    def __init__(
+        self,
+        gpu: Gpu,
+        geometries: dict[int, Geometry],
+        materials: list[Material],
+        instances: list[tuple[int, int]],
+        store: TextureStore,
+    ) -> None:
+        """`geometries` by their first vertex in the scene's buffers, `instances` their geometry
+        (its first vertex) and material in the scene's order."""
+        self.gpu = gpu
+        fits = len(instances) <= _MOST and len(materials) <= _MOST
+        geometries = _chosen(geometries, most_triangles(gpu) if fits else 0)
+        key = ("triangles", *((k, geometry_digest(g)) for k, g in geometries.items()))
+        self._lease = gpu.uploads.lease(gpu, key, lambda scope: _Triangles(scope, geometries))
+        self.shared = self._lease.value
         self._take_materials(gpu, materials, store)
         self.instances = buffer_of(gpu, "seen instances", self._instances(instances), vertex=True)
         self._last = dict(geometries)
+
+    @property
+    def positions(self) -> Buffer:
+        """Of the vertices."""
+        return self.shared.positions
+
+    @property
+    def indices(self) -> Buffer:
+        """Into those."""
+        return self.shared.indices
+
+    @property
+    def uvs(self) -> Buffer:
+        """Of the vertices, for holes."""
+        return self.shared.uvs
+
+    @property
+    def triangles(self) -> Buffer:
+        """What the second pass reads of triangles."""
+        return self.shared.triangles
+
+    @property
+    def base_vertex(self) -> dict[int, int]:
+        """Of each geometry, by its first vertex in the scene's buffers."""
+        return self.shared.base_vertex
+
+    @property
+    def first_index(self) -> dict[int, int]:
+        """Likewise."""
+        return self.shared.first_index
 
     def shows(self, base_vertex: int, material: Material) -> bool:
         """Whether the table has instances of that geometry with that material."""
@@ -113,21 +167,29 @@ class TriangleTable:
         is_plain = geometry is not None and geometry.colors is None
         return is_plain and self._is_packed[id(material)]
 
-    def deform(self, base_vertex: int, geometry: Geometry) -> None:
-        """Update the vertices of a geometry that moved."""
+    def deform(self, base_vertex: int, geometry: Geometry) -> bool:
+        """Update the vertices of a geometry that moved.
+
+        Returns whether that took other buffers, because other scenes show the old vertices.
+        """
         if base_vertex not in self.base_vertex:
-            return
-        sources, first = self._sources[base_vertex], self.base_vertex[base_vertex]
-        self.positions.write(geometry.positions[sources], 12 * first)
-        if geometry.uvs is not self._last[base_vertex].uvs:
-            self.uvs.write(_uvs(geometry)[sources], 8 * first)
+            return False
+        is_own = self._lease.claim()
+        if not is_own:
+            self._lease.release()
+            self._lease = self.gpu.uploads.lease(
+                self.gpu, object(), lambda scope: _Triangles(scope, self._last)
+            )
+            self.shared = self._lease.value
+        has_other_uvs = geometry.uvs is not self._last[base_vertex].uvs
+        self.shared.write(base_vertex, geometry, has_other_uvs=has_other_uvs)
         self._last[base_vertex] = geometry
-        self.triangles.write(_triangles(geometry), 4 * WORDS * self._first_triangle[base_vertex])
+        return not is_own
 
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
         packed = np.zeros(max(1, len(instances)), InstanceIds.dtype)
         for index, (key, material) in enumerate(instances):
-            first = 1 + self._first_triangle.get(key, 0) - self.base_vertex.get(key, 0)
+            first = 1 + self.shared.first_triangle.get(key, 0) - self.base_vertex.get(key, 0)
             packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
         return packed
 
@@ -137,12 +199,14 @@ class TriangleTable:
         self.materials.write(self._rows[row : row + 1], row * MATERIAL.itemsize)
 
     def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
-        maps, self.texels = store.packed(materials)
-        self._is_packed = {id(m): maps.of(m) is not None for m in materials}
+        locations, self.texels = store.packed(materials)
+        self._is_packed = {
+            id(m): at is not None for m, at in zip(materials, locations, strict=True)
+        }
         rows = np.zeros(max(1, len(materials)), MATERIAL)
         uv_transforms = np.tile(np.array(_IDENTITY_UV, np.float32), (len(rows), 1))
-        for index, m in enumerate(materials):
-            rows[index], uv_transforms[index] = _fields(m, maps), _uv_transform(m)
+        for index, (m, location) in enumerate(zip(materials, locations, strict=True)):
+            rows[index], uv_transforms[index] = _fields(m, location), _uv_transform(m)
         self.materials = buffer_of(gpu, "seen materials", rows)
         self._rows = rows
         self.uv_transforms = buffer_of(gpu, "uv_transforms of maps", uv_transforms)
@@ -163,10 +227,10 @@ _HALF_MAX = 65504.0
 _IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
 
 
-def _fields(m: Material, maps: PackedMaps) -> tuple[Any, ...]:
+def _fields(m: Material, location: Location | None) -> tuple[Any, ...]:
     """The values of `MATERIAL`."""
     # Packed maps, and the factors that half floats hold.
-    texels, size, flags, levels = maps.of(m) or (0, 1 | 1 << 16, 0, 1)
+    texels, size, flags, levels = location or (0, 1 | 1 << 16, 0, 1)
     metallic = m.metallic * (metallic_factor(m) or 0.0)
     emission = np.minimum(m.emission, _HALF_MAX)
     return (

@@ -7,6 +7,7 @@ indices      of each geometry from 0, drawn with a base vertex
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,15 +16,37 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, buffer_of
+from ..gpu.uploads import digest
 from ..scene.mesh import Geometry
 
 _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
 
 
+def geometry_digest(g: Geometry) -> bytes:
+    """Equal for geometries of the same vertices and triangles."""
+    return digest(g.positions, g.indices, g.normals, g.uvs, g.colors)
+
+
+class _Buffers:
+    """Of `geometries`, one after the other."""
+
+    def __init__(self, gpu: Gpu, geometries: Sequence[Geometry]) -> None:
+        positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
+        indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
+        vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)
+        self.positions: Buffer = buffer_of(gpu, "positions", positions, vertex=True)
+        self.vertices: Buffer = buffer_of(gpu, "vertices", vertices, vertex=True)
+        self.indices: Buffer = buffer_of(gpu, "indices", indices, index=True)
+
+
 class VertexBuffers:
-    """The buffers, and `offsets`: by a geometry's id, its first index and its first vertex."""
+    """The buffers, and `offsets`: by a geometry's id, its first index and its first vertex.
+
+    Scenes on one device share buffers of the same geometries, until one of them moves vertices.
+    """
 
     def __init__(self, gpu: Gpu, geometries: list[Geometry]) -> None:
+        self.gpu = gpu
         self.offsets: dict[int, tuple[int, int]] = {}
         index_count = vertex_count = 0
         for geometry in geometries:
@@ -31,24 +54,30 @@ class VertexBuffers:
             index_count += geometry.indices.size
             vertex_count += len(geometry.positions)
         # All geometries in one buffer each, so that a draw names offsets only.
-        positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
-        indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
-        vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)
-        self.positions: Buffer = buffer_of(gpu, "positions", positions, vertex=True)
-        self.vertices: Buffer = buffer_of(gpu, "vertices", vertices, vertex=True)
-        self.indices: Buffer = buffer_of(gpu, "indices", indices, index=True)
+        key = ("vertices", *map(geometry_digest, geometries))
+        self._lease = gpu.uploads.lease(gpu, key, lambda scope: _Buffers(scope, geometries))
+        self.buffers = self._lease.value
         self.uploaded = {self.offsets[id(g)][1]: g for g in geometries}
         """By first vertex, the geometry as it was uploaded last."""
 
-    def deform(self, first: int, geometry: Geometry) -> None:
+    def deform(self, first: int, geometry: Geometry) -> bool:
         """Upload the vertices of the geometry from vertex `first` on.
 
+        Returns whether that took other buffers, because other scenes show the old vertices.
         Raises SceneError where it has other triangles than before.
         """
         check_same_triangles(self.uploaded[first], geometry)
-        self.positions.write(geometry.positions, 12 * first)
-        self.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
+        is_own = self._lease.claim()
+        if not is_own:
+            self._lease.release()
+            self._lease = self.gpu.uploads.lease(
+                self.gpu, object(), lambda scope: _Buffers(scope, list(self.uploaded.values()))
+            )
+            self.buffers = self._lease.value
+        self.buffers.positions.write(geometry.positions, 12 * first)
+        self.buffers.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
         self.uploaded[first] = geometry
+        return not is_own
 
 
 def check_same_triangles(old: Geometry, new: Geometry) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from airlight.app.view import fine as view_fine
 from airlight.app.view.build import Turns
-from airlight.app.view.fine import Fine, Shot, finer_settings
+from airlight.app.view.fine import Fine, Seen, Shot, finer_settings
 from airlight.display.presenter import Look
 from airlight.rendering import Renderer
 from airlight.scene import Medium
@@ -125,3 +125,40 @@ def test_what_takes_too_much_memory_is_given_up_with_a_reason(gpu, fine, monkeyp
     assert not fine.is_shown
     assert len(made) == 1
     assert gpu.allocated_bytes == before
+
+
+@pytest.mark.parametrize(
+    ("seen", "gather", "expected"),
+    [
+        # Nobody refines full size: plain samples at once, once there are more than seen; then
+        # those that gather, as soon as they are better.
+        (Seen(0, is_refined=False), "still", [1, 2, 2, (2,), (3,), (4,)]),
+        (Seen(1, is_refined=False), "still", [None, 2, 2, (2,), (3,), (4,)]),
+        # Others that gather are given up for many, those that do not for few.
+        (Seen(16), "still", [None, (2,), (3,), (4,)]),
+        (Seen(16, gathers=True), "still", [None, None, None, (4,)]),
+        # Where nobody gathers all samples are alike.
+        (Seen(2, is_refined=False), "off", [None, None, (3,), (4,)]),
+        (Seen(0, is_refined=False), "off", [(1,), (2,), (3,), (4,)]),
+    ],
+)
+def test_it_is_shown_as_soon_as_it_is_better(gpu, fine, monkeypatch, seen, gather, expected):
+    """After each sample: how many plain ones are shown, (how many) of the others, or None."""
+    monkeypatch.setattr(view_fine, "SAMPLES", 4)
+    monkeypatch.setattr(view_fine, "SHOWN_FROM", 4)
+    scene, fold, shown = load(BOX), fine._fold, []
+
+    def folded(*given, is_plain):
+        fold(*given, is_plain=is_plain)
+        now = fine.shown[1] if fine.is_shown else None
+        shown.append(now if fine.shown[0] is fine._plain_presenter or now is None else (now,))
+
+    monkeypatch.setattr(fine, "_fold", folded)
+    settings = {**SMALL, "gather": gather, "gather_rays": 1}
+    fine.begin(
+        lambda: Renderer(scene, "lpv", SIZE, settings=settings),
+        Shot(scene, SIZE, Look(), "rgba8unorm"),
+        seen,
+    )
+    until(lambda: fine.has_ended)
+    assert shown == expected

@@ -104,7 +104,7 @@ def test_where_fewer_pixels_save_nothing_there_are_no_fewer():
 
 
 @pytest.mark.parametrize("is_alone", [False, True])
-def test_stills_that_would_block_the_window_are_smaller(is_alone):
+def test_stills_that_would_block_the_window_end_and_never_become_coarser(is_alone):
     quality, now = Quality(is_cpu=False, samples=12), 1.0
     quality.is_alone = is_alone
     plans = []
@@ -113,16 +113,54 @@ def test_stills_that_would_block_the_window_are_smaller(is_alone):
         plans.append(quality.plan(now, FULL, changed=False))
         if plans[-1].sample is not None:
             quality.took(200.0 * plans[-1].size[0] ** 2 / FULL[0] ** 2, plans[-1])
-    assert plans[0].size == plans[1].size == FULL
-    assert {plan.size for plan in plans[2:10]} == {(400, 225)}
-    assert [plan.sample for plan in plans[2:10]] == [*range(8)]
-    # Someone else has full size in the end, or these do, however long they take.
-    assert [plan.sample for plan in plans[10:]] == (list(range(4)) if is_alone else [None] * 4)
-    assert {plan.size for plan in plans[10:]} == {FULL if is_alone else (400, 225)}
-    assert quality.is_done is not is_alone
+    assert {plan.size for plan in plans} == {FULL}
+    # Someone else goes on, or these do, however long they take.
+    assert [plan.sample for plan in plans[:2]] == [0, 1]
+    assert [plan.sample for plan in plans[2:]] == (
+        [*range(2, 12), None, None] if is_alone else [None] * 12
+    )
+    assert quality.is_done
     assert quality.is_coarse is not is_alone
-    quality.plan(8.0, FULL, changed=True)
-    assert quality.plan(8.5, FULL, changed=False).size == (500, 281)  # perhaps it goes now
+    assert quality.full_samples == (12 if is_alone else 2)
+
+
+@pytest.mark.parametrize("slow_ms", [200.0, 2000.0])
+@pytest.mark.parametrize("is_rough", [False, True])
+def test_a_view_at_rest_is_as_fine_as_the_moving_image(is_rough, slow_ms):
+    """Where it could not be refined as quickly as a hand needs it, that image is what stays."""
+    quality = Quality(is_cpu=True)
+    plan = quality.plan(0.0, FULL, changed=True)
+    for ms in (160.0, slow_ms):  # others are at work
+        plan = quality.plan(0.0, FULL, changed=True)
+        quality.took(ms, plan)
+    assert quality.coarse(FULL) < plan.size == (400, 225)
+    still = quality.plan(1.0, FULL, changed=False, is_rough=is_rough)
+    assert still == Plan(plan.size, 0 if is_rough else None)
+    quality.took(300.0, still)
+    assert quality.plan(1.1, FULL, changed=False) == Plan(plan.size, None)
+    assert quality.is_done
+    assert quality.is_coarse
+    assert quality.full_samples == 0
+    # Where the machine has time again, it is refined.
+    for frame in range(8):
+        quality.took(20.0, quality.plan(2.0 + frame, FULL, changed=True))
+        still = quality.plan(2.5 + frame, FULL, changed=False)
+    assert still.sample == 0
+    assert still.size[0] > plan.size[0]
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_no_view_at_rest_is_coarser_than_what_moved(seed):
+    rng = np.random.default_rng(seed)
+    quality, now, seen = Quality(is_cpu=bool(seed % 2), samples=int(rng.integers(1, 9))), 0.0, 0
+    for _ in range(300):
+        now += float(rng.choice([0.01, 0.1, 0.5]))
+        changed, is_rough = bool(rng.random() < 0.2), bool(rng.random() < 0.3)
+        plan = quality.plan(now, FULL, changed=changed, is_rough=is_rough)
+        if plan.sample is not None:
+            assert plan.is_moving or plan.size[0] >= seen
+            seen = plan.size[0]
+            quality.took(float(10.0 ** rng.uniform(0.0, 3.0)), plan)
 
 
 def test_a_view_at_rest_begins_as_fine_as_moving_images_say():

@@ -14,7 +14,7 @@ from airlight.app.view.save import Saver
 from airlight.app.view.session import Session
 from airlight.errors import SettingsError
 from airlight.gpu.memory import Texture
-from airlight.maths.tone import display_srgb8
+from airlight.maths.tone import auto_exposure, display_srgb8
 from airlight.rendering import Renderer
 from airlight.scene import Medium
 from airlight.scene.animation import Animation
@@ -389,11 +389,11 @@ def test_renderers_are_made_while_frames_are_drawn_and_are_the_same(child, scene
 
 @pytest.mark.parametrize("is_refused", [False, True])
 def test_on_a_slow_machine_a_view_at_rest_ends_at_full_size(screen, monkeypatch, is_refused):
-    """Frames at full size take three seconds by the clock: coarser ones first, then full ones in
-    the background, and in their place where memory is short."""
+    """Frames at full size take three seconds by the clock: those that move are coarser, then full
+    ones come in the background, and in their place where memory is short."""
     if is_refused:
         monkeypatch.setattr("airlight.app.view.fine.MOST_BYTES", 1 << 10)
-    session, drew = screen.session, []
+    session, drew, said = screen.session, [], set()
     draw, clock = session._draw, [0.0]
 
     def slow(plan):
@@ -410,8 +410,10 @@ def test_on_a_slow_machine_a_view_at_rest_ends_at_full_size(screen, monkeypatch,
     while wants_more or not (session.fine.is_shown or session.renderer.size == SIZE):
         wants_more = screen.frame(0.5)
         assert time.monotonic() < end
+        said.add(session.status)
     coarser = [size for size in drew if size[0] < SIZE[0]]
-    assert len(coarser) >= session.quality.samples  # a hand would not have had to wait long
+    assert coarser == sorted(coarser)  # at rest never coarser than before
+    assert is_refused or "full resolution follows ..." in said
     if is_refused:
         assert drew[-session.quality.samples :] == [SIZE] * session.quality.samples
         assert "no finer image" in session.fine.message
@@ -547,3 +549,27 @@ def timed_stages(screen: Screen) -> set[str]:
     session.controls.camera = replace(camera, fov_y_deg=camera.fov_y_deg + 1.0)
     screen.frame()
     return set(session.renderer.commands.stage_ms)
+
+
+def test_a_moving_image_that_stays_has_its_exposure_at_once(screen, monkeypatch):
+    """Where stills are too slow for a hand the last moving image stays: metered as it is."""
+    session = screen.session
+    session.state.look = replace(session.state.look, exposure_stops=None)
+    screen.settle()
+    meter = session._shown._presenter._meter
+    before = float(meter.stops.read()[0])
+    # At the side of the box that lies in shade, and nothing else.
+    camera = replace(session.controls.camera, position=(1.0, 0.5, 0.0), target=(0.0, 0.5, 0.0))
+    session.controls.camera = camera
+    session.quality.still_scale = 8.0  # stills would take too long
+    screen.frame(0.01)
+    drew, draw = [], session._draw
+    monkeypatch.setattr(session, "_draw", lambda plan: (drew.append(plan), draw(plan)))
+    screen.frame(0.5)
+    assert drew == []
+    assert session.quality.is_coarse
+    assert session.quality.is_done
+    image = session._shown._presenter._combine.image.read()[..., :3]
+    expected = auto_exposure(image)
+    assert abs(expected - before) > 0.5
+    assert float(meter.stops.read()[0]) == pytest.approx(expected, abs=0.1)

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from airlight.errors import SceneError
-from airlight.scene.io.meshfile import load_mesh_file
+from airlight.scene.io.meshfile import load_mesh_file, strip_triangles
 
 
 @pytest.mark.parametrize("suffix", ["ply", "stl", "stl_ascii"])
@@ -87,3 +87,53 @@ def test_properties_of_a_ply_that_are_not_read_are_named(tmp_path):
     path.write_text(header + "0 0 0 1 0 0\n1 0 0 1 1 0\n0 1 0 1 0 1\n3 0 1 2\n")
     (line,) = load_mesh_file(path).warnings
     assert "the vertex properties quality, s, t are not read" in line
+
+
+def test_strips_make_every_other_triangle_turned_and_begin_again():
+    strips = [np.array([0, 1, 2, 3, -1, 4, 5, 6]), np.array([7, 8, 8, 9, 10, 11]), np.array([1])]
+    expected = [[0, 1, 2], [3, 2, 1], [4, 5, 6], [8, 9, 10], [11, 10, 9]]
+    found = strip_triangles(strips)
+    assert sorted(map(sorted, found.tolist())) == sorted(map(sorted, expected))
+    np.testing.assert_array_equal(found[:3], expected[:3])
+    assert strip_triangles([]).shape == (0, 3)
+
+
+@pytest.mark.parametrize("is_binary", [False, True])
+@pytest.mark.parametrize("has_normals", [False, True])
+def test_a_ply_of_strips_is_its_triangles(tmp_path, is_binary, has_normals):
+    """A square of two triangles that face +z, and one apart, as scanners' tools write them."""
+    xyz = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (3, 0, 0), (4, 0, 0), (3, 1, 0)]
+    strip = [0, 1, 2, 3, -1, 4, 5, 6]
+    names = ["x", "y", "z"] + ["nx", "ny", "nz"] * has_normals
+    rows = np.array([[*p, *((0.0, 0.0, 1.0) if has_normals else ())] for p in xyz], "<f4")
+    header = "\n".join(
+        [
+            *("ply", f"format {'binary_little_endian' if is_binary else 'ascii'} 1.0"),
+            *("element vertex 7", *(f"property float {name}" for name in names)),
+            *("element tristrips 1", "property list int int vertex_indices", "end_header\n"),
+        ]
+    )
+    if is_binary:
+        data = rows.tobytes() + np.array([len(strip), *strip], "<i4").tobytes()
+    else:
+        lines = [" ".join(f"{x:g}" for x in row) for row in rows]
+        data = "\n".join([*lines, " ".join(map(str, [len(strip), *strip])), ""]).encode()
+    path = tmp_path / "strips.ply"
+    path.write_bytes(header.encode() + data)
+    scene = load_mesh_file(path)
+    assert scene.warnings == ()
+    g = scene.meshes[0].geometry
+    corners = g.positions[g.indices]
+    assert len(corners) == 3
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (facing[:, 2] > 0.9).all()
+    np.testing.assert_allclose(g.normals, np.tile((0, 0, 1), (len(g.normals), 1)), atol=1e-4)
+    # What lies outside the vertices is one sentence.
+    bad = (
+        data.replace(np.int32(6).tobytes(), np.int32(60).tobytes())
+        if is_binary
+        else data[:-2] + b"60\n"
+    )
+    path.write_bytes(header.encode() + bad)
+    with pytest.raises(SceneError, match="strip index 60 is out of range: the file has 7"):
+        load_mesh_file(path)

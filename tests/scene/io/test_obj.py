@@ -133,7 +133,7 @@ def test_windows_lines_comments_tabs_and_continuations(load):
         ),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", 4, "'v' index -4 is out of range"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", 4, "'v' index 0 is out of range"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/7 2/7 3/7\n", 4, "'vt' index 7 is out of range"),
+        ("vt 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/7 2/7 3/7\n", 5, "'vt' index 7 is out of range"),
         ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", 2, "NaN or infinite"),
         ("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", 2, "NaN or infinite"),
         ("v 0 0 0\nv 1 x 0\nv 0 1 0\nf 1 2 3\n", 2, "'v 1 x 0' is not a list of numbers"),
@@ -193,3 +193,19 @@ def test_utf_16_is_read_where_its_mark_says_so(tmp_path, codec):
     (mesh,) = load_obj(tmp_path / "a.obj").meshes
     assert len(mesh.geometry.indices) == 1
     assert mesh.material.base_color[1] == 0.0
+
+
+def test_faces_that_name_what_the_file_lacks_go_without(tmp_path):
+    """As exporters write that drop normals and coordinates, and leave their indices."""
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    path, plain = tmp_path / "named.obj", tmp_path / "plain.obj"
+    path.write_text(corners + "f 1/1/1 2/2/1 3/3/1\n")
+    plain.write_text(corners + "f 1 2 3\n")
+    scene, expected = load_obj(path), load_obj(plain)
+    assert scene.warnings == tuple(
+        f"{path}: its faces name '{name}' indices, and it has no '{name}': they go without"
+        for name in ("vt", "vn")
+    )
+    found, other = (s.meshes[0].geometry for s in (scene, expected))
+    np.testing.assert_array_equal(found.normals, other.normals)
+    assert found.uvs is None

@@ -250,7 +250,7 @@ def test_a_volume_is_its_vdb_file(tmp_path):
     np.testing.assert_allclose((volume.world_from_volume @ [*volume.bounds[0], 1])[0], 9.5)
 
 
-def test_references_are_followed_inside_the_folder_alone(tmp_path):
+def test_references_are_followed_inside_the_folder_alone(tmp_path, monkeypatch):
     inner = tmp_path / "inner"
     inner.mkdir()
     for folder in (tmp_path, inner):
@@ -276,6 +276,13 @@ def test_references_are_followed_inside_the_folder_alone(tmp_path):
         (inner / "b.usda").write_text(text)
         with pytest.raises(SceneError, match="outside its folder"):
             load_meshes(inner / "b.usda")
+        # But where someone allows the folder around both.
+        with monkeypatch.context() as allowed:
+            allowed.setenv("AIRLIGHT_ROOT", str(tmp_path))
+            assert len(load_meshes(inner / "b.usda").meshes) == 1
+            allowed.setenv("AIRLIGHT_ROOT", str(tmp_path / "elsewhere"))
+            with pytest.raises(SceneError, match="or set AIRLIGHT_ROOT to a folder around both"):
+                load_meshes(inner / "b.usda")
     # One that refers to one that refers out of the folder.
     (inner / "c.usda").write_text(using("prepend references = @./b.usda@</A>"))
     with pytest.raises(SceneError, match="outside its folder"):
@@ -300,16 +307,59 @@ def test_what_cannot_be_read_is_one_message(tmp_path):
     {
     }
     """
+    quad, one = QUAD % "", "int faceVertexCounts = 4"
     for text, message in (
         ("no such thing", "is no readable USD"),
         ("#usda 1.0\ndef {", "is no readable USD"),
         (stage(""), "it has no triangles and no volumes"),
         (clips, "has value clips"),
-        (stage((QUAD % "").replace("[0, 1, 2, 3]", "[0, 1, 2, 9]")), "a point that there is not"),
-        (stage((QUAD % "").replace("[4]", "[5]")), "do not fit together"),
-        (stage((QUAD % "").replace("(1, 1, 0)", "(nan, 1, 0)")), "NaN"),
+        (stage(quad.replace("[0, 1, 2, 3]", "[0, 1, 2, 9]")), "a point that there is not"),
+        (stage(quad.replace("[4]", "[5]")), "do not fit together"),
+        (stage(quad.replace("(1, 1, 0)", "(nan, 1, 0)")), "NaN"),
+        (stage(quad.replace("int[] faceVertexCounts = [4]", one)), "no whole numbers"),
+        (
+            stage(quad.replace("point3f[]", "point2f[]").replace(", 0)", ")")),
+            "or no positions",
+        ),
     ):
         (tmp_path / "a.usda").write_text(text)
         with pytest.raises(SceneError, match=r"a\.usda: ") as caught:
             load_meshes(tmp_path / "a.usda")
         assert message in str(caught.value), caught.value
+
+
+def test_layers_that_the_library_cannot_read_are_left_out_with_a_warning(tmp_path):
+    """As materials in MaterialX files, which usd-core's wheels do not read."""
+    (tmp_path / "look.mtlx").write_text('<?xml version="1.0"?><materialx version="1.38"/>')
+    arc = 'def "Materials" (prepend references = @./look.mtlx@</Materials>) { }'
+    made = scene(tmp_path, QUAD % "" + arc)
+    assert len(made.meshes) == 1
+    assert any("look.mtlx" in line for line in made.warnings)
+
+
+@pytest.mark.parametrize(("fallback", "expected"), [("", 0), ("(1, 0.5, 0, 1)", 128)])
+def test_an_image_without_a_file_is_its_fallback(tmp_path, fallback, expected):
+    """As Houdini writes them, for what no image says."""
+    texture = f"""
+        def Shader "t"
+        {{
+            uniform token info:id = "UsdUVTexture"
+            {f"float4 inputs:fallback = {fallback}" if fallback else ""}
+            float3 outputs:rgb
+        }}
+    """
+    emission = "color3f inputs:emissiveColor.connect = </World/red/t.outputs:rgb>"
+    text = MATERIAL.replace("color3f inputs:emissiveColor = (0, 0, 2)", emission)
+    text = text.replace('def Shader "s"', texture + 'def Shader "s"')
+    made = scene(tmp_path, QUAD % "rel material:binding = </World/red>" + text)
+    image = made.meshes[0].material.emission_texture
+    assert image.pixels.shape == (1, 1, 4)
+    assert image.pixels[0, 0, 1] == expected
+    assert "names no file: its fallback stands in" in made.warnings[0]
+
+
+@pytest.mark.parametrize("written", ["int normals = 7", "normal3f normals = (0, 1, 0)"])
+def test_values_of_another_type_than_the_schema_says_are_left_out(tmp_path, written):
+    plain = scene(tmp_path, QUAD % "").meshes[0].geometry
+    made = scene(tmp_path, QUAD % written).meshes[0].geometry
+    np.testing.assert_array_equal(made.normals, plain.normals)

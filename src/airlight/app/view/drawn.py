@@ -25,13 +25,16 @@ _LIGHTS = (1, 2, 5)  # of `solved_by`: lights, their groups, the environment
 
 
 class Drawn:
-    """For one thread at a time. `solve_ms`: what the last `solve` took on a CPU adapter."""
+    """For one thread at a time. `solve_ms`: what the last `solve` took on a CPU adapter.
+
+    `is_quick`: whether what is solved now was solved quickly.
+    """
 
     def __init__(self, renderer: Renderer) -> None:
         self.renderer = renderer
         self.solve_ms = 0.0
         self._solved: tuple[Any, ...] = ()
-        self._is_quick = False
+        self.is_quick = False
         self._lattices_ms, self._lattices_s = 0.0, 0.0  # what they took last, and when that was
 
     def give(self, scene: Scene) -> None:
@@ -50,17 +53,17 @@ class Drawn:
         self.solve_ms = 0.0
         r = self.renderer
         now = solved_by(r)
-        if is_same(now, self._solved) and (is_quick or not self._is_quick):
+        if is_same(now, self._solved) and (is_quick or not self.is_quick):
             return
         begin = time.perf_counter()
-        was_quick, self._is_quick = self._is_quick, is_quick and r.gpu.is_cpu
+        was_quick, self.is_quick = self.is_quick, is_quick and r.gpu.is_cpu
         # Lattices may lag while lights are moved: they get LATTICE_SHARE of the time.
-        lags = self._is_quick and _are_lights(now, self._solved)
+        lags = self.is_quick and _are_lights(now, self._solved)
         if lags and not was_quick:
             self._lattices_s = begin
         wait_s = self._lattices_ms * 1e-3 * (1.0 / LATTICE_SHARE - 1.0)
         lags &= begin - self._lattices_s < wait_s
-        with _quickly(r) if self._is_quick else nullcontext():
+        with _quickly(r) if self.is_quick else nullcontext():
             r.technique.solve(commands, r.show(r.scene), is_still=is_still, lags=lags)
         self._solved = now
         # What solving took decides when the lattices follow next.

@@ -1,9 +1,10 @@
 """How finely the next image is drawn: coarse while anything moves, finer and finer when still.
 
 Resolution follows the time that frames really took, so that a machine without a GPU stays above
-ten frames a second where it can, and answers as soon while it refines. Where frames at full
-resolution take longer, views at rest stay coarse here, and a finer image in the background has the
-full resolution (`fine`); only where there can be none is it drawn here, whatever it takes.
+ten frames a second where it can, and answers as soon while it refines. A view at rest is never
+coarser than it was while it moved. Where frames at full resolution take longer, it stays coarse
+here, and a finer image in the background has the full resolution (`fine`); only where there can be
+none is it drawn here, whatever it takes.
 """
 
 from __future__ import annotations
@@ -17,7 +18,6 @@ MOST_SCALE = 8.0
 _SLOW_MS, _FAST_MS, _AIM_MS = 75.0, 35.0, 55.0
 _SAVES = 0.85  # of the time, at least: coarser images that take more are no answer
 _COARSE_SAMPLES = 8  # of a view at rest that is not at full size
-_STILL_SCALE = 2.0  # stills may be so coarse though moving images are finer
 _PATIENCE = 6  # fast frames in a row before a finer one is tried
 _STEPS = (1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.4, 8.0)
 
@@ -40,7 +40,7 @@ class Quality:
     def __init__(self, *, is_cpu: bool, samples: int = STILL_SAMPLES) -> None:
         self.samples = samples
         self.scale = 2.0 if is_cpu else 1.0  # of a side, while moving
-        self.still_scale = 0.0  # of a side, at rest; 0: as moving images, at first
+        self.still_scale = 0.0  # of a side, that views at rest can afford; 0: not known yet
         self.is_alone = False
         """Whether nobody else draws a view at rest at full size."""
         self._full = (0, 0)
@@ -53,7 +53,10 @@ class Quality:
         self._done = 0
         self._still_size = (0, 0)
         self._was_moving = True
+        self._rest_size = (0, 0)  # of the view at rest: the same until it moves
+        self._moving_size: tuple[int, int] | None = None  # of the last moving image
         self._is_last = False  # whether the view at rest is drawn at full size, whatever it takes
+        self._is_slow = False  # whether it takes too long at the size that it is drawn at
 
     @property
     def share(self) -> float:
@@ -63,8 +66,13 @@ class Quality:
 
     @property
     def is_coarse(self) -> bool:
-        """Whether the view at rest is not drawn at full size."""
-        return self._still_size != self._full
+        """Whether the view at rest is not drawn at full size, or not refined there."""
+        return self._still_size != self._full or self._is_slow
+
+    @property
+    def full_samples(self) -> int:
+        """How many samples of full size the view at rest has."""
+        return self._done if self._still_size == self._full else 0
 
     @property
     def is_done(self) -> bool:
@@ -74,6 +82,8 @@ class Quality:
     @property
     def _wanted(self) -> int:
         """How many samples the view at rest gets, at its size."""
+        if self._is_slow:
+            return max(1, self._done)
         return min(self.samples, _COARSE_SAMPLES) if self.is_coarse else self.samples
 
     def coarse(self, full: tuple[int, int]) -> tuple[int, int]:
@@ -81,33 +91,50 @@ class Quality:
         return _reduced(full, self.scale)
 
     def plan(
-        self, now_s: float, full: tuple[int, int], *, changed: bool, is_busy: bool = False
+        self,
+        now_s: float,
+        full: tuple[int, int],
+        *,
+        changed: bool,
+        is_busy: bool = False,
+        is_rough: bool = False,
     ) -> Plan:
         """What to draw at `now_s` on a surface of `full` pixels.
 
         `changed`: since the last. `is_busy`: a hand is at work, and must not wait for a fine
-        image to be done before the next coarse one.
+        image to be done before the next coarse one. `is_rough`: moving images lack something else
+        than pixels.
         """
         # Another size: what was learnt about the time of frames no longer holds.
         if full != self._full:
             self._coarsest, self._finer = MOST_SCALE, None
-            self._full, self.still_scale, self._is_last = full, 0.0, False
+            self._full, self._rest_size, self._moving_size = full, full, None
+            self.still_scale, self._is_last, self._is_slow = 0.0, False, False
         if changed:
             self._changed_s = now_s
         # While something changes: coarse images, at most one for a change.
         if now_s - self._changed_s < SETTLE_S:
             self._was_moving, self._done, self._is_last = True, 0, False
+            if changed:
+                self._moving_size = self.coarse(full)
             return Plan(self.coarse(full), 0 if changed else None, is_moving=True)
         # At rest: as fine as frames at rest have been affordable, alone then once at full size.
         if self._was_moving and not is_busy:
             # The machine may have time again.
             self.still_scale = _step_below(self.still_scale or self._guess())
-            self._is_last = False
+            affordable = _reduced(full, self.still_scale)
+            self._rest_size = max(affordable, self._moving_size or self.coarse(full))
+            self._is_last, self._is_slow = False, affordable < self._rest_size
+            # What is too slow for a hand has one sample: the moving image that is seen.
+            if self._is_slow and self._rest_size == self._moving_size and not is_rough:
+                self._was_moving, self._still_size, self._done = False, self._rest_size, 1
             # So may coarser images save some, which others' work hid.
             self._coarsest, self._finer = MOST_SCALE, None
         if self.is_alone and self._done >= self._wanted and self.is_coarse and not is_busy:
-            self._is_last = True  # a coarse image is not where refinement ends
-        full = full if self._is_last else _reduced(full, self.still_scale or 1.0)
+            # Refinement does not end coarse.
+            self._rest_size, self._is_last, self._is_slow = full, True, False
+            self._done = self._done if self._done > 1 else 0  # it may be the moving image's
+        full = self._rest_size
         # A hand at work keeps what is shown until it lets go.
         if is_busy and (self._was_moving or self._still_size == full):
             return Plan(full, None, is_moving=self._was_moving)
@@ -125,12 +152,13 @@ class Quality:
             self._moving_ms = ms
         # One slow frame may be another program's doing, or a shader's first use.
         before, self._slow_ms = self._slow_ms, ms if ms > _SLOW_MS else 0.0
-        # A still that holds up the viewer twice becomes coarser by as much as it was late.
+        # Stills that hold up the viewer twice end here; the next ones are coarser by as much as
+        # they were late.
         if not plan.is_moving:
             if ms > _SLOW_MS and before and not self._is_last:
                 share = (min(ms, before) / _AIM_MS) ** 0.5
-                scale = min(self.still_scale * share, max(self.scale, _STILL_SCALE))
-                self._slow_ms, self.still_scale = 0.0, _step_above(scale)
+                self.still_scale = _step_above(self._full[0] / max(plan.size[0], 1) * share)
+                self._slow_ms, self._is_slow = 0.0, True
         elif ms > _SLOW_MS:
             self._quick_frames = 0
             if before:

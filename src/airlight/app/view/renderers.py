@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ...gather.solver import GatherSolver
 from ...gpu.device import open_gpu
 from ...rendering import Renderer
 from ...scene.scene import Scene
@@ -12,7 +13,7 @@ from ...techniques import checked_settings
 from .build import Turns, said
 from .document import Document
 from .drawn import Drawn
-from .fine import Fine, Shot, finer_settings
+from .fine import Fine, Seen, Shot, finer_settings
 from .making import BackgroundRenderer, Making
 from .quality import STILL_SAMPLES, Quality
 from .shown import Shown
@@ -180,7 +181,12 @@ class Renderers(Document):
         if not self._is_refined or self._made != structure(self.state):
             return
         make = self._maker(self._size, self.state.technique, self._finer())
-        self.fine.begin(make, self._shot_now(), is_plain_first=self.quality.is_coarse)
+        assert self._drawn is not None
+        solver = self._drawn.renderer.technique.find(GatherSolver)
+        gathers = solver is not None and solver.settings.gather == "always"
+        q = self.quality
+        seen = Seen(q.full_samples, is_refined=not q.is_coarse, gathers=gathers)
+        self.fine.begin(make, self._shot_now(), seen)
 
     def _compare(self) -> None:
         """Go on with the other technique's image of the static view."""

@@ -93,10 +93,13 @@ class Session(Renderers):
                 self.fine.moved()
                 self.compared.moved()
             self.quality.is_alone = bool(self.fine.message)
-            plan = self.quality.plan(now_s, size, changed=changed, is_busy=is_busy)
+            is_rough = self._drawn is not None and self._drawn.is_quick
+            plan = self.quality.plan(
+                now_s, size, changed=changed, is_busy=is_busy, is_rough=is_rough
+            )
             wants_more = self._drawn is not None and self._drew(plan)
             wants_more &= changed or not self._making.is_under_way
-            self._show(target, place)
+            self._show(target, place, is_at_rest=not plan.is_moving)
             is_waiting = self.state.notice in (PREPARING, REBUILDING)
             is_moving = self.controls.is_moving or self.state.is_playing
             return wants_more or is_moving or (is_waiting and not self._making.is_under_way)
@@ -114,6 +117,9 @@ class Session(Renderers):
     @property
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is."""
+        if self._shot is not None and self.fine.is_working and not self.fine.samples:
+            is_full = self.fine.is_shown or self.quality.full_samples > 0
+            return "refining ..." if is_full else "full resolution follows ..."
         if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
             return f"refining   {self.fine.samples} of {SAMPLES}"
         width, height = self.renderer.size if self.renderer else self._size
@@ -246,10 +252,12 @@ class Session(Renderers):
             self.times_ms = dict(commands.stage_ms)
         commands.is_timed = False
 
-    def _show(self, target: Any, place: Place | None) -> None:
+    def _show(self, target: Any, place: Place | None, *, is_at_rest: bool) -> None:
         """The best image that there is, onto the surface."""
         if self._drawn is None:
             return
         state, commands = self.state, self._drawn.renderer.commands
         beside = (self.compared, state.split) if state.compared and self._shot else None
-        self._shown.show(commands, target, place, self.fine, beside, state.look)
+        self._shown.show(
+            commands, target, place, self.fine, beside, state.look, is_at_rest=is_at_rest
+        )

@@ -24,6 +24,7 @@ class Shown:
         self.toned: tuple[Any, ...] = ()
         self._other: tuple[Any, ...] = ()
         self._presenter: Presenter | None = None
+        self._is_settled = True
 
     def attach(self, format: str) -> None:
         """The surface's textures have this format."""
@@ -48,13 +49,15 @@ class Shown:
         fine: Fine,
         compared: tuple[Fine, float] | None,
         look: Look,
+        *,
+        is_at_rest: bool = True,
     ) -> None:
-        """The best image that there is, onto `target`."""
+        """The best image that there is, onto `target`; at rest its exposure is settled."""
         shown, samples = fine.shown if fine.is_shown else (self._presenter, 0)
         if shown is None:
             return
         samples = samples or self.toned[1]
-        if self.toned != (shown, samples, look):
+        if self.toned != (shown, samples, look) or (is_at_rest and not self._is_settled):
             self._tone(shown, commands, look, samples, settled=True)
             self._other = ()
         beside = compared and self._beside(commands, *compared, look, shown)
@@ -96,4 +99,4 @@ class Shown:
     ) -> None:
         presenter.tone(commands, look, settled=settled)
         commands.submit()
-        self.toned = (presenter, samples, look)
+        self.toned, self._is_settled = (presenter, samples, look), settled

@@ -19,6 +19,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from ... import env
 from ...errors import AirlightError, SceneError, memory_wanted, within_memory
 from .ledger import note_read
 
@@ -112,6 +113,16 @@ def in_utf8(raw: bytes) -> bytes:
         if raw.startswith(mark):
             return raw[2:].decode(codec, "replace").encode()
     return raw
+
+
+def root_around(own: Path) -> Path:
+    """The folder in which a scene in the folder `own` may name files, beside that itself.
+
+    AIRLIGHT_ROOT where that lies around it.
+    """
+    chosen = env.value("AIRLIGHT_ROOT")
+    root = Path(chosen).resolve() if chosen else own
+    return root if own.is_relative_to(root) else own
 
 
 def inside(root: Path, name: str, where: object, start: Path | None = None) -> Path:

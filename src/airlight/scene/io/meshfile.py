@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -78,9 +78,56 @@ def _read(path: Path) -> Any:
     except Exception as error:  # its readers raise KeyError, ValueError, IndexError, ...
         reason = str(error) or type(error).__name__
         raise SceneError(f"not a readable {kind.upper()} file ({reason})", where=path) from None
+    if isinstance(loaded, trimesh.PointCloud):
+        loaded = _of_strips(loaded, path)
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
         raise SceneError("it has no triangles", where=path)
     return loaded
+
+
+def _of_strips(points: Any, path: Path) -> Any:
+    """The mesh of a PLY file that has strips of triangles in place of faces; else what it was."""
+    import trimesh
+
+    data, vertices = _ply_data(points, "tristrips"), _ply_data(points, "vertex")
+    names = [name for name in _names(data) if name in _INDEX_NAMES]
+    if not names:
+        return points
+    listed = data[names[0]]
+    if getattr(listed, "dtype", None) is not None and listed.dtype.names:
+        listed = listed["f1"]  # of a binary file: count and corners
+    triangles = strip_triangles([np.asarray(strip, dtype=np.int64).ravel() for strip in listed])
+    if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(points.vertices)):
+        raise SceneError(
+            f"strip index {triangles.max()} is out of range: "
+            f"the file has {len(points.vertices)} vertices",
+            where=path,
+        )
+    own: dict[str, Any] = {}
+    if {"nx", "ny", "nz"} <= {*_names(vertices)}:
+        own["vertex_normals"] = np.stack([vertices[name] for name in ("nx", "ny", "nz")], axis=1)
+    if len(getattr(points, "colors", ())) == len(points.vertices):
+        own["vertex_colors"] = points.colors
+    return trimesh.Trimesh(
+        points.vertices, triangles, process=False, metadata=points.metadata, **own
+    )
+
+
+def strip_triangles(strips: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
+    """The triangles (T, 3) of strips of corners; -1 begins another one within a strip.
+
+    Each corner after the second makes one with the two before it, every other of them turned.
+    Those with a corner twice lead from strip to strip, and are no surface.
+    """
+    found = [np.zeros((0, 3), dtype=np.int64)]
+    for strip in strips:
+        for part in np.split(strip, np.flatnonzero(strip == -1)):
+            corners = part[1:] if len(part) and part[0] == -1 else part
+            triangles = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=-1)
+            triangles[1::2] = triangles[1::2, ::-1]
+            a, b, c = triangles.T
+            found.append(triangles[(a != b) & (b != c) & (c != a)])
+    return np.concatenate(found)
 
 
 def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
@@ -131,7 +178,8 @@ def _unread(mesh: Any) -> Iterator[str]:
         unknown = [name for name in _names(_ply_data(mesh, element)) if name not in known]
         if unknown:
             yield f"the {element} properties {', '.join(unknown)} are not read"
-    others = [name for name in elements if name not in ("vertex", "face")]
+    read = ("vertex", "face" if "face" in elements else "tristrips")
+    others = [name for name in elements if name not in read]
     if others:
         yield f"the elements {', '.join(others)} are not read"
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ... import env
 from ...errors import SceneError
-from .files import inside, regular_file
+from .files import inside, regular_file, root_around
 
 MAX_DEPTH = 60
 """Of plugins in plugins, as written; twice that by references."""
@@ -69,9 +68,7 @@ class Folders:
     def of(cls, path: Path) -> Folders:
         """Those of the scene at `path`. Raises SceneError where there is no such file."""
         own = regular_file(path).resolve().parent
-        chosen = env.value("AIRLIGHT_ROOT")
-        root = Path(chosen).resolve() if chosen else own
-        return cls(own, root if own.is_relative_to(root) else own)
+        return cls(own, root_around(own))
 
     def find(self, name: str, where: object) -> Path:
         """The first file of that name; where none exists, what it would be beside the scene.

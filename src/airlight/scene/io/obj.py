@@ -37,6 +37,9 @@ def load_obj(path: Path) -> Scene:
     if data.unread:
         listed = ", ".join(f"'{keyword}'" for keyword in data.unread)
         textures.warnings.append(f"{path}: its statements {listed} are not read and left out")
+    for keyword in data.absent:
+        said = f"{path}: its faces name '{keyword}' indices, and it has no '{keyword}'"
+        textures.warnings.append(f"{said}: they go without")
     materials = _materials(data, path, textures)
     triangles = _triangles(data)
     if len(triangles.corners) == 0:

@@ -41,7 +41,7 @@ class ObjData:
     `normals` (N, 3) float64; `corners` (C, 3) position, uv and normal index of each polygon
     corner; per polygon `sizes`, `lines` (1-based), `material` (into `material_names`) and
     `is_flat` (smoothing is off). `unread`: keywords of statements that mean something and are left
-    out.
+    out. `absent`: those that corners name the indices of, and of which there is none.
     """
 
     positions: Floats
@@ -56,6 +56,7 @@ class ObjData:
     material_names: tuple[str, ...]
     libraries: tuple[str, ...]
     unread: tuple[str, ...] = ()
+    absent: tuple[str, ...] = ()
 
 
 def parse_obj(raw: bytes, path: Path) -> ObjData:
@@ -68,7 +69,11 @@ def parse_obj(raw: bytes, path: Path) -> ObjData:
     # Faces, their negative indices counted from the line they stand on.
     corners, sizes = lines.corners()
     face_lines = lines.of(_FACE)
+    absent = []
     for column, kind in enumerate((_V, _VT, _VN)):
+        if kind != _V and not len(lines.of(kind)) and corners[:, column].any():
+            absent.append(_KIND_NAMES[kind])
+            corners[:, column] = 0  # as if the faces did not name them
         _resolve(corners[:, column], sizes, face_lines, lines.of(kind), kind, path)
     # Materials and smoothing hold from their line until the next.
     statements = _Statements(lines)
@@ -85,6 +90,7 @@ def parse_obj(raw: bytes, path: Path) -> ObjData:
         material_names=tuple(statements.material_names),
         libraries=tuple(statements.libraries),
         unread=_unread(lines),
+        absent=tuple(absent),
     )
 
 

@@ -197,6 +197,9 @@ class UsdMaterials:
         space = str(self._value(source, "sourceColorSpace") or "auto")
         is_srgb = space == "sRGB" or (space == "auto" and is_color)
         key = (f"{source.GetPath()} {asset}", is_srgb)
+        if key not in self._images and not asset:
+            self.warnings.append(f"{place}: it names no file: its fallback stands in")
+            self._images[key] = self._fallback(source)
         if key not in self._images:
             try:
                 self._images[key] = self._opened(source, asset, is_srgb)
@@ -204,6 +207,12 @@ class UsdMaterials:
                 self.warnings.append(f"{place}: {error.problem}; a magenta checker stands in")
                 self._images[key] = missing_texture(asset)
         return self._images[key]
+
+    def _fallback(self, source: Any) -> Texture:
+        """One texel of what a UsdUVTexture says for where there is no image; black, if nothing."""
+        value = np.array(self._value(source, "fallback") or (0.0, 0.0, 0.0, 1.0), float)
+        texel = np.round(np.clip(value, 0.0, 1.0) * 255.0).astype(np.uint8)
+        return Texture(texel.reshape(1, 1, 4), is_srgb=False)
 
     def _opened(self, source: Any, asset: str, is_srgb: bool) -> Texture:
         from pxr import Ar

@@ -76,11 +76,14 @@ class _Faces:
     def __init__(self, mesh: Any, time: Any) -> None:
         self._mesh, self._time = mesh, time
         where = str(mesh.GetPath())
-        self.positions = _array(mesh.GetPointsAttr().Get(time), 3)
-        self.sizes = np.array(mesh.GetFaceVertexCountsAttr().Get(time) or [], np.int64)
-        self.corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(time) or [], np.int64)
-        if not np.isfinite(self.positions).all():
-            raise SceneError(f"'{where}': its points hold NaN or infinite numbers")
+        points = mesh.GetPointsAttr().Get(time)
+        has_points = points is not None and (not hasattr(points, "__len__") or len(points) > 0)
+        positions = _table(points, 3) if has_points else np.zeros((0, 3))
+        if positions is None:
+            raise SceneError(f"'{where}': its points hold NaN or infinite numbers, or no positions")
+        self.positions = positions
+        self.sizes = _numbers(mesh.GetFaceVertexCountsAttr().Get(time), where)
+        self.corners = _numbers(mesh.GetFaceVertexIndicesAttr().Get(time), where)
         if (self.sizes < 0).any() or int(self.sizes.sum()) != len(self.corners):
             raise SceneError(f"'{where}': its faces and their corners do not fit together")
         if len(self.corners) and not 0 <= self.corners.min() <= self.corners.max() < len(
@@ -125,9 +128,8 @@ class _Faces:
         rows: I64 | None
         found, rows = self._primvar("normals", 3, points, at, face)
         if found is None:
-            values = self._mesh.GetNormalsAttr().Get(self._time)
-            if values is not None and len(values):
-                found = _array(values, 3)
+            found = _table(self._mesh.GetNormalsAttr().Get(self._time), 3)
+            if found is not None:
                 kind = str(self._mesh.GetNormalsInterpolation())
                 rows = _rows(kind, len(found), None, points, at, face)
         if found is None or rows is None or rows.max() >= len(found):
@@ -153,10 +155,8 @@ class _Faces:
         none = np.full(points.shape, -1, np.int64)
         primvar = UsdGeom.PrimvarsAPI(self._mesh).FindPrimvarWithInheritance(name)
         values = primvar.Get(self._time) if primvar and primvar.HasValue() else None
-        if values is None or not hasattr(values, "__len__") or not len(values):
-            return None, none
-        made = np.array(values, np.float64).reshape(len(values), -1)
-        if made.shape[1] != width or not np.isfinite(made).all():
+        made = _table(values, width)
+        if made is None:
             return None, none
         index = primvar.GetIndices(self._time) if primvar.IsIndexed() else None
         kind = str(primvar.GetInterpolation())
@@ -184,10 +184,26 @@ def _rows(kind: str, count: int, index: Any, points: I64, at: I64, face: I64) ->
     return rows if rows.min() >= 0 and rows.max() < count else None
 
 
-def _array(values: Any, width: int) -> F64:
-    if values is None:
-        return np.zeros((0, width))
-    return np.asarray(np.array(values, np.float64).reshape(-1, width), np.float64)
+def _table(values: Any, width: int) -> F64 | None:
+    """An attribute's values (N, width), finite; None where it has none, or those of another type
+    than its schema says."""
+    try:
+        made: F64 = np.array(values, np.float64)
+    except (TypeError, ValueError):
+        return None
+    fits = made.ndim == 2 and made.shape[1] == width and len(made) > 0
+    return made if fits and np.isfinite(made).all() else None
+
+
+def _numbers(values: Any, where: str) -> I64:
+    """Whole numbers of an attribute, in a row; none where it has none. Raises SceneError."""
+    try:
+        made = np.array([] if values is None else values)
+        if made.ndim == 1 and (not made.size or np.issubdtype(made.dtype, np.integer)):
+            return made.astype(np.int64)
+    except (TypeError, ValueError):
+        pass
+    raise SceneError(f"'{where}': its faces are no whole numbers")
 
 
 def _image_uvs(uvs: F64) -> NDArray[np.float32]:

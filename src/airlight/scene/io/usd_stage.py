@@ -1,4 +1,5 @@
-"""Opening a USD file with all of its layers, none of which lies outside of the file's folder.
+"""Opening a USD file with all of its layers, none of which lies outside of the file's folder, or of
+AIRLIGHT_ROOT where that lies around it.
 
 USD's own resolver opens whatever a layer names. So each layer is opened on its own first, without
 composition, and what it would compose is looked up and checked, before the stage is opened. The
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
-from .files import regular_file
+from .files import regular_file, root_around
 from .ledger import note_read
 
 _MOST_LAYERS = 4096
@@ -66,13 +67,13 @@ def opened_stage(path: Path) -> Any:
         ) from None
     # Every layer that the first one names, before the library composes them: none outside of the
     # folder is read.
-    folder = path.parent.resolve()
+    folder = root_around(path.parent.resolve())
     try:
         first = _layer(path.resolve(), Sdf)
         todo, seen = [first], {first.identifier}
         while todo:
             for name in _named(todo.pop(), folder):
-                layer = Sdf.Layer.FindOrOpen(name)
+                layer = _opened_layer(name)
                 if layer is not None and layer.identifier not in seen:
                     if len(seen) >= _MOST_LAYERS:
                         raise SceneError(f"has over {_MOST_LAYERS:,} layers")
@@ -92,6 +93,17 @@ def _resolver_context(path: Path) -> Any:
     from pxr import Ar
 
     return Ar.GetResolver().CreateDefaultContextForAsset(str(path.resolve()))
+
+
+def _opened_layer(name: str) -> Any:
+    """A layer that another one names; None where the library cannot read it, as MaterialX without
+    its plugin: the library leaves it out, too, and says so."""
+    from pxr import Sdf, Tf
+
+    try:
+        return Sdf.Layer.FindOrOpen(name)
+    except Tf.ErrorException:
+        return None
 
 
 def _layer(path: Path, sdf: Any) -> Any:
@@ -167,5 +179,6 @@ def _is_within(path: str, folder: Path) -> bool:
 
 def _outside(asset: str) -> SceneError:
     return SceneError(
-        f"it names '{asset}', which is outside its folder", remedy="Copy the file beside it."
+        f"it names '{asset}', which is outside its folder",
+        remedy="Copy the file beside it, or set AIRLIGHT_ROOT to a folder around both.",
     )
