@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -98,6 +100,45 @@ def test_adapters_are_listed_best_first_and_never_opengl(gpu):
     order = ["DiscreteGPU", "IntegratedGPU", "VirtualGPU", "CPU", "Unknown", "Other"]
     ranks = [order.index(a.adapter_type) for a in found]
     assert ranks == sorted(ranks)
+
+
+LOADED = """
+from pathlib import Path
+from airlight.gpu.device import adapters
+def loaded(): return sorted({line.split("/")[-1].split(".")[0]
+                             for line in Path("/proc/self/maps").read_text().splitlines()
+                             if "libEGL" in line})
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="libraries are not listed")
+def test_opengl_is_not_loaded_to_find_adapters(child):
+    assert child(f"{LOADED}\nprint(len(adapters()) > 0, loaded())") == ["True []"]
+
+
+def test_an_instance_of_another_user_of_wgpu_is_shared(child):
+    said = child(
+        """
+import wgpu
+theirs = wgpu.gpu.request_adapter_sync()
+from airlight.gpu.device import adapters
+print({a.backend for a in adapters()} & {"OpenGL"}, made().frame().radiance.any())
+print(theirs.request_device_sync().adapter is theirs)
+"""
+    )
+    assert said == ["set() True", "True"]
+
+
+def test_another_user_of_wgpu_may_come_after(child):
+    said = child(
+        """
+import wgpu
+print(made().frame().radiance.any())
+theirs = wgpu.gpu.request_adapter_sync()
+print(theirs.request_device_sync().adapter is theirs)
+"""
+    )
+    assert said == ["True", "True"]
 
 
 def test_the_device_is_opened_once(gpu):

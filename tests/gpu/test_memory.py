@@ -142,3 +142,19 @@ def test_a_part_of_a_buffer_is_bound_and_read_as_one(gpu):
     del part
     assert gpu.allocated_bytes == before + 512
     whole.release()
+
+
+def test_parts_of_an_upload_are_handed_over_where_that_keeps_nobody_waiting(
+    gpu, owned, monkeypatch
+):
+    """A submit waits on a CPU adapter until all before it is done: not for 20 MB."""
+    given = np.arange(20 << 18, dtype=np.uint32)
+    made = owned(Buffer(gpu, "20 MB", given.nbytes))
+    submit, handed = type(gpu.queue).submit, []
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            type(gpu.queue), "submit", lambda queue, work: (handed.append(1), submit(queue, work))
+        )
+        made.write(given)
+    assert len(handed) == (0 if gpu.is_cpu else 3)
+    np.testing.assert_array_equal(made.read(np.uint32), given)

@@ -80,3 +80,21 @@ def test_the_sky_is_drawn_once_where_a_frame_follows_at_once(
         cubes.append(kit.lattices.cube.read())
     assert cubes[0].any()
     np.testing.assert_array_equal(*cubes)
+
+
+def test_what_is_shared_is_submitted_before_solvers_compile_in_the_first_frame_alone(
+    gpu: Any, owned: Any, square: Any, monkeypatch: Any
+) -> None:
+    scene = Scene(meshes=(square((0, 0, 0), (2, 0, 0), (0, 0, -2)),))
+    meshes, commands = owned(GpuScene(gpu, scene)), Commands(gpu)
+    kits = [
+        owned(Kit(Context(gpu, scene, meshes, (8, 8), begun), SETTINGS))
+        for begun in (commands, None)
+    ]
+    submitted: list[Kit] = []
+    for kit in (kits[0], kits[0], kits[1]):
+        with monkeypatch.context() as patch:
+            patch.setattr(commands, "submit", lambda kit=kit: submitted.append(kit))
+            kit.encode(commands, scene, *kit.bounds(scene))
+        commands.submit()
+    assert submitted == [kits[0]]

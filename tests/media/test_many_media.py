@@ -165,3 +165,24 @@ def test_lists_of_media_are_made_where_something_moved() -> None:
 def test_tables_of_media_share_columns() -> None:
     """A lattice of reduced media finds none of its own beside those of the image."""
     assert works(10, "lpv-scatter")["lit"].invocations == works(10, "single")["lit"].invocations
+
+
+@pytest.mark.parametrize("technique", ["single", "lpv-scatter"])
+def test_other_numbers_of_many_compile_nothing_again(technique: str) -> None:
+    """Shaders are made for 16 of them; the tree of a scene ends where its media do."""
+    made = []
+    for count, seed in ((13, 2), (15, 3), (13, 2)):
+        settings = {k: v for k, v in SMALL.items() if technique != "single" or k != "resolution"}
+        with Renderer(puffs(count, seed), technique, SIZE, settings=settings) as renderer:
+            image = renderer.frame()
+            made.append((len(renderer.gpu.pipelines), image.radiance if image else None))
+    assert [n for n, _ in made] == [made[0][0]] * 3
+    np.testing.assert_array_equal(made[0][1], made[2][1])
+    assert not np.array_equal(made[0][1], made[1][1])
+
+
+def test_shaders_are_made_for_few_numbers() -> None:
+    made = [media_slots.room_for(count) for count in range(257)]
+    assert made[:9] == [1, 1, 2, 3, 4, 5, 6, 7, 8]
+    assert sorted(set(made[9:])) == [12, 16, 24, 32, 48, 64, 96, 128, 192, 256]
+    assert all(room >= count for count, room in enumerate(made))

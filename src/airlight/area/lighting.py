@@ -225,6 +225,7 @@ class AreaLighting:
         `emission`: in place of the G-buffer's. In frames (not `is_still`) half of an emitter's
         samples do where they see all of it or nothing.
         """
+        # One texture for images of one size.
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
             self._lit = Texture(
                 self.gpu, "area light", gbuffer.size, "rgba32float", target=True, written=True

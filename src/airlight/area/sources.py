@@ -53,6 +53,7 @@ def sources(scene: Scene) -> list[Source]:
         for row, mesh in enumerate(scene.meshes)
         if mesh.material.is_emissive and not isinstance(mesh, LightMesh)
     }
+    # Meshes that belong together are one light, sampled over the whole.
     parts = parts_of_wholes(glowing)
     found = [
         Source(mesh, side, mesh=row, part=part)

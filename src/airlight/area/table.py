@@ -179,6 +179,7 @@ def emitter_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
     rows, first = [], 0
     for emitter in emitters:
         shape, spot = emitter.shape, emitter.spot
+        # An emitter is a shape that sends, perhaps within a cone, and a run of its samples.
         corners = 0 if shape.corners is None else len(shape.corners)
         rows.append(
             {
@@ -221,6 +222,8 @@ def sample_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
         # Each sample, where it is beside the first one of its emitter.
         first, near_far = emitter.samples[0], reach(emitter, low, high)
         for sample in emitter.samples:
+            # Where it lies and sends, in axes of its own; what of it is a segment or a tube; and
+            # how its map stores depth.
             light, axes = sample.light, frame(sample)
             segment = sample.segment or Segment(np.array(light.position), np.zeros(3), 0.0)
             scale, offset = depth_terms(*planes(sample, *near_far))

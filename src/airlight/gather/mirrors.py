@@ -116,6 +116,7 @@ class Mirrors:
         assert self._rays is not None and self._sized is not None
         sized = self._sized
         for index in range(self._segments):
+            # A segment's hits are the next one's starts: two sets of buffers, in turn.
             goes_on = index + 1 < self._segments
             params = sized.params(view, first, index, self._kit.rays.raised, goes_on=goes_on)
             hits, starts = sized.hits[index % 2], sized.starts[index % 2]
@@ -126,6 +127,7 @@ class Mirrors:
             }
             given = {**met[0].bound, **met[1].bound, "params": params, "listed": sized.listed}
             with commands.stage("mirrored rays"):
+                # The first segment starts at pixels that mirror, others where the one before ended.
                 if index == 0:
                     self._rays[1].dispatch(
                         commands,

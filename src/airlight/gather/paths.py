@@ -114,6 +114,8 @@ class Paths:
 
         `rays`: of a point, in this sample of the image. `lattices`: what becomes of theirs.
         """
+        # Points add up what their rays met: light of surfaces, of media on the way, and the
+        # lattice's where a path ends.
         self._fold.dispatch(
             commands,
             (self._points.reduced[0], self._points.reduced[1] * len(segment.numbers)),

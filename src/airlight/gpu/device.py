@@ -1,7 +1,8 @@
 """Choose a graphics adapter and open it.
 
 WebGPU on Vulkan, Metal or DirectX 12; OpenGL adapters are never used, because the driver
-falls back to OpenGL silently where Vulkan is missing and then lacks what we need.
+falls back to OpenGL silently where Vulkan is missing and then lacks what we need. OpenGL is not
+even loaded, unless another user of wgpu in the process has done so before.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any
 
 import wgpu
 from wgpu.backends.wgpu_native import ffi
+from wgpu.backends.wgpu_native.extras import set_instance_extras
 
 from ..errors import DeviceError
 from .asked import Asked, asked_features, asked_limits, chosen_asked, has_uniforms_in_storage
@@ -31,6 +33,7 @@ NO_DRIVER_REMEDY = (
     "Install a Vulkan driver: your GPU vendor's, or the software one "
     "(Debian and Ubuntu: apt install mesa-vulkan-drivers)"
 )
+_BACKENDS = ("Vulkan", "Metal", "DX12")
 _PREFERENCE = ("DiscreteGPU", "IntegratedGPU", "VirtualGPU", "CPU", "Unknown", "Other")
 declare_only_what_is_named(ffi)
 
@@ -57,11 +60,23 @@ _found: list[Any] = []
 _opened: dict[tuple[AdapterInfo, CodePaths, Asked], Gpu] = {}
 
 
+def _leave_out_opengl() -> None:
+    """Make wgpu's instance of this process without OpenGL, or share the one that there is.
+
+    Loading EGL is most of what enumerating costs, and Mesa's warns where it finds no drivers of its
+    own. All other defaults are as wgpu has them ("Undefined": its own choice).
+    """
+    try:
+        set_instance_extras(backends=_BACKENDS, dx12_compiler="Undefined")
+    except RuntimeError:
+        return  # there is one, from another user of wgpu or from before the device was lost
+
+
 def _enumerate() -> list[Any]:
     """All adapters, enumerated once.
 
-    Any thread may drop them later, which not all drivers bear; OpenGL's end the process where two
-    threads enumerate at once.
+    Any thread may drop them later, which not all drivers bear; OpenGL's, which others may have
+    loaded, end the process where two threads enumerate at once.
     """
     enter_driver()
     with _OPENING:
@@ -69,6 +84,7 @@ def _enumerate() -> list[Any]:
             check_memory(TO_FIND)
             if not os.environ.get("XDG_RUNTIME_DIR") and os.name == "posix":
                 os.environ["XDG_RUNTIME_DIR"] = tempfile.gettempdir()
+            _leave_out_opengl()
             try:
                 _found.extend(wgpu.gpu.enumerate_adapters_sync())
             except RuntimeError:
@@ -169,6 +185,15 @@ class Gpu(Scope):
     def is_cpu(self) -> bool:
         """Whether this is a CPU adapter. Code paths ask `paths` instead."""
         return self.info.is_cpu
+
+    @property
+    def uploaded_at_once(self) -> int:
+        """Bytes of a buffer; more would hold up whoever else uses the device.
+
+        A CPU adapter copies 64 MB in some 25 ms, and lets the host wait, at a submit, until all
+        that was submitted before is done.
+        """
+        return 64 << 20 if self.is_cpu else 8 << 20
 
     def scope(self) -> Gpu:
         """The same device with a scope of its own within this one, released no later than it."""

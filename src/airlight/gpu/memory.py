@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from .device import Gpu
 from .process import is_forked
 
-_AT_ONCE = 8 << 20  # bytes of a buffer: more would hold up whoever else uses the device
 _TEXTURE_USAGE = (
     wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_SRC | wgpu.TextureUsage.COPY_DST
 )
@@ -225,9 +224,10 @@ class Buffer(_Counted):
         """Upload; happens before anything submitted later, after anything submitted before."""
         sent = np.ascontiguousarray(data).reshape(-1).view(np.uint8)
         with self.gpu.guarded():
-            for k in range(0, len(sent), _AT_ONCE):
-                self.gpu.queue.write_buffer(self.handle, offset + k, sent[k : k + _AT_ONCE])
-                if len(sent) > _AT_ONCE:  # copied while the next part is handed over
+            most = self.gpu.uploaded_at_once
+            for k in range(0, len(sent), most):
+                self.gpu.queue.write_buffer(self.handle, offset + k, sent[k : k + most])
+                if len(sent) > most:  # copied while the next part is handed over
                     self.gpu.queue.submit([])
 
     def read(self, dtype: Any = np.float32) -> NDArray[Any]:

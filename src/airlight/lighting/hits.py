@@ -114,10 +114,12 @@ class HitLighting:
     ) -> dict[str, Any]:
         """The resources of lighting, by slot name."""
         kit, lights = self.kit, self.kit.lights
+        # What is hit and glows shines as one of a light's samples, not by its material.
         eye = (0.0, 0.0, 0.0)
         emission = hits.emission
         if self._area is not None:
             emission = self._area.encode(commands, hits, (np.eye(4), eye), lights.table)
+        # Hits have positions of their own: no camera takes part.
         params = LightingParams(
             world_from_clip=np.eye(4),
             eye=eye,

@@ -112,6 +112,8 @@ class Context:
 class Kit:
     """Lights, sky and lattices of one scene, updated once a frame for all solvers."""
 
+    _is_first = True  # until a frame is encoded
+
     def __init__(
         self,
         context: Context,
@@ -207,6 +209,10 @@ class Kit:
             self.lattices.encode(commands, scene)
         with commands.stage("sky"):
             self._light_sky(commands, scene)
+        # In the first frame the device does all this while the solvers' kernels are compiled.
+        if self._is_first and self.context.commands:
+            commands.submit()
+        self._is_first = False
 
     def _light_sky(self, commands: Commands, scene: Scene) -> None:
         """Update the sky's maps, and its light in lattices where it or their blockers changed."""

@@ -13,6 +13,7 @@ media_rows       each medium as a row of their table
 atlas            their density grids in one texture; emission_grids: what they give off
 density_grids    that texture and the columns through it, once for all tables of media
 media_tree       their boxes, as rays walk them; path_lists: those between a point and a light
+media_changes    the boxes of media that changed; stale_cells: cells that the sky's light reaches so
 light_columns    column density of density grids towards lights; column_texels: how fine
 detail           noise below their voxels
 rays             which eye ray each texel of a reduced image stands for

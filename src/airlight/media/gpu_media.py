@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.commands import Commands
@@ -30,6 +31,7 @@ from .atlas import LIMIT
 from .density_grids import ColumnPlan, density_atlas, light_columns
 from .detail import detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, glows, has_emission
+from .media_changes import MediaChanges
 from .media_rows import (
     BOX,
     GRID,
@@ -58,6 +60,7 @@ from .media_slots import (
     path_list_reads,
     path_list_slots,
     path_list_wgsl,
+    room_for,
 )
 from .media_tree import media_nodes
 from .path_lists import PathLists
@@ -102,7 +105,7 @@ class GpuMedia:
                 remedy="Merge some of the volumes into one grid",
             )
         # Media as rows of a table, their densities as boxes of a texture.
-        self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * max(1, self.count))
+        self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * room_for(self.count))
         volumes, shared = gridded(scene), columns.shared or Shared()
         self.atlas = density_atlas(gpu, volumes, shared) if volumes else None
         self._densities_seen = -1
@@ -112,7 +115,7 @@ class GpuMedia:
         # What the table was filled from: frozen media, and the box of those without bounds.
         self._media: tuple[object, ...] = ()
         self._box: tuple[float, ...] = ()
-        self.version = 0
+        self.version, self._changes = 0, MediaChanges()
         self.has_emission, has_glow = has_emission(scene), any(map(glows, scene.volumes))
         self._emission = EmissionGrids(gpu, scene.volumes) if has_glow else None
         # What passes bind, and the WGSL that reads it: media alone, or with columns towards lights.
@@ -189,15 +192,34 @@ class GpuMedia:
             changed = self.atlas.version != self._densities_seen
             self._densities_seen = self.atlas.version
         self.rows = self._rows(scene, low, high)
-        packed = pack_array(MediumData, self.rows)
-        packed["nodes"] = media_nodes(self.rows, len(packed))
+        packed = np.zeros(room_for(self.count), MediumData.dtype)
+        packed[: max(1, self.count)] = pack_array(MediumData, self.rows)
+        plain, boxes = packed.tobytes(), np.array(packed["volume_from_world"])
+        blocks = self.paths.count if self.paths else None
+        packed["nodes"] = media_nodes(self.rows, len(packed), blocks)
         if self._emission is not None:
             changed = self._emission.update(scene.volumes) or changed
         if packed.tobytes() != self._written:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
         self._box, self._media = box, media
+        if changed:
+            self._changes.take(self.version + 1, plain, boxes, self._grid_versions())
         return changed
+
+    def _grid_versions(self) -> list[int]:
+        """The version of each medium's densities."""
+        grids = iter(self.atlas.versions if self.atlas else ())
+        return [next(grids) if row["kind"] == GRID else 0 for row in self.rows]
+
+    def touched_since(self, version: int) -> NDArray[np.float32] | None:
+        """The boxes (n, 4, 4) of media before and after they changed since a `version`.
+
+        None: anywhere; also where a tree was built again, and media add up in another order.
+        """
+        if has_tree(self.count) and self.paths is None and version != self.version:
+            return None
+        return self._changes.since(version, self.version)
 
     @property
     def medium_bound(self) -> dict[str, Any]:
@@ -225,7 +247,7 @@ class GpuMedia:
         has_sized = any(light.has_size for light in scene.lights)
         wgsl = self.medium_wgsl
         wgsl += column_wgsl(grids, light_count, has_sized_lights=has_sized)
-        wgsl += path_list_wgsl(self.count, self.paths.count if self.paths else None)
+        wgsl += path_list_wgsl(self.count, has_lists=self.paths is not None)
         wgsl += path_list_reads(has_lists=self.paths is not None)
         return slots + (path_list_slots() if self.paths else ()), wgsl
 

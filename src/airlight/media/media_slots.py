@@ -38,6 +38,18 @@ def has_tree(count: int) -> bool:
     return count > LISTED_WHOLE
 
 
+def room_for(count: int) -> int:
+    """The number of media that shaders for `count` of them are made for.
+
+    Of many the next power of two or three quarters of it, so that scenes with other numbers compile
+    nothing again; the rows of their table beyond `count` are empty.
+    """
+    if not has_tree(count):
+        return max(1, count)
+    power = 1 << (count - 1).bit_length()
+    return power if 4 * count > 3 * power else 3 * power // 4
+
+
 LIST_BITS = 128
 """Media in a texel of a list of those on a path (`path_lists`)."""
 
@@ -52,15 +64,13 @@ def path_list_slots() -> tuple[Slot, ...]:
     return (texture("path_lists", "3d", "uint"),)
 
 
-def path_list_wgsl(count: int, blocks: tuple[int, int, int] | None) -> str:
-    """What `wgsl/path_lists.wgsl` needs of lists for so many `blocks`; None without lists."""
-    texels = list_texels(count) if blocks else 1
-    visits = count + texels if blocks else _tree_nodes(count)
-    nx, ny, nz = blocks or (1, 1, 1)
+def path_list_wgsl(count: int, *, has_lists: bool) -> str:
+    """What `wgsl/path_lists.wgsl` needs of so many media, with lists or without."""
+    texels = list_texels(count) if has_lists else 1
+    visits = room_for(count) + texels if has_lists else _tree_nodes(count)
     return (
-        f"const HAS_PATH_LISTS = {str(blocks is not None).lower()};\n"
+        f"const HAS_PATH_LISTS = {str(has_lists).lower()};\n"
         f"const MEDIA_VISITS = {visits}u;\nconst PATH_TEXELS = {texels}u;\n"
-        f"const PATH_BLOCKS = vec3u({nx}u, {ny}u, {nz}u);\n"
     )
 
 
@@ -73,14 +83,14 @@ def path_list_reads(*, has_lists: bool) -> str:
 def tree_wgsl(count: int) -> str:
     """The constants of `wgsl/media_tree.wgsl`."""
     return (
-        f"const MEDIA_COUNT = {max(1, count)}u;\n"
+        f"const MEDIA_COUNT = {room_for(count)}u;\n"
         f"const HAS_MEDIA_TREE = {str(has_tree(count)).lower()};\n"
         f"const MEDIA_NODES = {_tree_nodes(count)}u;\n"
     )
 
 
 def _tree_nodes(count: int) -> int:
-    return 2 * count - 1 if has_tree(count) else max(1, count)
+    return 2 * room_for(count) - 1 if has_tree(count) else room_for(count)
 
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
@@ -103,9 +113,11 @@ def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
     sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
     noise = sample if has_detail else "0.0"
     density, size = _read("media_densities", grids)
-    copied = 1 if has_tree(count) else max(1, count)
+    copied = 1 if has_tree(count) else room_for(count)
+    # Of many grids shaders ask only whether there are several, and for a bound.
+    bound = room_for(count) if has_tree(count) and grids > 1 else grids
     return (
-        f"{tree_wgsl(count)}const GRID_COUNT = {grids}u;\nconst COPIED_MEDIA = {copied}u;\n"
+        f"{tree_wgsl(count)}const GRID_COUNT = {bound}u;\nconst COPIED_MEDIA = {copied}u;\n"
         f"fn medium_noise(at: vec3f) -> f32 {{ return {noise}; }}\n"
         f"fn densities_texel(at: vec3f) -> vec2f {{ return {density}.xy; }}\n"
         f"fn densities_size() -> vec3f {{ return {size}; }}\n"

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32, vec3f
+from ..gpu.layout import Struct, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, uniform
 from ..maths.transforms import F64
@@ -29,7 +29,7 @@ from .media_slots import MediumData, list_texels, path_list_wgsl, tree_wgsl
 
 BLOCKS = 1024
 """In all, about; more make shorter lists, which take longer to make."""
-_MOST_ALONG = 32
+_MOST_ALONG = 32  # the root of the media's tree has six bits for each (media_tree)
 RUN = 8
 """Lists that an invocation makes: a CPU adapter loads the media that they share lane by lane."""
 _PLACED = ("kind", "position", "direction")  # of a light, all that lists depend on
@@ -40,6 +40,7 @@ class PathListParams(Struct):
 
     media = u32()
     lights = u32()
+    blocks = vec3u("along x, y, z")
 
 
 class PathLight(Struct):
@@ -74,7 +75,7 @@ class PathLists:
         nx, ny, nz = self.count
         size = (nx * ny, nz, light_count * list_texels(media_count))
         self.texture = Texture(gpu, "path lists", size, "rgba32uint", dimension="3d", written=True)
-        generated = tree_wgsl(media_count) + path_list_wgsl(media_count, self.count)
+        generated = tree_wgsl(media_count) + path_list_wgsl(media_count, has_lists=True)
         generated += f"const LISTS_AT_ONCE = {RUN}u;\n"
         self._pass = _PathLists(gpu, generated=generated)
         self._lights = Buffer(gpu, "lights of path lists", PathLight.dtype.itemsize * light_count)
@@ -99,7 +100,7 @@ class PathLists:
         self._pass.dispatch(
             commands,
             (-(-nx * ny * nz // RUN), len(lights)),
-            params=PathListParams(media=len(rows), lights=len(lights)),
+            params=PathListParams(media=len(rows), lights=len(lights), blocks=self.count),
             media=table,
             path_lights=self._lights,
             lists=self.texture,

@@ -1,21 +1,11 @@
 // The lists of some blocks for one light: a bit for each medium that lies on the way from any point of a block.
 //! use media_tree
+//! use wider_box
 
 const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a point between two
 
-// From anywhere in a block whose centre is `o` in the medium's box, light may meet the box where the ray from its centre
-// meets one that is larger by the block.
-fn may_meet(o: vec3f, d: vec3f, reach: f32, half: vec3f) -> bool {
-    let inverse = 1.0 / select(d, vec3f(1e-30), abs(d) < vec3f(1e-30));
-    let a = (-half - o) * inverse;
-    let b = (1.0 + half - o) * inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, reach));
-}
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    let n = PATH_BLOCKS;
+    let n = params.blocks;
     let blocks = n.x * n.y * n.z;
     let apart = (blocks + LISTS_AT_ONCE - 1u) / LISTS_AT_ONCE;
     if (id.x >= apart || id.y >= params.lights) {
@@ -25,6 +15,12 @@ fn may_meet(o: vec3f, d: vec3f, reach: f32, half: vec3f) -> bool {
     let all = media_node(0u);
     let side = (all.high - all.low) / vec3f(n);
     let light = path_lights[id.y];
+    var centres: array<vec3f, LISTS_AT_ONCE>;
+    for (var k = 0u; k < LISTS_AT_ONCE; k++) {
+        let block = id.x + k * apart;
+        let place = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
+        centres[k] = all.low + (vec3f(place) + 0.5) * side;
+    }
     for (var texel = 0u; texel < PATH_TEXELS; texel++) {
         var bits: array<vec4u, LISTS_AT_ONCE>;
         let end = min(128u * (texel + 1u), params.media);
@@ -34,13 +30,11 @@ fn may_meet(o: vec3f, d: vec3f, reach: f32, half: vec3f) -> bool {
             let half = 0.5 * mat3x3f(abs(axes[0]), abs(axes[1]), abs(axes[2])) * (WIDER * side);
             let bit = select(vec4u(0u), vec4u(1u << (m & 31u)), vec4u(0u, 1u, 2u, 3u) == vec4u((m >> 5u) & 3u));
             for (var k = 0u; k < LISTS_AT_ONCE; k++) {
-                let block = id.x + k * apart;
-                let place = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
-                let centre = all.low + (vec3f(place) + 0.5) * side;
-                let o = axes * centre + from_world[3].xyz;
-                let to_light = axes * select(light.towards, light.towards - centre, light.is_local != 0u);
+                let o = axes * centres[k] + from_world[3].xyz;
+                let to_light = axes * select(light.towards, light.towards - centres[k], light.is_local != 0u);
                 let reach = select(3.0e38, 1.0, light.is_local != 0u);
-                bits[k] |= select(vec4u(0u), bit, may_meet(o, to_light, reach, half));
+                // From anywhere in a block light may meet the box where the ray from its centre meets a wider one.
+                bits[k] |= select(vec4u(0u), bit, meets_wider_box(o, to_light, reach, half));
             }
         }
         for (var k = 0u; k < LISTS_AT_ONCE; k++) {

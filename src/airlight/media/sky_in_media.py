@@ -34,6 +34,7 @@ from ..surface.light_views import LightViewData
 from ..surface.shadow import comparison_sampler
 from .density_grids import ColumnPlan
 from .gpu_media import GpuMedia
+from .stale_cells import LISTED_CELLS, STALE_CELL_SLOTS, SkyLights, StaleCells
 
 _LIMIT = "max-storage-textures-per-shader-stage"
 
@@ -43,6 +44,7 @@ class SkyInMediaParams(Struct):
 
     light_count = u32()
     scale = f32("stored units per W m^-2")
+    is_listed = u32("1: cells of the list alone")
 
 
 _WRITTEN = {
@@ -67,12 +69,14 @@ class _SkyInMedia(ComputePass):
             sampler("compare", "comparison"),
             texture("lattice_walls", "3d"),
             *media.slots,
+            *STALE_CELL_SLOTS,
             *(image(name, FILTERED, "3d") for name in self.images),
         )
         stores = [f"    store_{library}(texel, light);\n" for library in written]
         super().__init__(
             gpu,
             generated=media.wgsl
+            + LISTED_CELLS
             + "".join(f"//! use {library}\n" for library in written)
             + "fn store(texel: vec3u, light: SkyLight) {\n"
             + "".join(stores)
@@ -116,8 +120,10 @@ class SkyInMedia:
         most = max(1, len(sky.lights), sky.maps.layers)
         self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * most)
         self._compare = comparison_sampler(gpu)
-        self._make_textures(gpu, size or placement.count)
-        self._written = (b"", -1)
+        nx, ny, nz = size or placement.count
+        self._make_textures(gpu, (nx, ny, nz))
+        self._lit, self._media_version = b"", -1
+        self._stale = StaleCells(gpu, nx * ny * nz)
         self.version = 0
         """Raised whenever cells were recomputed."""
 
@@ -149,26 +155,34 @@ class SkyInMedia:
         """
         self.media.update(commands, _under(frame.scene, self.sky), *frame.bounds)
         table = packed_lights(tuple(self.sky.lights))
-        written = (table.tobytes(), self.media.version)
-        before = () if written != self._written or shadows_changed else self._levels
+        is_lit_alike = table.tobytes() == self._lit and not shadows_changed
+        touched = self.media.touched_since(self._media_version) if is_lit_alike else None
+        before, has_changed = self._levels, touched is None or len(touched) > 0
         self._levels = tuple(replace(x, fade=None) for x in levels or (self.placement,))
-        # Lattices that moved, or all where light, media or shadows changed.
-        stale = [level for level in self._levels if level not in before]
+        # All cells of lattices that moved, or of all where light or shadows changed; else those
+        # that light reaches through media that did.
+        stale = [level for level in self._levels if has_changed or level not in before]
         if not stale:
             return
-        self._written = written
+        self._lit, self._media_version = table.tobytes(), self.media.version
         self.version += 1
         # A scale that fits half floats: a power of two, so that it changes no bits.
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)
         self.scale = half_scale(total)
         self._lights.write(table)
-        # Every light into every cell, shadowed by its map and attenuated by media.
+        # Every light into each of these cells, shadowed by its map and attenuated by media.
+        lights = SkyLights(self._lights, len(self.sky.lights), self.sky.maps, walls)
         for level in stale:
+            self._stale.find(commands, touched if level in before else None, level, lights)
             for part in self._passes:
                 part.dispatch(
                     commands,
                     level.count,
-                    params=SkyInMediaParams(light_count=len(self.sky.lights), scale=self.scale),
+                    params=SkyInMediaParams(
+                        light_count=lights.count,
+                        scale=self.scale,
+                        is_listed=self._stale.is_listed,
+                    ),
                     lattice=level.params(),
                     lights=self._lights,
                     views=self.sky.maps.views,
@@ -177,6 +191,7 @@ class SkyInMedia:
                     lattice_walls=walls,
                     **{name: getattr(self, name) for name in part.images},
                     **self.media.bound,
+                    **self._stale.bound,
                 )
 
     def source(self, walls: dict[str, Any], finer: tuple[Placement, ...] = ()) -> LatticeSource:

@@ -1,5 +1,6 @@
 //! use lattice_space
 //! use media_light
+//! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store(texel: vec3u, light: SkyLight)
 
 // Two of four offsets in the cell, in turn, which suffice for many lights.
@@ -32,8 +33,9 @@ fn arriving(span: CellSpan, i: u32) -> vec3f {
     return 0.5 * share * light.color;
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id >= lattice.count)) {
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let id = computed_cell(invocation);
+    if (any(id == NO_CELL)) {
         return;
     }
     // Bands of the light of the whole sky, and the irradiance of six sides.

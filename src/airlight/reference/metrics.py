@@ -228,6 +228,8 @@ class _Judge:
             omitted["noise_floor"] = "the reference has no variance"
         flips = self._flips(image, reference, omitted)
         square = float(np.sum(np.square(reference, dtype=np.float64)))
+        # Errors relative to each pixel and to the whole, energy, what eyes see, and the noise that
+        # the reference brings itself.
         return Metrics(
             relmse=relmse(image, reference, self.epsilon),
             epsilon=self.epsilon,

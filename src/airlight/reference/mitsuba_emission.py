@@ -57,6 +57,8 @@ def emission_balls(scene: Scene, notes: list[str], seed: int = 0) -> list[Elemen
     chosen = order[edges]
     sides = np.concatenate([one.sides for one in found])[chosen]
     places = points[chosen] + np.einsum("nij,nj->ni", sides, 0.8 * rng.random((BALLS, 3)) - 0.4)
+    # A ball has its voxel's colour, and all have the whole's power; large enough not to be
+    # missed, small enough not to hide one another.
     share = intensity[chosen] / weight[chosen, None] * (float(weight.sum()) / BALLS)
     radius = math.sqrt(_COVERED * _cross_section(points, weight) / (BALLS * math.pi))
     return [

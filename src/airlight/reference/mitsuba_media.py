@@ -158,6 +158,7 @@ def _grid_volume(
     notes: list[str],
 ) -> Element:
     """A heterogeneous medium. Grids are written at absolute scale, m^-1."""
+    # Extinctions add up where a medium lies around the volume.
     own_t = sigma_t_of(volume)
     medium = plugin("medium", "heterogeneous", id=name)
     sigma_t = own_t if around is None else own_t + around.sigma_t.astype(np.float32)
@@ -176,6 +177,7 @@ def _grid_volume(
         _add_grid(medium, "albedo", albedo, volume, files)
         if around is not None:
             notes.append(f"{name} in air of another albedo: its albedo is interpolated by voxel")
+    # Each phase function's share of what scatters, voxel by voxel.
     parts: list[tuple[float, F32]] = [
         (float(np.mean(g)), np.asarray(own_s * part, np.float32))
         for g, part in shares_by_g(volume, own_t)

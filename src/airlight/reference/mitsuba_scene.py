@@ -229,6 +229,7 @@ def _sensor(scene: Scene, diagonal: float, medium_id: str) -> Element:
         focus = float(np.linalg.norm(np.subtract(camera.target, camera.position)))
         add_number(sensor, "aperture_radius", camera.aperture_m / 2.0)
         add_number(sensor, "focus_distance", focus if camera.focus_m is None else camera.focus_m)
+    # Where it stands, and a range of depths that cuts nothing off.
     add_lookat(sensor, "to_world", camera.position, camera.target, camera.up)
     add_number(sensor, "fov", camera.fov_y_deg)
     add_text(sensor, "fov_axis", "y")
@@ -236,6 +237,7 @@ def _sensor(scene: Scene, diagonal: float, medium_id: str) -> Element:
     add_number(sensor, "far_clip", 1e3 * diagonal)
     if medium_id:
         add_reference(sensor, medium_id, "medium")
+    # Pixels as sums of samples without a filter, as airlight's are.
     film = plugin("film", "hdrfilm")
     add_integer(film, "width", "$width")
     add_integer(film, "height", "$height")

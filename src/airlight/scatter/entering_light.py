@@ -59,15 +59,15 @@ class EnteringLight:
         self._reflected, self._rays = Inject(gpu, media.lights), InjectRays(gpu, media.lights)
         self.single = InjectSingle(gpu, media.lights, keeps_light=keeps_light)
         self._sky_reflected = Inject(gpu, media.sky)
-        self.sky_single = InjectSingle(gpu, media.sky, keeps_light=keeps_light)
+        self.sky_single = InjectSingle(gpu, media.sky, keeps_light=keeps_light, is_first=True)
         self.forward = ForwardTextures(
             gpu, kit.lattices.placements, kit.lattices.texture_size, kit.lights.count
         )
         self._points, self.resolve = InjectPoints(gpu), Resolve(gpu)
         self.flux, self.scale = 0.0, 1.0
         """W, an upper bound of what enters a lattice; fixed-point units per W sr^-1."""
-        self.sky_key = b""
-        """Equal as long as the sky's lights and the scale are."""
+        self.sky_rows = self.sky_key = b""
+        """Equal as long as the sky's lights are; as long as these and the scale are."""
 
     def begin(self, commands: Commands, frame: Frame) -> None:
         """Draw the maps of the frame's lights."""
@@ -77,7 +77,8 @@ class EnteringLight:
         self.scale = fixed_point_scale(self.flux, returned_sharpness())
         self.forward.set_scale(scene.lights)
         table = packed_lights(tuple(sky.lights))
-        key = table.tobytes() + repr(self.scale).encode()
+        self.sky_rows = table.tobytes()
+        key = self.sky_rows + repr(self.scale).encode()
         if key != self.sky_key and self.has_sky:
             self._sky_lights.table.write(table)
         self.sky_key = key

@@ -14,12 +14,13 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32, vec2u
+from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, image, storage, uniform
 from ..lattice.lattices import Level
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
+from ..media.stale_cells import ALL_CELLS, LISTED_CELLS, STALE_CELL_SLOTS, StaleCells
 from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 from .cells import LatticeCells
 from .forward_textures import ForwardTextures
@@ -40,13 +41,14 @@ class ForwardParams(Struct):
     depth = u32("cells along z of the textures that each light has")
     taps = u32("of each part, where directional lights are blurred")
     light_step = u32("every so many of the lights counts as all of these")
-    pad = vec2u()
+    is_listed = u32("1: cells of the list alone")
+    pad = u32()
 
 
 class _Forward(ComputePass):
     """forward = base + fluence and flux per cell, W m; `stores` each light's in a texture.
 
-    `is_near`: only in cells `near` surfaces.
+    `is_near`: only in cells `near` surfaces. Else what stores none may compute cells of a list.
     """
 
     workgroup = (32, 4, 2)
@@ -55,6 +57,8 @@ class _Forward(ComputePass):
     def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool, is_near: bool) -> None:
         own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) * stores
         own += (storage("near", "u32"),) * is_near
+        is_listed = not (stores or is_near)
+        own += STALE_CELL_SLOTS * is_listed
         self.slots = (  # type: ignore[misc]
             uniform("params", ForwardParams),
             uniform("lattice", LatticeParams),
@@ -65,7 +69,9 @@ class _Forward(ComputePass):
             storage("forward", "vec4f", "read_write"),
             *own,
         )
-        super().__init__(gpu, generated=media.wgsl + _SLANT_MEDIA + _generated(stores, is_near))
+        cells = LISTED_CELLS if is_listed else ALL_CELLS
+        generated = media.wgsl + cells + _SLANT_MEDIA + _generated(stores, is_near)
+        super().__init__(gpu, generated=generated)
 
 
 _SLANT_MEDIA = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
@@ -118,11 +124,13 @@ class ForwardLight:
         *,
         base: Buffer,
         near: Buffer | None = None,
+        stale: StaleCells | None = None,
         light_step: int = 1,
     ) -> None:
         """Of the lights that stand for the sky, on top of `base`: no light.
 
-        `light_step`: cells take each so many of the lights, neighbours others.
+        `light_step`: cells take each so many of the lights, neighbours others. `stale`, where the
+        light is not for surfaces alone: the cells that are computed.
         """
         params = ForwardParams(
             light_count=lights.count,
@@ -132,7 +140,8 @@ class ForwardLight:
             depth=0,
             taps=1,
             light_step=light_step,
-            pad=(0, 0),
+            is_listed=bool(stale and stale.is_listed),
+            pad=0,
         )
         self._sky.dispatch(
             commands,
@@ -143,6 +152,7 @@ class ForwardLight:
             base=base,
             forward=self.sky,
             **({"near": near} if near else {}),
+            **(stale.bound if stale else {}),
             **lights.bound,
             **self._media.sky.bound,
         )
@@ -171,7 +181,8 @@ class ForwardLight:
             depth=textures.depth if textures else 0,
             taps=self._media.taps,
             light_step=1,
-            pad=(0, 0),
+            is_listed=0,
+            pad=0,
         )
         self._lights.dispatch(
             commands,

@@ -6,6 +6,7 @@
 //! use forward_beams
 //! use forward_depths
 //! use free_way
+//! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 //! needs fn is_read(cell: u32) -> bool
 
@@ -132,8 +133,9 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     return away / max(length(away), 1e-6);
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id >= lattice.count)) {
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let id = computed_cell(invocation);
+    if (any(id == NO_CELL)) {
         return;
     }
     let cells = lattice.count.x * lattice.count.y * lattice.count.z;

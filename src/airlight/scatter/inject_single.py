@@ -10,6 +10,7 @@ ray into cells; see inject_rays, which does, for light through gaps smaller than
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -19,13 +20,15 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
+from ..media.stale_cells import ALL_CELLS, LISTED_CELLS, STALE_CELL_SLOTS, StaleCells
 from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 
 
 class SingleParams(Struct):
-    """How many lights there are."""
+    """How many lights there are, and where they shine."""
 
     light_count = u32()
+    is_listed = u32("1: into cells of the list alone")
 
 
 _DROP = "fn keep_light(cell: u32, fluence: vec3f) {}\n"
@@ -34,16 +37,21 @@ fn keep_light(cell: u32, fluence: vec3f) {
     light[cell] = vec4f(light_base[cell].rgb + fluence, 0.0);
 }
 """
+_KEEP_ALONE = """
+fn keep_light(cell: u32, fluence: vec3f) {
+    light[cell] = vec4f(fluence, 0.0);
+}
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class CellFluence:
     """Fluence of unscattered light in each cell, rgb W m^-2: `after` = `base` + the lights'.
 
-    Its mean over what scatters in the cell.
+    Its mean over what scatters in the cell. `base`: None where there is no other light.
     """
 
-    base: Buffer
+    base: Buffer | None
     after: Buffer
 
 
@@ -52,10 +60,22 @@ class InjectSingle(ComputePass):
 
     workgroup = (32, 4, 2)
 
-    def __init__(self, gpu: Gpu, media: GpuMedia, *, keeps_light: bool = False) -> None:
-        """`keeps_light`: `encode` is given a CellFluence to fill."""
-        self._media = media
+    def __init__(
+        self,
+        gpu: Gpu,
+        media: GpuMedia,
+        *,
+        keeps_light: bool = False,
+        is_first: bool = False,
+    ) -> None:
+        """`keeps_light`: `encode` is given a CellFluence to fill.
+
+        `is_first`: there is no light before that of these lights, and only stale cells are computed
+        where `encode` is given a list of them.
+        """
+        self._media, self._is_first = media, is_first
         kept = (storage("light_base", "vec4f"), storage("light", "vec4f", "read_write"))
+        keep = _KEEP_ALONE if is_first else _KEEP
         self.slots = (  # type: ignore[misc]
             uniform("params", SingleParams),
             uniform("lattice", LatticeParams),
@@ -63,9 +83,11 @@ class InjectSingle(ComputePass):
             *media.slots,
             storage("base", "vec4f"),
             storage("cells", "vec4f", "read_write"),
-            *(kept if keeps_light else ()),
+            *(kept[is_first:] if keeps_light else ()),
+            *(STALE_CELL_SLOTS if is_first else ()),
         )
-        super().__init__(gpu, generated=media.wgsl + (_KEEP if keeps_light else _DROP))
+        cells = LISTED_CELLS if is_first else ALL_CELLS
+        super().__init__(gpu, generated=media.wgsl + cells + (keep if keeps_light else _DROP))
 
     def encode(
         self,
@@ -76,16 +98,24 @@ class InjectSingle(ComputePass):
         base: Buffer,
         cells: Buffer,
         fluence: CellFluence | None = None,
+        stale: StaleCells | None = None,
     ) -> None:
         """Gather of `lights`; `cells` must not be `base`. `fluence`: of the light that arrives.
 
-        The media's coefficients count as isotropic.
+        The media's coefficients count as isotropic. `stale`, where it `is_first`: the cells that
+        are computed; the others' light stays as it was.
         """
-        kept = {"light_base": fluence.base, "light": fluence.after} if fluence else {}
+        kept: dict[str, Any] = {"light": fluence.after} if fluence else {}
+        if fluence and fluence.base:
+            kept["light_base"] = fluence.base
+        if stale:
+            kept |= stale.bound
         self.dispatch(
             commands,
             placement.count,
-            params=SingleParams(light_count=lights.count),
+            params=SingleParams(
+                light_count=lights.count, is_listed=bool(stale and stale.is_listed)
+            ),
             lattice=placement.params(),
             base=base,
             cells=cells,

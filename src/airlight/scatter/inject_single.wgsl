@@ -3,6 +3,7 @@
 //! use media_light
 //! use cell_light
 //! use lights_in_media
+//! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn keep_light(cell: u32, fluence: vec3f)
 
 // How far p is from a light, `cut` where that is the least that counts. A medium's own light is all
@@ -73,8 +74,9 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     return sum;
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id >= lattice.count)) {
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) invocation: vec3u) {
+    let id = computed_cell(invocation);
+    if (any(id == NO_CELL)) {
         return;
     }
     // An eighth of the cell at a time, as the warp has it.

@@ -9,6 +9,9 @@ media that scatter forwards -> light deflected once, beside the lattice  -> forw
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from ..fields import Frame
@@ -19,6 +22,7 @@ from ..lattice.lobes import InjectionTarget
 from ..lattice.placement import Placement
 from ..lighting.kit import Kit
 from ..media.reduced import reduced_scene
+from ..media.stale_cells import SkyLights, StaleCells
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from .cell_lights import CellLights
@@ -47,6 +51,10 @@ class Injection:
             for name in ("no light", "static light", "reflected", "source")
         )
         self._static_key = b""
+        self._sky_single = Buffer(gpu, "scattered once of the sky", 3 * count * 16)
+        self._stale = StaleCells(gpu, count)
+        self._sky_made: tuple[Any, ...] = ()
+        self._sky_media = -1  # the version of its media
         # Unscattered light in cells: none, the sky's, and all of it.
         self._fluences: list[Buffer] = []
         if light.keeps_light:
@@ -90,7 +98,7 @@ class Injection:
             return None
         none, sky, light = self._fluences
         if is_sky:
-            return CellFluence(none, sky)
+            return CellFluence(None, sky)
         return CellFluence(sky if self.light.has_sky else none, light)
 
     @property
@@ -129,34 +137,50 @@ class Injection:
 
     def _inject_sky(self, commands: Commands, *, is_new: bool) -> None:
         """Fill `static`, which changes only with environment, media, geometry or placement."""
-        light, sky = self.light, self.kit.sky
+        light = self.light
         if light.sky_key == self._static_key and not is_new:
             return
         self._static_key = light.sky_key
         base = self.black
         if light.has_sky:
-            resources = {
-                **self.kit.lights.bound,
-                "lights": light.sky_table,
-                "parallel_views": sky.maps.views,
-                "parallel_shadows": sky.maps.depth,
-            }
-            count = len(sky.lights) if light.settings.single != "off" else 0
-            lights = CellLights(resources, count, self.cells.blockers.walls)
-            # What media scatter of it, once or forwards, then what surfaces reflect.
-            base = self.source
-            light.sky_single.encode(
-                commands,
-                self.placement,
-                lights,
-                base=self.black,
-                cells=base,
-                fluence=self._fluence(is_sky=True),
-            )
-            if self._has_forward:
-                self.forward.encode_sky(commands, self.cells, lights, base=self.black)
+            base = self._single_of_sky(commands)
             light.inject_sky(commands, self._target())
         self._sum_up(commands, base, self.static)
+
+    def _single_of_sky(self, commands: Commands) -> Buffer:
+        """What media scatter of the sky, once; and forwards, in `forward.sky`."""
+        light, sky, walls = self.light, self.kit.sky, self.cells.blockers.walls
+        # The sky's lights with their maps, bound as if they were the scene's.
+        resources = {
+            **self.kit.lights.bound,
+            "lights": light.sky_table,
+            "parallel_views": sky.maps.views,
+            "parallel_shadows": sky.maps.depth,
+        }
+        count = len(sky.lights) if light.settings.single != "off" else 0
+        lights = CellLights(resources, count, walls)
+        # Where only media changed, only in cells that light reaches through those.
+        versions = (sky.version, self.cells.blockers.version, self._has_forward)
+        made = (light.sky_rows, replace(self.placement, fade=None), *versions)
+        media = light.media.sky
+        touched = media.touched_since(self._sky_media) if made == self._sky_made else None
+        self._sky_made, self._sky_media = made, media.version
+        shining = SkyLights(light.sky_table, count, sky.maps, walls)
+        self._stale.find(commands, touched, self.placement, shining)
+        # Once, as isotropic power in each cell; then forwards, for what stays a beam.
+        light.sky_single.encode(
+            commands,
+            self.placement,
+            lights,
+            base=self.black,
+            cells=self._sky_single,
+            fluence=self._fluence(is_sky=True),
+            stale=self._stale,
+        )
+        if self._has_forward:
+            black, stale = self.black, self._stale
+            self.forward.encode_sky(commands, self.cells, lights, base=black, stale=stale)
+        return self._sky_single
 
     def _inject_border(self, commands: Commands, frame: Frame, *, is_new: bool) -> None:
         """Add what an endless medium around the lattices sends into this one."""

@@ -109,6 +109,7 @@ class LineSearch:
             answer=level.answer,
             parts=self._parts,
         )
+        # The step t that leaves the least residual, r.d / d.d, within what is safe.
         self._length.dispatch(
             commands,
             (CHANNELS,),

@@ -10,6 +10,7 @@
 //     }
 // The count bounds it: without it, lavapipe's lanes that are through go round until its budget for loops is spent, and
 // all later loops end after one turn.
+// The root's `after` is no node, and says how many blocks there are of lists of paths (media/media_tree.py).
 // The including pass adds MEDIA_COUNT, MEDIA_NODES and HAS_MEDIA_TREE (media/media_slots.py).
 
 const NO_MEDIUM = 65535u;

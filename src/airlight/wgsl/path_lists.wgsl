@@ -1,5 +1,5 @@
 // Which media may lie between a point and a light: from a list of the block of space that the point lies in, where the
-// including pass has one (media/path_lists.py: HAS_PATH_LISTS, PATH_BLOCKS, .. and `path_list`), else by the tree. A walk goes
+// including pass has one (media/path_lists.py: HAS_PATH_LISTS, .. and `path_list`), else by the tree. A walk goes
 //     var walk = walk_towards(index, p, path);
 //     for (var v = 0u; v < MEDIA_VISITS; v++) {
 //         let m = next_towards(&walk);
@@ -31,8 +31,9 @@ fn walk_towards(index: u32, p: vec3f, path: vec4f) -> LightWalk {
     let span = span_in_box(all, ray);
     let q = p + span.x * path.xyz;
     let share = (q - all.low) / max(all.high - all.low, vec3f(1e-20));
-    let block = vec3u(clamp(vec3i(floor(share * vec3f(PATH_BLOCKS))), vec3i(0), vec3i(PATH_BLOCKS) - 1));
-    let at = vec3u(block.y * PATH_BLOCKS.x + block.x, block.z, index * PATH_TEXELS);
+    let blocks = (vec3u(all.after) >> vec3u(0u, 6u, 12u)) & vec3u(63u);
+    let block = vec3u(clamp(vec3i(floor(share * vec3f(blocks))), vec3i(0), vec3i(blocks) - 1));
+    let at = vec3u(block.y * blocks.x + block.x, block.z, index * PATH_TEXELS);
     if (span.x > span.y) {
         return LightWalk(ray, MEDIA_COUNT, vec4u(0u), at, false);
     }

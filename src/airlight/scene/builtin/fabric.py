@@ -22,6 +22,7 @@ def woven(
     # Which thread is above at each crossing, and how its crown rises.
     over = (np.floor(weft) + np.floor(warp)) % 2
     crown = np.where(over > 0, np.sin(np.pi * (warp % 1)), np.sin(np.pi * (weft % 1)))
+    # Threads are unevenly thick along their own direction.
     slub = fractal_noise((size_px, size_px), (4, 32), rng, octaves=3)
     slub += fractal_noise((size_px, size_px), (32, 4), rng, octaves=3)
     grey = (0.72 + 0.28 * crown) * (0.94 + 0.03 * slub)

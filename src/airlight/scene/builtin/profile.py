@@ -86,9 +86,11 @@ def around_rectangle(
     sign = -1.0 if inwards else 1.0
     parts = []
     for side in (sides[k : k + 2] for k in range(0, len(sides), 2)):
+        # One side at a time: which way it faces, how far away it lies, how long it is.
         facing_z = side[1] == "z"
         out = sign * (1.0 if side[0] == "+" else -1.0)
         away, across = (half_z, half_x) if facing_z else (half_x, half_z)
+        # Each point of the profile is a line from mitre to mitre, longer the further out it lies.
         d, y = shape.points[:, 0], shape.points[:, 1]
         along = (across + sign * d)[:, None] * np.array([-1.0, 1.0])
         depth = np.broadcast_to((sign * out * (away + sign * d))[:, None], along.shape)

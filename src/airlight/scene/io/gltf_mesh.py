@@ -93,6 +93,7 @@ def _geometry(
 def _triangles(
     primitive: Item, buffers: Buffers, vertex_count: int, mode: int
 ) -> NDArray[np.int64]:
+    # The order of vertices, as listed or as they come.
     if primitive.has("indices"):
         raw = buffers.array(primitive, "indices", width=1)[:, 0]
         if np.issubdtype(raw.dtype, np.floating):
@@ -100,6 +101,7 @@ def _triangles(
         order = raw.astype(np.int64)
     else:
         order = np.arange(vertex_count)
+    # What points beyond the vertices, or makes no triangle, is an error of the file.
     if len(order) and (order.max() >= vertex_count or order.min() < 0):
         raise primitive.child("indices").error(
             f"index {order.max()} is out of range: the primitive has {vertex_count} vertices"
@@ -115,6 +117,7 @@ def _triangles(
     # Every second triangle of a strip runs the other way round.
     odd = k % 2
     strip = np.stack([order[k], order[k + 1 + odd], order[k + 2 - odd]], axis=1)
+    # Strips are joined by triangles without an area.
     a, b, c = strip.T
     kept = strip[(a != b) & (b != c) & (a != c)]
     return kept if len(kept) else strip

@@ -117,6 +117,8 @@ def _size(texture: Texture, charts: Charts, span: F64) -> tuple[Ints, bool]:
 
 def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> tuple[Bytes, float]:
     """(H, W, 4) pixels of triangles placed in texels, and how far these disagree."""
+    # Of each texel: its value, how deep it lies in the triangle that has it, and the least
+    # and most that triangles ask of it.
     width, height = (int(n) for n in size)
     old, jacobians = _old_image(texture, placed), placed.jacobians
     new = np.zeros((height * width, 4))
@@ -124,6 +126,7 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
     lows = np.full((height * width, 4), 255, np.uint8)
     highs = np.zeros_like(lows)
     for which, texel in _covered(placed.to, width, height):
+        # Texels in a triangle or within a margin of it, and where they come from in the old image.
         centre: F64 = np.stack([texel % width, texel // width], axis=1).astype(np.float64) + 0.5
         away = centre - placed.to[which, 0]
         inside: F64 = _depth(placed.to[which], centre)
@@ -137,6 +140,7 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
         order = np.argsort(inside, kind="stable")
         order = order[inside[order] > depth[texel[order]]]
         new[texel[order]], depth[texel[order]] = values[order], inside[order]
+        # Texels that several triangles claim, with values apart, are a conflict.
         claimed = inside >= 0.0
         bytes_ = _bytes(values[claimed], is_srgb=texture.is_srgb)
         np.minimum.at(lows, texel[claimed], bytes_)

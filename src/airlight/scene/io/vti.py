@@ -245,6 +245,7 @@ def _from_base64(text: bytes) -> bytes:
 def _unpacked(file: _File, stored: bytes, wanted: int) -> bytes:
     """`wanted` bytes behind their header: their number, or of blocks the number and all sizes."""
     size = np.dtype(file.header).itemsize
+    # Plain values follow their number of bytes.
     if not file.compressor:
         length = int(np.frombuffer(stored, file.header, 1)[0])
         if length != wanted or len(stored) < size + wanted:
@@ -260,6 +261,7 @@ def _unpacked(file: _File, stored: bytes, wanted: int) -> bytes:
     expected = blocks * block_size - (block_size - last if last else 0)
     if blocks > _MOST_BLOCKS or expected != wanted:
         raise ValueError(f"its blocks hold {expected:,} bytes of values, not {wanted:,}")
+    # No block may unpack to more than it says: a small file could fill the memory.
     packed = np.frombuffer(stored, file.header, blocks, 3 * size).astype(np.int64)
     at, parts = (3 + blocks) * size, []
     for length in packed.tolist():
