@@ -105,11 +105,16 @@ def surrounded(nest: Nest, around: Box, resolution: int) -> Nest:
     *finer, whole = nest.levels
     outer = fitted(*around, resolution, whole.axes)
     outer = replace(outer, first_row=whole.first_row + whole.count[1])
-    made = Nest(*around, (*nest.levels, outer), (nest.low, nest.high))
-    # It takes over at the borders of the largest of the others.
+    made = Nest(*around, (*nest.levels, outer), inner=(nest.low, nest.high))
+    # It takes over at the borders of the largest of the others. What is finer stays inside of those
+    # borders, where at most two lattices have light at one point.
     low, high = whole.bounds
     whole = _with_borders(made, whole, 0.5 * (low + high))
-    return replace(made, levels=(*finer, whole, outer))
+    fade = whole.borders
+    core_low = np.maximum(nest.low, np.add(fade.low, fade.low_width))
+    core_high = np.minimum(nest.high, np.subtract(fade.high, fade.high_width))
+    inner = (triple(core_low), triple(core_high))
+    return replace(made, levels=(*finer, whole, outer), inner=inner)
 
 
 def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
@@ -176,9 +181,10 @@ def _with_borders(nest: Nest, placement: Placement, centre: F64) -> Placement:
         for gap in (low - room_low, room_high - high)
     )
     width = (FADING * cell,) * 3
-    return replace(
-        placement, fade=Fade(triple(low + inset_low), width, triple(high - inset_high), width)
-    )
+    first, last = low + inset_low, high - inset_high
+    if nest.inner is not None and placement.cell < nest.over_inner.cell:
+        first, last = np.maximum(first, nest.inner[0]), np.minimum(last, nest.inner[1])
+    return replace(placement, fade=Fade(triple(first), width, triple(last), width))
 
 
 def shares(levels: Sequence[Placement], points: F64) -> F64:

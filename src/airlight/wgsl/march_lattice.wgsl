@@ -106,7 +106,12 @@ fn lattice_enter(p: vec3f) {
             found++;
         }
         k++;
-        if (k > last || left <= 0.0 || found >= LATTICES_AT_ONCE) {
+        if (k > last || left <= 0.0) {
+            break;
+        }
+        if (found >= LATTICES_AT_ONCE) {
+            // Where more fade into each other the largest of these has the share of those left out.
+            lattice_at[LATTICES_AT_ONCE - 1u].w += left;
             break;
         }
     }
