@@ -262,7 +262,9 @@ class PopSolver:
                 self._indirect.encode(commands, uniform, eye, lit.reflected, self.scale, target)
         # Light of the ordinates, scattered once and more often, and all of it together.
         self.transport.encode_view(commands, medium.params, eye, self.emission)
-        self.emission.smooth.encode(commands, medium.params, self.emission.texture)
+        self.emission.smooth.encode(
+            commands, medium.params, self.emission.texture, self.transport.diffuse.walls
+        )
 
     @property
     def scale(self) -> float:

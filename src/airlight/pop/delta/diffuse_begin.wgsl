@@ -6,8 +6,9 @@
 fn source(index: u32) -> vec3f {
     let cell = cell_of(index);
     let volume = params.cell.x * params.cell.y * params.cell.z;
-    // Through each face: half of both cells' net power, or what leaves the box.
+    // Through each face: half of both cells' net power, or what leaves the box or meets a surface.
     let d = diffusivity(index);
+    let faces = u32(links[index].w);
     var total = deposits[index].xyz;
     for (var face = 0u; face < 6u; face++) {
         let axis = face / 2u;
@@ -16,7 +17,7 @@ fn source(index: u32) -> vec3f {
         let h = params.cell[axis];
         let section = (1u + axis) * params.cells;
         let own = outwards * deposits[section + index].xyz;
-        if (is_outer(cell, axis, side)) {
+        if (is_closed(faces, cell, axis, side)) {
             total -= outer_flux(d, vec3f(0.0), own, h) / h;
         } else {
             let other = beside(index, axis, side);

@@ -9,7 +9,7 @@ fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
     let section = (1u + axis) * params.cells;
     let own = outwards * deposits[section + index].xyz;
     let d = diffusivity(index);
-    if (is_outer(cell_of(index), axis, side)) {
+    if (is_closed(u32(links[index].w), cell_of(index), axis, side)) {
         return outer_flux(d, phi[index].xyz, own, h);
     }
     let other = beside(index, axis, side);

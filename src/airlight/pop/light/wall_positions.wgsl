@@ -1,0 +1,27 @@
+// The first surface on the way from the middle of a cell to those of the next along x, y and z: its distance in
+// cells, eight bits each; WALL_FREE where there is none.
+//! use medium_grid
+//! use rays
+//! use walls
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let cell = cell_of(id.x);
+    let origin = (placement.world_from_medium * vec4f(cell_centre(cell), 1.0)).xyz;
+    var found = 0u;
+    for (var axis = 0u; axis < 3u; axis++) {
+        var position = WALL_FREE;
+        if (cell[axis] + 1u < params.count[axis]) {
+            // A wall in the middle of a cell closes the faces on both sides of it.
+            let step = placement.world_from_medium[axis].xyz * params.cell[axis];
+            let hit = nearest_hit(origin, step, -placement.wider, 1.0 + placement.wider);
+            if (hit.triangle != NO_HIT) {
+                position = u32(round(clamp(hit.t, 0.0, 1.0) * f32(WALL_FREE - 1u)));
+            }
+        }
+        found |= position << (8u * axis);
+    }
+    positions[id.x] = found;
+}
