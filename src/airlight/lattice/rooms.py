@@ -33,7 +33,8 @@ class _Known:
 class Rooms:
     """The closed bodies of a scene, and which of their sides block.
 
-    `sides`, one per mesh: 1 the front, -1 the back, 0 both that its material has.
+    `sides`, one per mesh: 1 the front, -1 the back, 0 both that its material has. `walls`: the
+    meshes, by index, of rooms. No light leaves those but through their materials.
     """
 
     def __init__(self, meshes: Sequence[Mesh], points: F64) -> None:
@@ -45,15 +46,19 @@ class Rooms:
         self._always = self._around(meshes, points)
         self._rooms = self._always
         self.sides = self._blocking(meshes)
+        self.walls = self._walls()
 
     def update(self, meshes: Sequence[Mesh], points: F64) -> bool:
-        """Take on where meshes and `points` (n, 3), metres, are; whether `sides` changed."""
+        """Take on where meshes and `points` (n, 3), metres, are; whether there are other rooms."""
         rooms = self._always | self._around(meshes, points)
         if rooms == self._rooms:
             return False
-        self._rooms, before = rooms, self.sides
-        self.sides = self._blocking(meshes)
-        return self.sides != before
+        self._rooms, self.sides = rooms, self._blocking(meshes)
+        self.walls = self._walls()
+        return True
+
+    def _walls(self) -> frozenset[int]:
+        return frozenset(index for number in self._rooms for index in self._bodies[number])
 
     def _blocking(self, meshes: Sequence[Mesh]) -> list[int]:
         """Rooms, and what of single-sided materials faces in, block as their materials have it."""

@@ -91,9 +91,11 @@ class Walls:
 
     def _trace(self, commands: Commands, params: MediumParams, scene: RayScene) -> None:
         """Find the first surface on the way from each cell to the next along x, y and z."""
-        key = tuple(scene.constants.items())
+        # Translucent surfaces close nothing.
+        constants = {**scene.constants, "RAYS_MEET_TRANSLUCENT": 0.0}
+        key = tuple(constants.items())
         if key not in self._passes:
-            self._passes[key] = _Positions(self._medium.gpu, constants=scene.constants)
+            self._passes[key] = _Positions(self._medium.gpu, constants=constants)
         placement = self._medium.placement
         self._passes[key].dispatch(
             commands,
