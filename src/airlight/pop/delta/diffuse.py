@@ -47,7 +47,7 @@ class _OfCells(ComputePass):
 class _System(_OfCells):
     """The operator: its diagonal, and the links to the next cells along x, y, z; m^-1.
 
-    Behind the diagonal it leaves which faces of the cell are closed.
+    Behind them it leaves which faces of the cell surfaces close, and what those reflect.
     """
 
     own_slots = (_params, _density, _walls, storage("links", "vec4f", "read_write"))
@@ -138,7 +138,7 @@ class Diffuse:
         names = ("phi", "residual", "z", "search 0", "search 1", "product")
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
         self._links = Buffer(gpu, "diffusion links", _VECTORS * nbytes)
-        self.walls = Buffer(gpu, "walls between cells", 4 * self.cells)
+        self.walls = Buffer(gpu, "walls between cells", 8 * self.cells)
         self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // PARTIAL_SUM_GROUP))
         self._system, self._flux = _System(gpu, mixture), _Flux(gpu, mixture)
         self._begin, self._search, self._update = _Begin(gpu, mixture), _Search(gpu), _Update(gpu)

@@ -2,6 +2,11 @@
 //! use diffusion
 //! use partial_sums
 
+// What the surface before a face reflects.
+fn reflectance_before(index: u32, axis: u32, side: u32) -> f32 {
+    return wall_reflectance(u32(links[(1u + axis) * params.cells + index].w), 0u, side);
+}
+
 // The right-hand side b: P/V less the divergence of the flux that the deposits carry.
 fn source(index: u32) -> vec3f {
     let cell = cell_of(index);
@@ -18,7 +23,7 @@ fn source(index: u32) -> vec3f {
         let section = (1u + axis) * params.cells;
         let own = outwards * deposits[section + index].xyz;
         if (is_closed(faces, cell, axis, side)) {
-            total -= outer_flux(d, vec3f(0.0), own, h) / h;
+            total -= outer_flux(d, vec3f(0.0), own, h, reflectance_before(index, axis, side)) / h;
         } else {
             let other = beside(index, axis, side);
             let carried = 0.5 * (own + outwards * deposits[section + other].xyz);

@@ -10,7 +10,8 @@ fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
     let own = outwards * deposits[section + index].xyz;
     let d = diffusivity(index);
     if (is_closed(u32(links[index].w), cell_of(index), axis, side)) {
-        return outer_flux(d, phi[index].xyz, own, h);
+        let reflectance = wall_reflectance(u32(links[section + index].w), 0u, side);
+        return outer_flux(d, phi[index].xyz, own, h, reflectance);
     }
     let other = beside(index, axis, side);
     let carried = 0.5 * (own + outwards * deposits[section + other].xyz);

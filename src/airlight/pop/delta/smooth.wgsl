@@ -12,13 +12,13 @@ fn spline(t: f32) -> vec4f {
 
 // How far behind the middle of a cell the surface between it and the next one is, in cells.
 fn wall_position(cell: vec3u, axis: u32) -> f32 {
-    return f32(position_of(walls[cell_index(cell)] >> WALL_POSITIONS, axis)) / f32(WALL_FREE - 1u);
+    return f32(position_of(walls[2u * cell_index(cell)] >> WALL_POSITIONS, axis)) / f32(WALL_FREE - 1u);
 }
 
 // The cell on whose side of all surfaces the middle of a half cell lies: that which it is in, or one beside it.
 fn home_of(id: vec3u) -> vec3u {
     let inside = id / 2u;
-    let faces = walls[cell_index(inside)];
+    let faces = walls[2u * cell_index(inside)];
     var home = inside;
     for (var axis = 0u; axis < 3u; axis++) {
         let side = id[axis] & 1u;
@@ -42,7 +42,7 @@ fn is_open_along(begin: vec3u, end: vec3u, axes: vec3u) -> bool {
     for (var k = 0u; k < 3u; k++) {
         let axis = axes[k];
         if (at[axis] != end[axis]) {
-            if (is_walled(walls[cell_index(at)], axis, u32(end[axis] > at[axis]))) {
+            if (is_walled(walls[2u * cell_index(at)], axis, u32(end[axis] > at[axis]))) {
                 return false;
             }
             at[axis] = end[axis];
@@ -86,7 +86,7 @@ fn walled_light(id: vec3u) -> vec3f {
         return;
     }
     // Where surfaces stand between cells none is read behind them.
-    if ((walls[cell_index(inside)] & WALLS_NEAR) != 0u) {
+    if ((walls[2u * cell_index(inside)] & WALLS_NEAR) != 0u) {
         textureStore(halved, id, vec4f(walled_light(id), 1.0));
         return;
     }

@@ -19,6 +19,18 @@ const AROUND = 2;   // cells: as far as splines read
             found |= select(0u, 1u, position_of(below, axis) != WALL_FREE) << (2u * axis);
         }
     }
+    // What its faces reflect: the lower side of its upper faces, the upper side of those below it.
+    var reflecting = 0u;
+    let above = positions[params.cells + id.x];
+    for (var axis = 0u; axis < 3u; axis++) {
+        let upper = (above >> (2u * REFLECTING_BITS * axis)) & 31u;
+        var lower = 0u;
+        if (cell[axis] > 0u) {
+            lower = (positions[params.cells + id.x - cell_stride(axis)] >> (2u * REFLECTING_BITS * axis
+                + REFLECTING_BITS)) & 31u;
+        }
+        reflecting |= (lower | (upper << REFLECTING_BITS)) << (2u * REFLECTING_BITS * axis);
+    }
     // Whether anything is closed around it.
     let low = vec3u(max(vec3i(cell) - AROUND, vec3i(0)));
     let high = min(cell + u32(AROUND), params.count - 1u);
@@ -30,5 +42,6 @@ const AROUND = 2;   // cells: as far as splines read
             }
         }
     }
-    walls[id.x] = found | select(0u, WALLS_NEAR, is_near);
+    walls[2u * id.x] = found | select(0u, WALLS_NEAR, is_near);
+    walls[2u * id.x + 1u] = reflecting;
 }

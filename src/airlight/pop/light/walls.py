@@ -1,8 +1,7 @@
 """Surfaces between the cells of a medium, found by rays from the middle of each cell to the next.
 
-Diffuse light ends at them as it does at the border of the medium's box: what they reflect comes
-from virtual lights or from a lattice. differs: Elek2014 lets light propagate from cell to cell as
-if nothing stood there.
+Diffuse light ends at them as it does at the border of the medium's box, but for what they reflect.
+differs: Elek2014 lets light propagate from cell to cell as if nothing stood there.
 """
 
 from __future__ import annotations
@@ -13,10 +12,14 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
+from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f
-from ...gpu.memory import Buffer
+from ...gpu.memory import Buffer, buffer_of
 from ...gpu.slots import storage, uniform
+from ...maths.colour import srgb_decode
+from ...maths.reflection import bihemispherical_albedo
 from ...rays.rays import RAY_SLOTS, RayScene
+from ...scene.material import Material
 from ...scene.mesh import world_boxes
 from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
@@ -37,6 +40,7 @@ class _Positions(ComputePass):
         uniform("params", MediumParams),
         uniform("placement", WallParams),
         *RAY_SLOTS,
+        storage("reflectances", "f32"),
         storage("positions", "u32", "read_write"),
     )
     workgroup = (64, 1, 1)
@@ -60,16 +64,17 @@ class Walls:
     def __init__(self, medium: GridMedium) -> None:
         self._medium = medium
         self._faces = _Faces(medium.gpu)
-        self._positions = Buffer(medium.gpu, "positions of walls", 4 * medium.cells)
+        self._positions = Buffer(medium.gpu, "positions of walls", 8 * medium.cells)
         # Pipelines of rays, by their constants.
         self._passes: dict[tuple[Any, ...], _Positions] = {}
+        self._reflectances: Buffer | None = None
         self._made: tuple[Any, ...] = ()
         self._is_clear = True
 
     def encode(
         self, commands: Commands, params: MediumParams, surfaces: Surfaces, walls: Buffer
     ) -> bool:
-        """Fill `walls`, u32 per cell, as `wgsl/walls.wgsl` reads them; whether they changed."""
+        """Fill `walls`, two u32 per cell, as `wgsl/walls.wgsl` reads them; whether they changed."""
         at = self._medium.placement
         made = (surfaces.meshes.version, at.world_from_medium.tobytes(), at.extent.tobytes())
         if made == self._made:
@@ -78,6 +83,7 @@ class Walls:
         if not self._is_crossed(surfaces):
             return self._clear(walls)
         with commands.stage("pop walls"):
+            self._reflectances = self._reflectances or _reflectances(self._medium.gpu, surfaces)
             self._trace(commands, params, surfaces.rays.of_frame(commands))
             self._faces.dispatch(
                 commands,
@@ -105,6 +111,7 @@ class Walls:
                 world_from_medium=placement.world_from_medium, wider=_WIDER
             ),
             **scene.bound,
+            reflectances=self._reflectances,
             positions=self._positions,
         )
 
@@ -124,5 +131,23 @@ class Walls:
         """Open all faces; returns whether any was closed."""
         was_clear, self._is_clear = self._is_clear, True
         if not was_clear:
-            walls.write(np.zeros(self._medium.cells, np.uint32))
+            walls.write(np.zeros(2 * self._medium.cells, np.uint32))
         return not was_clear
+
+
+def _reflectances(gpu: Gpu, surfaces: Surfaces) -> Buffer:
+    """What each instance reflects of diffuse light: the mean of its material's channels."""
+    meshes = surfaces.meshes
+    found = {id(m.material): _mean_albedo(m.material) for m in meshes.original}
+    rows = [found[id(meshes.original[index].material)] for index in meshes.order]
+    return buffer_of(gpu, "reflectance of instances", np.array(rows, np.float32))
+
+
+def _mean_albedo(material: Material) -> float:
+    colour, texture = np.array([material.base_color]), material.base_color_texture
+    if texture is not None:
+        mean = texture.pixels[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
+        colour = colour * (srgb_decode(mean) if texture.is_srgb else mean)
+    metallic, roughness = np.array([material.metallic]), np.array([material.roughness])
+    specular = np.array([material.specular])
+    return float(bihemispherical_albedo(colour, metallic, roughness, specular).mean())
