@@ -6,7 +6,7 @@
     fields   irradiance, gathered -> lighting of surfaces
              scattered, volumes, sky_scatter, half_space -> marching of media
              reflected -> media that are lit by surfaces
-             air -> rays of the gather
+             air, forward -> rays of the gather
 
 Solvers run in the order of the recipe and are given the fields of those before them. The reader of
 a field does not know which solver it comes from.
@@ -42,8 +42,10 @@ class Source:
     W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
     of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
     one volume's, at the density's own resolution. `whole`: the same with what shafts draw in the
-    eye's rays; `texture` if not given. `texels`: of the texture along a solved cell. `fade`, in
-    shares of its box: where it is a finer grid inside the next source, which takes over there.
+    eye's rays; `texture` if not given. `mean`: what rays of a gather meet instead, of the reduced
+    medium (similarity theory), through which they go then. `texels`: of the texture along a solved
+    cell. `fade`, in shares of its box: where it is a finer grid inside the next source, which takes
+    over there.
     """
 
     texture: Texture
@@ -52,6 +54,7 @@ class Source:
     medium: int = ABSOLUTE
     parts: int = 1
     whole: Texture | None = None
+    mean: Texture | None = None
     fade: Fade | None = None
     texels: int = 1
 
@@ -177,12 +180,10 @@ class AirLight:
 
     `mean`: the mean radiance of all light, unscattered too; media scatter their share of it.
     `unscattered`: that of lights and sky alone, in the units of `mean`'s texture.
-    `forward`: irradiance of surfaces, W m^-2, by light that media have only scattered forwards.
     """
 
     mean: LatticeSource
     unscattered: Texture
-    forward: Irradiance | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +195,8 @@ class Fields:
     gathered     irradiance of a view's pixels, W m^-2, which lighting takes in place of both
     reflected    light that surfaces reflect into media
     air          light in media for the rays of a gather
+    forward      irradiance of surfaces, W m^-2, by light that media have only scattered forwards;
+                 a part of `irradiance`, which no ray of a gather meets
     scattered    mean radiance on lattices, W m^-2 sr^-1; media scatter their share of it
     sky_scatter  the same, of the environment's direct light
     volumes      radiance that volumes scatter towards the eye, on grids of their own
@@ -205,6 +208,7 @@ class Fields:
     gathered: Gathered | None = None
     reflected: ReflectedLight | None = None
     air: AirLight | None = None
+    forward: Irradiance | None = None
     scattered: LatticeSource | None = None
     sky_scatter: LatticeSource | None = None
     volumes: tuple[Source, ...] = ()

@@ -2,13 +2,15 @@
 
 All of it as reduced media have it (similarity theory): their light comes from `fields.AirLight` of
 a lattice, or from the sources of principal ordinates. Light that media scatter forwards alone goes
-on from lights as beams, which no ray meets; lattices know its irradiance.
+on from lights as beams, which no ray meets; `fields.forward` is its irradiance. Mirrored rays meet
+volumes of principal ordinates as they are seen.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 from ..fields import Fields
 from ..gpu.commands import Commands
@@ -35,6 +37,7 @@ class AirParams(Struct):
     reduced = vec2u("points")
     rays = u32("of a point")
     segment = u32()
+    is_reduced = u32("1: of all media; else of those that are not solved as sources")
 
 
 _FIRST = "fn first_lattices() -> LatticeParams { return lattices[0]; }\n"
@@ -71,12 +74,12 @@ class Air:
         reduced: tuple[int, int],
         ends: tuple[Texture, Hits],
         segment: Segment,
-        light: MarchedLight,
+        met: Met,
         air: Buffer,
     ) -> None:
         """Fill `air` for rays of `reduced` points. `ends`: where the segments of paths
         start, and the hits where they end."""
-        starts, hits = ends
+        (starts, hits), light = ends, met.light
         lattice = light.lattice
         # One kernel for each number of sources and lattices, made when it is first needed.
         levels = min(len(lattice.levels), MAX_LEVELS_AT_ONCE) if lattice else 1
@@ -93,7 +96,12 @@ class Air:
         self._passes[variant].dispatch(
             commands,
             (reduced[0], reduced[1] * len(segment.numbers)),
-            params=AirParams(reduced=reduced, rays=len(segment.numbers), segment=segment.index),
+            params=AirParams(
+                reduced=reduced,
+                rays=len(segment.numbers),
+                segment=segment.index,
+                is_reduced=int(met.is_reduced),
+            ),
             march=march_params(light, STEPS, min(cells, default=math.inf)),
             starts=starts,
             reached=hits.positions,
@@ -103,7 +111,20 @@ class Air:
         )
 
 
-def light_in(fields: Fields) -> MarchedLight:
-    """What media along a gather's rays scatter."""
-    sources = tuple(replace(s, texture=s.whole or s.texture) for s in fields.volumes)
-    return MarchedLight(sources, fields.air.mean if fields.air else None)
+class Met(NamedTuple):
+    """Light that media along rays scatter, and whether all media there count as reduced ones."""
+
+    light: MarchedLight
+    is_reduced: bool
+
+
+def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
+    """What media along a gather's rays scatter, or along mirrored ones."""
+    means = [None if is_mirrored else s.mean for s in fields.volumes]
+    # Of volumes either all send what reduced media do, or all as they are seen from the eye.
+    is_reduced = all(mean is not None for mean in means)
+    sources = tuple(
+        replace(s, texture=(mean if is_reduced else None) or s.whole or s.texture)
+        for s, mean in zip(fields.volumes, means, strict=True)
+    )
+    return Met(MarchedLight(sources, fields.air.mean if fields.air else None), is_reduced)

@@ -29,12 +29,21 @@ fn air_step(t: f32, step: f32) -> f32 {
     return max(limit, 2e-7 * t + 1e-7);
 }
 
+// Of the reduced medium; of a volume that is a source, where those count as reduced ones and scatter forwards.
+fn met_sigma_t(m: u32) -> vec3f {
+    let sigma_t = reduced_sigma_t_of(m);
+    if (params.is_reduced == 0u) {
+        return sigma_t;
+    }
+    return sigma_t - max(media[m].g, vec3f(0.0)) * (sigma_s_of(m) - lit_scattering_of(m));
+}
+
 // Optical depth of the reduced media in a step.
 fn reduced_depth_here(t: f32, dt: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_here(); j++) {
         let k = medium_here(j);
-        sum += reduced_sigma_t_of(ray_medium(k)) * column_here(k, t, dt);
+        sum += met_sigma_t(ray_medium(k)) * column_here(k, t, dt);
     }
     return sum;
 }

@@ -167,7 +167,8 @@ class Mirrors:
         if self._air is not None and sized.air is not None:
             with commands.stage("mirrored rays"):
                 ends, whole = (starts, hits), Segment(range(1), 0, 0.0)
-                self._air.encode(commands, hits.size, ends, whole, light_in(fields), sized.air)
+                met = light_in(fields, is_mirrored=True)
+                self._air.encode(commands, hits.size, ends, whole, met, sized.air)
                 air = {"air": sized.air}
         with commands.stage("mirrored light"):
             # Hits lit as pixels are, by lights and by lattices.

@@ -123,9 +123,9 @@ class GatherSolver(Solver):
         with commands.stage("gather filter"):
             sums = sized.filtering.encode(commands, view, sums, self._cells.count(rays))
         # What no ray meets is not noisy: its edges need no filter.
-        if self._beams is not None and fields.air and fields.air.forward:
+        if self._beams is not None and fields.forward:
             with commands.stage("gather lighting"):
-                self._beams.encode(commands, sized.points, sums, rays, fields.air.forward)
+                self._beams.encode(commands, sized.points, sums, rays, fields.forward)
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
@@ -230,7 +230,7 @@ class GatherSolver(Solver):
         scatter forwards, which no ray meets. What a later segment finds of a mild sky, no lattice
         has to say.
         """
-        layers, forward = sized.layers, fields.air.forward if fields.air else None
+        layers, forward = sized.layers, fields.forward
         cache = fields.irradiance or self.kit.no_irradiance
         is_asked, has_sky = told is not Lattices.UNASKED, is_last or not self._cells.is_mild
         light = self._lighting

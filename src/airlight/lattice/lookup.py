@@ -7,6 +7,7 @@ fits into half floats.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
@@ -15,6 +16,7 @@ from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, Slot, image, storage, texture, uniform
 from ..maths.half import half_scale
+from ..maths.lattice6 import LOOKUP_SCALE
 from .inject import forward_share
 from .lobes import SHAPED_LOBE
 from .placement import EVERYWHERE, Hull, Placement
@@ -41,15 +43,17 @@ class PackParams(Struct):
     cell = f32("m")
     low = vec3f("m along its axes, as the origin: corner of a box beyond which it is dark")
     high = vec3f("m")
+    beams = f32("W sr^-1 per W m of beams; 0: there are none")
 
 
 class Pack(ComputePass):
-    """injected + propagated -> three textures."""
+    """injected + propagated + beams -> three textures."""
 
     slots = (
         uniform("params", PackParams),
         storage("injected", "vec4f"),
         storage("propagated", "vec4f"),
+        storage("beams", "vec4f"),
         *CHANNEL_IMAGES,
     )
     workgroup = (32, 8, 1)
@@ -82,6 +86,15 @@ class ChannelTextures:
         return {"red": self.red, "green": self.green, "blue": self.blue}
 
 
+class CellLight(NamedTuple):
+    """States of cells: injected, propagated; and `beams`, the fluence and flux, W m, of light that
+    the lattice does not hold."""
+
+    injected: Buffer
+    propagated: Buffer
+    beams: Buffer | None = None
+
+
 class LatticeTextures(ChannelTextures):
     """The textures of a solved lattice; nested lattices share them."""
 
@@ -96,8 +109,7 @@ class LatticeTextures(ChannelTextures):
     def encode(
         self,
         commands: Commands,
-        injected: Buffer,
-        propagated: Buffer,
+        light: CellLight,
         scale: float,
         *,
         is_shaped: bool,
@@ -126,9 +138,12 @@ class LatticeTextures(ChannelTextures):
                 cell=placement.cell,
                 low=hull[0],
                 high=hull[1],
+                # Fluence is read off as irradiance, whatever the lookup's scale.
+                beams=1.0 / (4.0 * math.pi * LOOKUP_SCALE * placement.cell) if light.beams else 0.0,
             ),
-            injected=injected,
-            propagated=propagated,
+            injected=light.injected,
+            propagated=light.propagated,
+            beams=light.beams or light.propagated,
             **self.written,
         )
 

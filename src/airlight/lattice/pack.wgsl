@@ -7,6 +7,15 @@ fn is_beyond(cell: vec3u) -> bool {
     return any(low + params.cell < params.low + slack) || any(low > params.high - slack);
 }
 
+// With beams that the lattice does not hold, by their fluence and flux.
+fn with_beams(state: vec4f, index: u32) -> vec4f {
+    if (params.beams == 0.0) {
+        return state;
+    }
+    let light = beams[index];
+    return state + params.beams * vec4f(light.x, 3.0 * light.yzw);
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
         return;
@@ -20,7 +29,7 @@ fn is_beyond(cell: vec3u) -> bool {
     let b = injected[cell + 2u * cells] * own + propagated[cell + 2u * cells];
     let texel = id + vec3u(0u, params.first_row, 0u);
     let scale = select(params.scale, 0.0, is_beyond(id));
-    textureStore(red, texel, r * scale);
-    textureStore(green, texel, g * scale);
-    textureStore(blue, texel, b * scale);
+    textureStore(red, texel, with_beams(r, cell) * scale);
+    textureStore(green, texel, with_beams(g, cell + cells) * scale);
+    textureStore(blue, texel, with_beams(b, cell + 2u * cells) * scale);
 }

@@ -10,6 +10,7 @@ from typing import Protocol
 from ..fields import Frame
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer
+from ..lattice.irradiance import Irradiance
 from ..lattice.lookup import LatticeTextures
 from ..surface.reflective import ReflectiveShadowMaps
 
@@ -41,6 +42,10 @@ class LatticeMedia(Protocol):
 
     def send(self, commands: Commands, level: int, scale: float) -> None:
         """Add the light that media scatter to the solved light of a lattice."""
+
+    @property
+    def forward(self) -> Irradiance | None:
+        """Light that the media only scatter forwards, by itself; `textures` have it, too."""
 
     @property
     def textures(self) -> LatticeTextures:

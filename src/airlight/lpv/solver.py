@@ -16,7 +16,7 @@ from ..gpu.memory import Buffer, linear_sampler
 from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound
 from ..lattice.irradiance import Irradiance
 from ..lattice.lobes import COSINE, SHAPED, InjectionTarget
-from ..lattice.lookup import LatticeTextures, texture_scale
+from ..lattice.lookup import CellLight, LatticeTextures, texture_scale
 from ..lattice.placement import EVERYWHERE, Hull, LatticeParams
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
@@ -174,8 +174,7 @@ class LpvSolver(Solver):
         with commands.stage("pack"):
             self.textures.encode(
                 commands,
-                part.injected,
-                total,
+                CellLight(part.injected, total),
                 self.power_scale,
                 hull=self._hull,
                 is_shaped=self.lobe.is_shaped,
@@ -228,6 +227,7 @@ class LpvSolver(Solver):
             fields,
             irradiance=irradiance,
             reflected=reflected,
+            forward=self.media.forward if self.media else None,
             scattered=light if self.is_marched else fields.scattered,
         )
 

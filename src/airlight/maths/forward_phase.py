@@ -1,7 +1,7 @@
 """Light that scattered nearly straight on but for one bend, if any, on its way to the eye.
 
 Scattering of mean cosine g is like going straight on in a share g of all cases, and else any way
-(`scatter.reduced`). A lattice holds what was sent any way twice or more. What was but once, or
+(`media.reduced`). A lattice holds what was sent any way twice or more. What was but once, or
 never, has all its bends at about one place: of order k it scatters there as if k times (Henyey and
 Greenstein's function of g^k), less what the lattice has of that order.
 Source: ours (measured against Monte Carlo).

@@ -16,6 +16,7 @@ media_tree       their boxes, as rays walk them; path_lists: those between a poi
 light_columns    column density of density grids towards lights; column_texels: how fine
 detail           noise below their voxels
 rays             which eye ray each texel of a reduced image stands for
+reduced          the isotropic media that stand for others in what solvers solve
 pixel_list       pixels to redraw; settings: of all this
 volume_blockers  volumes as blockers of a lattice
 attenuated_maps  reflective shadow maps, attenuated by media

@@ -19,6 +19,7 @@ from ..lighting.kit import Kit
 from ..lighting.view import View
 from ..maths.transforms import F64
 from ..media.gpu_media import GpuMedia
+from ..media.reduced import reduced
 from ..scene.coefficients import grouped
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
@@ -28,6 +29,7 @@ from .light.importance import Look
 from .light.visibility import Surfaces
 from .medium.merged_medium import MergedMedium
 from .medium.mixture import MediaCount
+from .medium.surrounding import SurroundingMedium
 from .settings import MOST_ALONE, PopSettings, uses_virtual_grids
 from .several_media import encode, introduce
 from .solver import PopSolver
@@ -57,7 +59,8 @@ class PopMedia(Solver):
         """
         self.kit, self.settings, self._has_local_shafts = kit, settings, has_local_shafts
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
-        self._scene = kit.context.scene
+        self._solves_medium = media_of is not None
+        self._scene, self._bounds = kit.context.scene, kit.context.scene.bounds
         volumes = grouped(self._media_of(self._scene))
         _check_levels(settings, volumes)
         self._first_row = media.count - sum(map(len, volumes))
@@ -121,7 +124,7 @@ class PopMedia(Solver):
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Take the scene, and what surfaces reflect; media are solved for a view."""
-        self._scene = frame.scene
+        self._scene, self._bounds = frame.scene, frame.bounds
         if self._maps:
             with commands.stage("reflective shadow maps"):
                 self._maps.encode(commands, frame.scene, *frame.bounds)
@@ -131,7 +134,7 @@ class PopMedia(Solver):
         """Solve every medium, and yield the radiance that it scatters towards the eye of `view`."""
         scene = self._scene
         # Indirect light comes from virtual point lights or from lattices, not from both.
-        has_reflected = scene.meshes and self._maps is None
+        has_reflected = self._maps is None
         # All that lights media: lights, sky, the eye and what surfaces reflect.
         lit = Illumination(
             scene.lights,
@@ -140,6 +143,7 @@ class PopMedia(Solver):
             self._surfaces,
             fields.reflected if has_reflected else None,
             Look(view.camera, view.size[0] / view.size[1]),
+            self._around(np.asarray(view.eye)),
         )
         encode(commands, self.solvers, self._volumes(scene), lit)
         # What each medium scatters, by its rows in the table of media.
@@ -151,6 +155,14 @@ class PopMedia(Solver):
         if self._merged:
             sources = [replace(source, medium=ALL_MEDIA) for source in sources]
         return replace(fields, volumes=tuple(sources))
+
+    def _around(self, eye: F64) -> SurroundingMedium | None:
+        """The scene's own medium, where a lattice has it."""
+        medium = self._scene.medium
+        if medium is None or self._solves_medium:
+            return None
+        low, high = medium_box(medium, *self._bounds, eye)
+        return SurroundingMedium(tuple(low), tuple(high), reduced(medium).sigma_t)
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -12,7 +12,6 @@ media of a scene have a solver each, and light one another; see `several_media`.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Sequence
 from typing import Any
 
@@ -173,18 +172,17 @@ class PopSolver:
     ) -> bool:
         """Take the light and the medium of a frame; returns whether the medium changed."""
         parts = (volume,) if isinstance(volume, Volume) else volume or self.medium.volumes
-        old = self.medium.volumes
-        is_same = len(parts) == len(old) and all(map(operator.is_, parts, old))
+        is_same = [*map(id, parts)] == [*map(id, self.medium.volumes)]
         if not is_same or self._outer is not None:
             self.medium.take(parts)
-        # Directional lights and environment as ordinates, directed to what the camera sees.
+        # Directional lights and environment as ordinates, directed to what the camera sees. Local
+        # lights follow, then virtual point lights, whose rows the device fills.
         with commands.stage("pop ordinates"):
             self._ordinates = self._ordinates_of(lit)
-        # Local lights follow, then virtual point lights, whose rows the device fills.
         self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
         self._local = local_lights(lit.lights) + [_VIRTUAL] * self._virtual
         count = self._ordinates.count + len(self._local) + self.transport.light.blocks
-        self.medium.params = self.medium.params_of(count)
+        self.medium.params = self.medium.params_of(count, around=lit.around)
         return self.medium.encode(commands)
 
     def _ordinates_of(self, lit: Illumination) -> Ordinates:
@@ -284,6 +282,7 @@ class PopSolver:
             medium=medium,
             parts=len(own.parts),
             whole=self.emission.whole,
+            mean=self.emission.mean if self.transport.has_mean else None,
             texels=self.emission.smooth.TEXELS,
             fade=own.grid.shares if isinstance(own, FinerMedium) else None,
         )

@@ -22,6 +22,8 @@ class Transport(Protocol):
 
     light: IncidentLight
     diffuse: Diffuse
+    has_mean: bool
+    """Whether it knows what the reduced medium scatters, `Emission.mean`."""
 
     @property
     def iterations(self) -> int:

@@ -21,9 +21,10 @@
 
 `solver` runs all of it for each of `cascades`. `entering_light` is what these share of lights, and
 `cell_lights` what their cells gather; `settings` says what can be told, `map_blockers` takes walls
-from six shadow maps, `reduced` finds the isotropic media that stand for others. `propagate` has the
+from six shadow maps. `propagate` has the
 stencil, `level` a lattice of the stack. `forward_textures` and `light_in_air` are what marching and
-the final gather read.
+the final gather read; `surface_beams` what surfaces read of `forward`, `forward_beams` the same of
+all media of a scene, in the cells that `near_surfaces` finds.
 
 A lattice is a storage buffer of vec4f (A, Bx, By, Bz) laid out [channel][z][y][x], in power units:
 (A, B) = 4pi (a, b) of the intensity a + b.w, so A is the cell's power, W.

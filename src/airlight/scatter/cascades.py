@@ -11,12 +11,12 @@ from ..gpu.commands import Commands
 from ..lattice.lattices import Level
 from ..lattice.placement import Placement
 from ..lighting.kit import Kit
+from ..media.reduced import reduced_scene
 from ..scene.scene import Scene
 from .cells import LatticeCells
 from .entering_light import EnteringLight
 from .injection import Injection
 from .levels import Levels
-from .reduced import reduced_scene
 from .schedule import Schedule, cycles_to, iterations_to, schedule
 from .settings import ScatterSettings, densest_medium, is_varied, iterations_of
 

@@ -14,17 +14,20 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, u32
+from ..gpu.layout import Struct, f32, u32, vec2u
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, image, storage, uniform
+from ..lattice.lattices import Level
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
 from .cell_lights import CELL_LIGHT_SLOTS, CellLights
 from .cells import LatticeCells
 from .forward_textures import ForwardTextures
-from .reduced_media import ReducedMedia
+from .reduced_media import SLANT_MEDIA, ReducedMedia
 
-_SKY_STRIDE = 4  # every fourth part of a cell for each of a sky's many lights
+# Every fourth part of a cell for each of a sky's many lights; for surfaces alone one.
+_SKY_STRIDE = 4
+_FEW = 4  # lights of which surfaces alone have every part of a cell; else every second, in turn
 
 
 class ForwardParams(Struct):
@@ -35,16 +38,23 @@ class ForwardParams(Struct):
     is_blurred = u32("1: directional lights are blurred across their direction")
     scale = f32("stored units per W m^-2")
     depth = u32("cells along z of the textures that each light has")
+    taps = u32("of each part, where directional lights are blurred")
+    light_step = u32("every so many of the lights counts as all of these")
+    pad = vec2u()
 
 
 class _Forward(ComputePass):
-    """forward = base + fluence and flux per cell, W m; `stores` each light's in a texture."""
+    """forward = base + fluence and flux per cell, W m; `stores` each light's in a texture.
+
+    `is_near`: only in cells `near` surfaces.
+    """
 
     workgroup = (32, 4, 2)
     file = "forward.wgsl"
 
-    def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool) -> None:
-        own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) if stores else ()
+    def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool, is_near: bool) -> None:
+        own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) * stores
+        own += (storage("near", "u32"),) * is_near
         self.slots = (  # type: ignore[misc]
             uniform("params", ForwardParams),
             uniform("lattice", LatticeParams),
@@ -55,12 +65,13 @@ class _Forward(ComputePass):
             storage("forward", "vec4f", "read_write"),
             *own,
         )
-        super().__init__(gpu, generated=media.wgsl + (_KEEP if stores else _DROP))
+        super().__init__(gpu, generated=media.wgsl + _SLANT_MEDIA + _generated(stores, is_near))
 
 
-_DROP = "fn store_light(id: vec3u, i: u32, light: vec4f) {}\n"
-_KEEP = """
-fn store_light(id: vec3u, i: u32, light: vec4f) {
+_SLANT_MEDIA = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
+_DROP = """fn store_light(id: vec3u, i: u32, light: vec4f) {}
+"""
+_KEEP = """fn store_light(id: vec3u, i: u32, light: vec4f) {
     let stored = clamp(light.rgb * params.scale, vec3f(0.0), vec3f(65504.0));
     let texel = id + vec3u(0u, lattice.first_row, i * params.depth);
     textureStore(unblurred, texel, vec4f(stored, light.a));
@@ -68,27 +79,60 @@ fn store_light(id: vec3u, i: u32, light: vec4f) {
 """
 
 
+def _generated(stores: bool, is_near: bool) -> str:
+    cells = "near[cell] != 0u" if is_near else "true"
+    return (
+        f"const FOR_SURFACES = {str(is_near).lower()};\n"
+        + f"fn is_read(cell: u32) -> bool {{ return {cells}; }}\n"
+        + (_KEEP if stores else _DROP)
+    )
+
+
 class ForwardLight:
     """The sky's and all lights' forward light in the cells of one lattice, W m.
 
-    Each light's own goes into the `textures` for marching.
+    Each light's own goes into the `textures` for marching. Without them the light is for surfaces
+    alone, in cells that they read.
     """
 
     def __init__(
-        self, gpu: Gpu, placement: Placement, media: ReducedMedia, textures: ForwardTextures
+        self,
+        gpu: Gpu,
+        placement: Placement,
+        media: ReducedMedia,
+        textures: ForwardTextures | None = None,
     ) -> None:
         self._media, self._textures = media, textures
-        self._lights = _Forward(gpu, media.lights, stores=True)
-        self._sky = _Forward(gpu, media.sky, stores=False)
+        self._sky_stride = _SKY_STRIDE if textures else 2 * _SKY_STRIDE
+        is_near = textures is None
+        self._lights = _Forward(gpu, media.lights, stores=not is_near, is_near=is_near)
+        self._sky = _Forward(gpu, media.sky, stores=False, is_near=is_near)
         self.sky = Buffer(gpu, "forward light of the sky", 3 * placement.cells * 16)
         self.all = Buffer(gpu, "forward light", 3 * placement.cells * 16)
 
     def encode_sky(
-        self, commands: Commands, cells: LatticeCells, lights: CellLights, *, base: Buffer
+        self,
+        commands: Commands,
+        cells: LatticeCells | Level,
+        lights: CellLights,
+        *,
+        base: Buffer,
+        near: Buffer | None = None,
+        light_step: int = 1,
     ) -> None:
-        """Of the lights that stand for the sky, on top of `base`: no light."""
+        """Of the lights that stand for the sky, on top of `base`: no light.
+
+        `light_step`: cells take each so many of the lights, neighbours others.
+        """
         params = ForwardParams(
-            light_count=lights.count, stride=_SKY_STRIDE, is_blurred=0, scale=1.0, depth=0
+            light_count=lights.count,
+            stride=self._sky_stride,
+            is_blurred=0,
+            scale=1.0,
+            depth=0,
+            taps=1,
+            light_step=light_step,
+            pad=(0, 0),
         )
         self._sky.dispatch(
             commands,
@@ -98,22 +142,36 @@ class ForwardLight:
             face_visibility=cells.blockers.face_visibility,
             base=base,
             forward=self.sky,
+            **({"near": near} if near else {}),
             **lights.bound,
             **self._media.sky.bound,
         )
 
     def encode(
-        self, commands: Commands, cells: LatticeCells, lights: CellLights, *, base: Buffer
+        self,
+        commands: Commands,
+        cells: LatticeCells | Level,
+        lights: CellLights,
+        *,
+        base: Buffer,
+        near: Buffer | None = None,
     ) -> None:
-        """Of the scene's lights, on top of `base`: the sky's, or no light."""
+        """Of the scene's lights, on top of `base`: the sky's, or no light.
+
+        `near`: of light for surfaces alone, the cells that they read (`near_surfaces`).
+        """
         # Each light's forward light in all cells, for marching, and the sum of all for surfaces.
         textures, visibility = self._textures, cells.blockers.face_visibility
         params = ForwardParams.of(
             light_count=lights.count,
-            stride=1,
+            # Many lights are samples of few with extent.
+            stride=1 if textures or lights.count <= _FEW else 2,
             is_blurred=1,
-            scale=textures.scale,
-            depth=textures.depth,
+            scale=textures.scale if textures else 1.0,
+            depth=textures.depth if textures else 0,
+            taps=self._media.taps,
+            light_step=1,
+            pad=(0, 0),
         )
         self._lights.dispatch(
             commands,
@@ -123,10 +181,11 @@ class ForwardLight:
             face_visibility=visibility,
             base=base,
             forward=self.all,
-            unblurred=textures.unblurred,
+            **({"near": near} if near else {}),
+            **({"unblurred": textures.unblurred} if textures else {}),
             **lights.bound,
             **self._media.lights.bound,
         )
         # Marching takes the blurred light where beams have spread over more than a cell.
-        if lights.count:
+        if textures and lights.count:
             textures.encode_blur(commands, cells.placement, lights.count, visibility)

@@ -18,6 +18,7 @@ from ..lattice.inject import new_sums
 from ..lattice.lobes import InjectionTarget
 from ..lattice.placement import Placement
 from ..lighting.kit import Kit
+from ..media.reduced import reduced_scene
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from .cell_lights import CellLights
@@ -26,7 +27,6 @@ from .entering_light import EnteringLight
 from .forward import ForwardLight
 from .inject_border import InjectBorder, Outside
 from .inject_single import CellFluence
-from .reduced import reduced_scene
 
 
 class Injection:

@@ -4,7 +4,7 @@ Marching towards the eye draws light that is scattered once sharply, and reads f
 is scattered more often. A gather's rays need no such sharpness: they read one mean radiance of the
 reduced medium, that of the solved track and of the unscattered light of lights and sky together.
 What the reduced medium does not scatter (light that goes on forwards) lights surfaces as
-`scatter.forward` has it, in textures of its own.
+`scatter.forward` has it, in textures of its own (`surface_beams`).
 """
 
 from __future__ import annotations
@@ -19,14 +19,11 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import FILTERED, image, storage, uniform
-from ..lattice.irradiance import Irradiance
-from ..lattice.table import LatticeTable
 from ..lighting.kit import Kit
 from ..maths.half import half_scale
 from ..maths.lattice26 import true_share
 from ..scene.checks import Rgb
 from .cascades import Cascade
-from .surface_light import NO_MEDIUM, SurfaceLight
 
 
 class LightInAirParams(Struct):
@@ -52,7 +49,7 @@ class _Pack(ComputePass):
 
 
 class LightInAir:
-    """The mean radiance of all light, and the irradiance of what only went on forwards."""
+    """The mean radiance of all light."""
 
     def __init__(self, gpu: Gpu, kit: Kit) -> None:
         self._kit, self._pack, self.scale = kit, _Pack(gpu), 1.0
@@ -61,9 +58,6 @@ class LightInAir:
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
             for name in ("light in air", "unscattered light in air")
         )
-        self._forward = SurfaceLight(gpu, kit.placement, size)
-        self._table = LatticeTable(gpu, kit.lattices.table.count)
-        self._has_forward = False
 
     def encode(
         self, commands: Commands, part: Cascade, track: Buffer, flux: float, sigma_t: Rgb
@@ -91,12 +85,6 @@ class LightInAir:
             mean=self._mean,
             unscattered=self._unscattered,
         )
-        # Light that media only scatter forwards reaches surfaces apart.
-        beams = part.injection.surface_beams
-        self._has_forward = beams is not None
-        if beams is not None:
-            black = part.injection.black
-            self._forward.encode(commands, black, flux, NO_MEDIUM, forward=beams, placement=place)
 
     def field(self, walls: dict[str, Any]) -> AirLight:
         """For the rays of a gather; `walls` as Blockers.bound."""
@@ -108,9 +96,4 @@ class LightInAir:
             finer=places[:-1],
             mean=self._mean,
         )
-        # What rays read along their way, and what surfaces at their ends get besides.
-        if not self._has_forward:
-            return AirLight(mean, self._unscattered)
-        table = self._table.filled([self._forward.params(place) for place in places])
-        forward = Irradiance({"lattices": table, **self._forward.bound})
-        return AirLight(mean, self._unscattered, forward)
+        return AirLight(mean, self._unscattered)

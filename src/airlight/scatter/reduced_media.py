@@ -12,11 +12,14 @@ from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..media.density_grids import ColumnPlan, sky_columns
 from ..media.gpu_media import GpuMedia
+from ..media.reduced import is_forward, reduced_scene
 from ..scene.checks import Rgb
 from ..scene.scene import Scene
-from .reduced import is_forward, reduced_scene
 from .settings import densest_medium
 from .surface_light import NO_MEDIUM
+
+SLANT_MEDIA = 16  # beyond so many, light comes slantwise from those alone that are on its path
+_TAPS = 4
 
 
 class ReducedMedia:
@@ -39,6 +42,8 @@ class ReducedMedia:
             columns=sky_columns(kit.lattices.placements[0].cell, kit.shared),
         )
         self.has_forward = self.is_reduced = False
+        # Beside each part of a cell; the borders of volumes show where there are few.
+        self.taps = _TAPS if 0 < len(scene.volumes) <= SLANT_MEDIA else 1
         self.sigma_s: Rgb = NO_MEDIUM.sigma_s
         self.sigma_t: Rgb = NO_MEDIUM.sigma_t
 

@@ -9,12 +9,12 @@ import numpy as np
 from ..errors import SettingsError
 from ..lattice.placement import Placement
 from ..maths.transforms import box_along
+from ..media.reduced import reduced_scene
 from ..scene.checks import Rgb
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .coefficients import check_depth
-from .reduced import reduced_scene
 from .schedule import ACCELERATIONS
 
 SCHEMES = ("auto", "deposit", "half-linear", "paper", "paper-gamma")

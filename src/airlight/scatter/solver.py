@@ -21,10 +21,12 @@ from ..scene.scene import Scene
 from .cascades import Cascade, cascades
 from .emission import Emission
 from .entering_light import EnteringLight
+from .forward_beams import ForwardBeams
 from .inject_outer import InjectOuter
 from .light_in_air import LightInAir
 from .reduced_media import ReducedMedia
 from .settings import ScatterSettings
+from .surface_beams import SurfaceBeams
 from .surface_light import SurfaceLight
 
 
@@ -41,12 +43,13 @@ class ScatterSolver(Solver):
         has_volumes: bool = True,
         has_border_light: bool = True,
         is_gathered: bool = False,
+        beams: ForwardBeams | None = None,
     ) -> None:
         """`has_volumes`: whether the scene's volumes are part of the lattices' medium.
 
         `has_border_light`: whether finer lattices take in light from beyond their borders.
-        `is_gathered`: whether a gather's rays meet its media. Raises SettingsError where the scheme
-        cannot do the scene's media.
+        `is_gathered`: whether a gather's rays meet its media. `beams`: of all media, where they are
+        not all in the lattices. Raises SettingsError where the scheme cannot do the scene's media.
         """
         self.kit, self.has_volumes = kit, has_volumes
         gpu, scene = kit.gpu, self._seen(kit.context.scene)
@@ -61,6 +64,10 @@ class ScatterSolver(Solver):
         self.emission = Emission(gpu, kit.placement, size)
         self.surfaces = SurfaceLight(gpu, kit.placement, size)
         self.air = LightInAir(gpu, kit) if is_gathered else None
+        # Light that media only scatter forwards, apart for rays, which do not meet it.
+        self.beams = beams
+        self._beams = SurfaceBeams(gpu, kit) if is_gathered and beams is None else None
+        self._has_beams = False
 
     @property
     def largest(self) -> Cascade:
@@ -79,6 +86,8 @@ class ScatterSolver(Solver):
         seen = dataclasses.replace(frame, scene=self._seen(frame.scene))
         with commands.stage("air"):
             self.media.update(commands, seen)
+        if self.beams is not None:
+            self.beams.encode(commands, frame)
         self.light.begin(commands, seen)
         # The largest lattice first: finer ones take in its light at their borders.
         around: tuple[Cascade, Buffer] | None = None
@@ -115,9 +124,14 @@ class ScatterSolver(Solver):
                 commands, track, flux, beams, sigma_t=self.media.sigma_t, placement=placement
             )
             medium, near = part.cells.surface_medium, injection.surface_beams
+            if self.beams is not None:
+                near = self.beams.beams(self.cascades.index(part))
             self.surfaces.encode(commands, total, flux, medium, forward=near, placement=placement)
             if self.air is not None:
                 self.air.encode(commands, part, track, flux, self.media.sigma_t)
+            self._has_beams = near is not None
+            if self._beams is not None and near is not None:
+                self._beams.encode(commands, near, injection.black, flux, placement)
         return total
 
     def _enter(self, commands: Commands, part: Cascade, outer: Cascade, total: Buffer) -> None:
@@ -157,7 +171,11 @@ class ScatterSolver(Solver):
         )
         if self.air is None:
             return fields
-        return dataclasses.replace(fields, air=self.air.field(self.kit.blockers.bound))
+        forward = self.beams.field if self.beams else None
+        if self._beams is not None and self._has_beams:
+            forward = self._beams.field
+        air = self.air.field(self.kit.blockers.bound)
+        return dataclasses.replace(fields, air=air, forward=forward)
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """The lattices do not depend on the eye."""

@@ -14,6 +14,7 @@ auto         the recipe that suits the scene
     settings   the settings of each, joined from its parts
     auto       which recipe suits a scene
     volumes    what volumes do to a lattice of reflected light
+    beams      which have beams on surfaces of what volumes only scatter forwards
 """
 
 from __future__ import annotations

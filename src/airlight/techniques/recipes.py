@@ -160,6 +160,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     from ..media.media import Media, Solved
     from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
+    from .beams import forward_solvers
 
     # Delta scaling: forward peaks sharper than a grid resolves count as unscattered.
     scaled = None if settings.scheme == "paper" else DeltaScaling().scaled
@@ -177,7 +178,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
     layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
     gathering = _gathering(kit, settings, media if scaled else None, sources=sources)
-    solvers = [media, solved, *gathering]
+    solvers = [media, *forward_solvers(kit, settings), solved, *gathering]
     return Technique("pop", kit, solvers, media=media, scene_filter=scaled, layers=layers)
 
 
@@ -228,13 +229,15 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     from ..lpv.solver import LpvSolver
     from ..media.media import Media
     from ..pop.media import PopMedia
+    from .beams import forward_beams
     from .volumes import LatticeVolumes
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
     own, drawn, in_cells, sources = _with_pop(context, settings, LpvMarchSettings)
     media = Media(kit, drawn, sources=sources, solved=in_cells)
     lattice = LpvSolver(kit, settings)
-    lattice.media = LatticeVolumes(lattice, media.on_device)
+    beams = forward_beams(kit, own, is_paper=settings.scheme == "paper")
+    lattice.media = LatticeVolumes(lattice, media.on_device, beams)
     solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
     met = media if settings.scheme != "paper" else None
     gathering = _gathering(kit, settings, met, sources=sources, bounces=settings.bounces)
@@ -246,6 +249,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
     from ..media.media import Media
     from ..pop.media import PopMedia
     from ..scatter.solver import ScatterSolver
+    from .beams import forward_beams
 
     # Media hand volumes to the ordinates, and march the rest in the lattice.
     kit = _scattering_kit(context, settings)
@@ -262,6 +266,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         has_volumes=False,
         has_border_light=settings.cascade_light,
         is_gathered=bool(gathering),
+        beams=forward_beams(kit, own, is_paper=settings.scheme.startswith("paper")),
     )
     solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
     return Technique("lpv-scatter with pop", kit, [media, lattice, solved, *gathering], media=media)

@@ -3,6 +3,7 @@
     reflective shadow maps -> attenuated by the volumes -> injected into the lattice
     cell faces             -> blocked and reflecting where volumes stand (`media.volume_blockers`)
     single scattering      -> injected as well, for a second propagation that surfaces read
+    scattered forwards     -> beams, which reach surfaces beside the propagation
 
 The first propagation holds light of surfaces alone. The volumes' solvers take their indirect light
 from it, because they already know what the volumes themselves scatter.
@@ -19,17 +20,19 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
 from ..lattice.inject import Resolve, new_sums
+from ..lattice.irradiance import Irradiance
 from ..lattice.lobes import InjectionTarget
-from ..lattice.lookup import LatticeTextures
+from ..lattice.lookup import CellLight, LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.solver import LpvSolver
 from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
 from ..media.density_grids import ColumnPlan
 from ..media.gpu_media import GpuMedia
+from ..media.reduced import reduced
 from ..media.volume_blockers import VolumeBlockers
 from ..scatter.cell_lights import CellLights
+from ..scatter.forward_beams import ForwardBeams
 from ..scatter.inject_single import InjectSingle
-from ..scatter.reduced import reduced
 from ..scene.scene import Scene
 from ..surface.reflective import ReflectiveShadowMaps
 
@@ -37,16 +40,27 @@ from ..surface.reflective import ReflectiveShadowMaps
 class LatticeVolumes:
     """A scene's volumes as `lpv.lattice_media` has them; on the device they are `media`."""
 
-    def __init__(self, solver: LpvSolver, media: GpuMedia) -> None:
-        self._solver, self._media = solver, media
+    def __init__(
+        self, solver: LpvSolver, media: GpuMedia, beams: ForwardBeams | None = None
+    ) -> None:
+        """`beams`: of what the media scatter forwards, on surfaces."""
+        self._solver, self._media, self.beams = solver, media, beams
         kit = solver.kit
         gpu, scene = kit.gpu, kit.context.scene
-        # Reflective shadow maps, attenuated between their light and each texel.
+        # Reflective shadow maps, attenuated between their light and each texel: less where what is
+        # scattered forwards arrives, too.
+        self.isotropic = GpuMedia(
+            gpu,
+            _reduced_isotropic(scene),
+            light_count=kit.lights.count,
+            columns=ColumnPlan(shared=kit.shared),
+        )
+        arriving = self.isotropic if beams else media
         self._lights = [
-            AttenuatedMaps(gpu, maps, media, owners)
+            AttenuatedMaps(gpu, maps, arriving, owners)
             for maps, owners in zip(solver.maps.groups, solver.maps.owners, strict=True)
         ]
-        self._sky = AttenuatedSkyMaps(gpu, kit.sky.maps, media)
+        self._sky = AttenuatedSkyMaps(gpu, kit.sky.maps, arriving)
         self._attenuated: dict[int, ReflectiveShadowMaps] = {
             id(maps): own for maps, own in zip(solver.maps.groups, self._lights, strict=True)
         } | {id(kit.sky.maps): self._sky}
@@ -56,12 +70,6 @@ class LatticeVolumes:
         ]
         self._blocked_versions: list[tuple[Any, ...]] = [()] * len(solver.cascades)
         # What reduced isotropic volumes scatter once, and the lattices that it enters.
-        self.isotropic = GpuMedia(
-            gpu,
-            _reduced_isotropic(scene),
-            light_count=kit.lights.count,
-            columns=ColumnPlan(shared=kit.shared),
-        )
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         self._inject, self._resolve = InjectSingle(gpu, self.isotropic), Resolve(gpu)
         self._levels = [_Level(gpu, part) for part in solver.cascades]
@@ -71,6 +79,8 @@ class LatticeVolumes:
         with commands.stage("air"):
             self._media.update(commands, frame.scene, *frame.bounds)
             self.isotropic.update(commands, _reduced_isotropic(frame.scene), *frame.bounds)
+        if self.beams is not None:
+            self.beams.encode(commands, frame)
 
     @property
     def version(self) -> int:
@@ -135,12 +145,16 @@ class LatticeVolumes:
         with commands.stage("pack"):
             self.textures.encode(
                 commands,
-                own.cells,
-                total,
+                CellLight(own.cells, total, self.beams.beams(level) if self.beams else None),
                 solver.power_scale,
                 is_shaped=solver.settings.occlusion,
                 placement=part.placement,
             )
+
+    @property
+    def forward(self) -> Irradiance | None:
+        """Light that volumes only scatter forwards, of which `textures` have it, too."""
+        return self.beams.field if self.beams else None
 
 
 class _Level:

@@ -17,6 +17,8 @@ struct BeamEmission {
     local: vec3f,          // of local ones
     sky: vec3f,            // the same of the sky's ordinates
     quasi_forward: vec3f,
+    fluence: vec3f,        // W m^-2, of the beams, the local and the sky
+    quasi_fluence: vec3f,  // of the quasi-forward
 }
 
 fn beam_phase(n: u32, mu: f32) -> vec3f {
@@ -37,6 +39,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         }
         let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
         let direct = exp(-true_depth(n, cell));
+        sum.fluence += light.irradiance * direct;
         let once = light.irradiance * direct * beam_phase(n, mu);
         if (ordinates[n].position.w == LOCAL) {
             sum.local += once;
@@ -47,6 +50,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         }
         let quasi = select(exp(-reduced_depth(n, cell)) - direct, vec3f(0.0),
             ordinates[n].position.w == VIRTUAL_GRID);
+        sum.quasi_fluence += light.irradiance * quasi;
         let a = quasi_forward_cosine(n, cell);
         let sharpest = resolved_by(ordinates[n].direction.w);
         let lobe = params.g * a * ordinates[n].direction.w;

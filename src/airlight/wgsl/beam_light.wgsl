@@ -1,12 +1,13 @@
 //! use ordinate_light
+//! use surrounding_medium
 //! needs fn inter_medium_irradiance(n: u32, cell: u32) -> vec3f
 
-// An ordinate's light in a cell, less what surfaces keep from it. The including pass binds what
+// An ordinate's light in a cell, less what surfaces and a medium around this one keep from it. The including pass binds what
 // wgsl/ordinate_light.wgsl asks for, `passed` (pop/light/paths.py)
 // and what wgsl/one_medium_beams.wgsl or mixed_media_beams.wgsl do.
 fn beam_light(n: u32, cell: u32, point: vec3f) -> OrdinateLight {
     var light = ordinate_light(n, point);
     light.irradiance *= passed[(params.ordinate_count + n) * params.cells + cell]
-        * inter_medium_irradiance(n, cell);
+        * inter_medium_irradiance(n, cell) * passed_surrounding(point, light.travel, light.distance);
     return light;
 }

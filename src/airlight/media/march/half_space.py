@@ -1,7 +1,7 @@
 """An analytic half-space medium beyond the lattices: its light depends on the height alone.
 
 A table over the depth below the top of an endless medium holds the light of directional lights and
-the sky (local lights are left out): multiple scattering of the reduced medium (`scatter.reduced`),
+the sky (local lights are left out): multiple scattering of the reduced medium (`media.reduced`),
 the light of the sky, and by direction what the medium scatters of that. Marching reads it where no
 lattice is, so that an endless medium has no visible border. See `maths.half_space`.
 """

@@ -35,6 +35,7 @@ class DeltaBeams:
 
     iterations = 0
     """Propagation steps from cell to cell: none."""
+    has_mean = True
 
     def __init__(
         self,

@@ -59,7 +59,12 @@ EMISSION_SLOTS: tuple[Slot, ...] = (
 
 
 class _Emission(_OfBeams):
-    own_slots = (*_read, storage("refined", "vec4f"), *EMISSION_SLOTS)
+    own_slots = (
+        *_read,
+        storage("refined", "vec4f"),
+        *EMISSION_SLOTS,
+        image("mean", "rgba16float", "3d"),
+    )
     workgroup = (64, 1, 1)
     file = "emission.wgsl"
 
@@ -74,7 +79,9 @@ class Emission:
     """Fills `texture`: in-scattered radiance per unit scattering coefficient.
 
     `whole` is that with what local lights scatter once, which `texture` leaves to shafts if they
-    draw it; `smooth` is the `texture` between its cells, for marching. The unit is the scale of the
+    draw it; `smooth` is the `texture` between its cells, for marching. `mean` is what the reduced
+    medium of similarity theory scatters, into all directions alike, still per unit of the medium's
+    own scattering coefficient; of channels with g <= 0 it is `whole`. The unit is the scale of the
     ordinates: times `OrdinateTable.scale`, W m^-2 sr^-1.
     `corrections`, vec4 per cell: factors of multiple scattering, see `encode_furnace`. `indirect`,
     vec4 per cell: indirect light of surfaces, in the same unit.
@@ -94,6 +101,14 @@ class Emission:
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
         )
         self.smooth = SmoothEmission(medium)
+        self.mean = Texture(
+            gpu,
+            "mean emission",
+            medium.placement.count,
+            "rgba16float",
+            dimension="3d",
+            written=True,
+        )
         # Nothing is written to a second texture that would be the same.
         count = medium.placement.count if has_local_shafts else (1, 1, 1)
         self._other = Texture(
@@ -128,6 +143,7 @@ class Emission:
             ),
             **self._bound(light, diffuse),
             refined=self._refined,
+            mean=self.mean,
             **self.written,
         )
 

@@ -37,6 +37,8 @@ class OrdinateGrids:
     work is done in `encode_view`.
     """
 
+    has_mean = False
+
     def __init__(
         self,
         medium: GridMedium,

@@ -9,6 +9,7 @@ from ...fields import ReflectedLight
 from ...maths.transforms import F64
 from ...scene.environment import Environment
 from ...scene.lights import Light
+from ..medium.surrounding import SurroundingMedium
 from .importance import Look
 from .visibility import Surfaces
 
@@ -18,7 +19,8 @@ class Illumination:
     """The light on media and the eye that sees them.
 
     `eye` (3,), m in the world. `surfaces`: those that shade media. `reflected`: what they reflect
-    into them, from a lattice. `look`: the camera, for the importance of ordinates.
+    into them, from a lattice. `look`: the camera, for the importance of ordinates. `around`: what
+    the media lie in and that lattice has solved.
     """
 
     lights: tuple[Light, ...]
@@ -27,9 +29,11 @@ class Illumination:
     surfaces: Surfaces | None = None
     reflected: ReflectedLight | None = None
     look: Look | None = None
+    around: SurroundingMedium | None = None
 
     @property
     def versions(self) -> tuple[Any, ...]:
-        """Of the surfaces and what they reflect; equal ones mean that neither changed."""
+        """Of the surfaces, what they reflect and the medium around; equal: none changed."""
         of_surfaces = () if self.surfaces is None else self.surfaces.version
-        return (*of_surfaces, *(() if self.reflected is None else self.reflected.version))
+        reflected = () if self.reflected is None else self.reflected.version
+        return (*of_surfaces, *reflected, self.around)

@@ -13,6 +13,7 @@ from ...gpu.commands import Commands
 from ...gpu.device import Gpu
 from ...gpu.memory import Buffer, Texture
 from ...maths.half import half_floats
+from ...scene.checks import Rgb
 from ...scene.volume import Volume
 from .density import Density, density_texture, voxel_count
 from .mixture import MediaCount, Mixture
@@ -24,6 +25,7 @@ from .placement import (
     placed_parts,
     shape_density,
 )
+from .surrounding import SurroundingMedium
 
 NO_OTHERS = MediaCount()
 
@@ -155,11 +157,17 @@ class GridMedium:
         mixture.write(every, is_white=is_white)
 
     def params_of(
-        self, ordinates: int, albedo: tuple[float, float, float] | None = None
+        self,
+        ordinates: int,
+        albedo: Rgb | None = None,
+        around: SurroundingMedium | None = None,
     ) -> MediumParams:
-        """The parameters of passes over so many `ordinates`; with another `albedo`, if any."""
+        """The parameters of passes over so many `ordinates`; with another `albedo`, if any, and
+        with what a medium `around` this one leaves of their light."""
         fields = self.parts[0].fields(ordinates)
-        return MediumParams(**(fields if albedo is None else fields | {"albedo": albedo}))
+        fields |= {} if albedo is None else {"albedo": albedo}
+        fields |= {} if around is None else around.fields(self.placement)
+        return MediumParams(**fields)
 
     def take(self, volumes: Sequence[Volume]) -> None:
         """Go on with changed parts. Raises SceneError where their grids' size changed."""

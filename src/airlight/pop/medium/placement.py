@@ -37,6 +37,8 @@ class MediumParams(Struct):
     g = vec3f("mean cosine")
     mean_density = f32("over the medium's mass")
     samples = vec3u("density samples per fine cell along each axis")
+    surrounding_from_medium = mat4x4f("to 0..1 in a box of another medium around it")
+    surrounding_sigma_t = vec3f("m^-1, of that; 0: there is none")
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,4 +226,6 @@ class PlacedVolume:
             "samples": np.clip(per_cell, 1, 16),
             "g": volume.g,
             "groups": -(-placement.cells // PARTIAL_SUM_GROUP),
+            "surrounding_from_medium": np.eye(4),
+            "surrounding_sigma_t": (0.0, 0.0, 0.0),
         }

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from airlight.scatter.reduced import reduced, reduced_scene
+from airlight.media.reduced import reduced, reduced_scene
 from airlight.scene.medium import Medium
 from airlight.scene.scene import Scene
 from airlight.scene.volume import Volume
