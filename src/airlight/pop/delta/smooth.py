@@ -44,7 +44,7 @@ class SmoothEmission:
     def encode(
         self, commands: Commands, params: MediumParams, emission: Texture, walls: Buffer
     ) -> None:
-        """Interpolate the `emission` of the cells that light reaches, up to `walls` between them."""
+        """Interpolate the `emission` of the cells that light reaches, up to `walls`."""
         with commands.stage("pop emission"):
             self._pass.dispatch(
                 commands,

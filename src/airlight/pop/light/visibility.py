@@ -37,7 +37,8 @@ from ..virtual.reflected import ReflectedLights
 class Surfaces:
     """The surfaces around media: their shadow maps, and what they reflect.
 
-    `rays`: what rays meet of them; `reflected`: where virtual point lights are sampled from; `blockers`: cells between media.
+    `rays`: what rays meet of them. `reflected`: where virtual point lights are sampled from;
+    `blockers`: cells between media.
     """
 
     meshes: GpuScene

@@ -107,9 +107,7 @@ class Walls:
             commands,
             (placement.cells,),
             params=params,
-            placement=WallParams(
-                world_from_medium=placement.world_from_medium, wider=_WIDER
-            ),
+            placement=WallParams(world_from_medium=placement.world_from_medium, wider=_WIDER),
             **scene.bound,
             reflectances=self._reflectances,
             positions=self._positions,
@@ -122,7 +120,9 @@ class Walls:
             return False
         placement = self._medium.placement
         corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).reshape(3, 8).T * placement.extent
-        placed = corners @ placement.world_from_medium[:3, :3].T + placement.world_from_medium[:3, 3]
+        placed = (
+            corners @ placement.world_from_medium[:3, :3].T + placement.world_from_medium[:3, 3]
+        )
         boxes = world_boxes(meshes)
         meets = (boxes[:, 0] <= placed.max(axis=0)) & (boxes[:, 1] >= placed.min(axis=0))
         return bool(meets.all(axis=1).any())
