@@ -53,7 +53,8 @@ class Rooms:
         rooms = self._always | self._around(meshes, points)
         if rooms == self._rooms:
             return False
-        self._rooms, self.sides = rooms, self._blocking(meshes)
+        self._rooms = rooms
+        self.sides = self._blocking(meshes)
         self.walls = self._walls()
         return True
 

@@ -126,9 +126,10 @@ class DeltaBeams:
     def encode(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
         """Solve the light of the scene; `eye` (3,), m in the frame of the medium, if any."""
         # Surfaces between cells close faces of the operator.
-        if self._walls is not None and self._surfaces is not None:
-            if self._walls.encode(commands, params, self._surfaces, self.diffuse.walls):
-                self.diffuse.encode_medium(commands, params, self._medium.density.cells)
+        walls, surfaces = self._walls, self._surfaces
+        is_new = walls and surfaces and walls.encode(commands, params, surfaces, self.diffuse.walls)
+        if is_new:
+            self.diffuse.encode_medium(commands, params, self._medium.density.cells)
         # Blocks of other media are positioned; they are dark until those are solved.
         self.light.encode_others(commands, is_lit=False)
         # Media and surfaces between every cell and every ordinate.
