@@ -115,16 +115,17 @@ def test_a_body_is_a_room_while_the_eye_is_in_it():
 
 
 def test_the_opaque_walls_of_rooms_are_sealed():
-    """Both halves around the eye; not once one is of glass; nothing when the eye is outside."""
+    """Both halves, with the eye in and a light out; not one of glass; none with both in or out."""
     halved = halves(box(2.0))
     glass = replace(halved[1], material=Material(transmission=0.9))
-    for meshes, point, sealing in (
-        (halved, 0.0, [1, 1]),
-        ((halved[0], glass), 0.0, [1, 0]),
-        (halved, 5.0, [0, 0]),
+    for meshes, light, sealing in (
+        (halved, 5.0, [1, 1]),
+        (halved, np.inf, [1, 1]),
+        ((halved[0], glass), 5.0, [1, 0]),
+        (halved, 0.3, [0, 0]),
     ):
         meshes = tuple(meshes)
-        rooms = Rooms(meshes, np.array([[point, 0.1, -0.2]]))
+        rooms = Rooms(meshes, np.array([[0.0, 0.1, -0.2], [light, 0.1, -0.2]]))
         made = sealed(surfels(meshes, [1, 0], 100, rooms.sides), [1, 0], meshes, rooms.walls)
         of = [set(made["is_sealing"][made["instance"] == i].tolist()) for i in (1, 0)]
         assert of == [{flag} for flag in sealing]

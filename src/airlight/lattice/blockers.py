@@ -242,6 +242,8 @@ class Blockers:
 
 
 def _inside(scene: Scene) -> NDArray[np.float64]:
-    """The positions (n, 3) of the eye and of local lights, metres."""
+    """The positions (n, 3) of the eye and of lights, metres; infinite of distant ones."""
     local = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
-    return np.array([scene.camera.position, *local], np.float64)
+    has_distant = len(local) < len(scene.lights) or scene.environment is not None
+    distant = [(np.inf,) * 3] * has_distant
+    return np.array([scene.camera.position, *local, *distant], np.float64)
