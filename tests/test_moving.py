@@ -171,8 +171,9 @@ def test_moving_things_allocate_nothing(gpu, moving):
         moving, animation=Animation((*moving.animation.tracks[1:2], *moving.animation.tracks[3:]))
     )
     with Renderer(scene, "pop", SIZE, settings=SETTINGS["pop"]) as renderer:
-        renderer.frame(time=0.0)
-        renderer.frame(time=0.1)
+        # Rays are laid out when a mesh first reaches into a volume.
+        for time in (0.0, 0.1, *TIMES):
+            renderer.frame(time=time, read=False)
         held = gpu.allocated_bytes
         for time in TIMES:
             renderer.frame(time=time, read=False)

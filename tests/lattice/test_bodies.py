@@ -9,7 +9,7 @@ import pytest
 
 from airlight.lattice.bodies import winding_number
 from airlight.lattice.rooms import Rooms, sides
-from airlight.lattice.surfels import follow, surfels, turned
+from airlight.lattice.surfels import follow, sealed, surfels, turned
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Geometry, Material, Scene, shapes
 from airlight.scene.mesh import Mesh
@@ -112,6 +112,23 @@ def test_a_body_is_a_room_while_the_eye_is_in_it():
     assert rooms.sides == [1, 1]
     # One that was around the eye at first stays a room.
     assert not Rooms(meshes, np.zeros((1, 3))).update(meshes, np.array([[9.0, 0.0, 0.0]]))
+
+
+def test_the_opaque_walls_of_rooms_are_sealed():
+    """Both halves, with the eye in and a light out; not one of glass; none with both in or out."""
+    halved = halves(box(2.0))
+    glass = replace(halved[1], material=Material(transmission=0.9))
+    for meshes, light, sealing in (
+        (halved, 5.0, [1, 1]),
+        (halved, np.inf, [1, 1]),
+        ((halved[0], glass), 5.0, [1, 0]),
+        (halved, 0.3, [0, 0]),
+    ):
+        meshes = tuple(meshes)
+        rooms = Rooms(meshes, np.array([[0.0, 0.1, -0.2], [light, 0.1, -0.2]]))
+        made = sealed(surfels(meshes, [1, 0], 100, rooms.sides), [1, 0], meshes, rooms.walls)
+        of = [set(made["is_sealing"][made["instance"] == i].tolist()) for i in (1, 0)]
+        assert of == [{flag} for flag in sealing]
 
 
 def shifted(mesh, by):

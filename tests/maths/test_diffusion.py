@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -90,3 +92,49 @@ def test_the_cap_follows_the_thin_sides_however_they_are_turned():
     assert straight == pytest.approx(np.sqrt(3.0 / (radii**-2.0).sum()) / 3.0, rel=0.05)
     half = np.sqrt(0.5)
     assert cap(half * (x + y), half * (x - y)) == pytest.approx(straight, rel=0.08)
+
+
+def walled() -> Diffusion:
+    """A box whose third cell along x a wall keeps from the fourth, and a few faces at random."""
+    a = system()
+    closed = RNG.random((3, *SHAPE[:3])) < 0.1
+    closed[0, :, :, 1] = True
+    for axis in range(3):
+        closed[axis].swapaxes(2 - axis, 0)[-1] = False
+    return replace(a, closed=closed, reflectance=RNG.uniform(0.0, 0.9, (3, 2, *SHAPE[:3])))
+
+
+def test_walls_keep_the_operator_symmetric_and_what_is_behind_them_dark():
+    a = walled()
+    u, v = RNG.normal(size=SHAPE), RNG.normal(size=SHAPE)
+    left, right = (a.apply(u) * v).sum(axis=(0, 1, 2)), (u * a.apply(v)).sum(axis=(0, 1, 2))
+    np.testing.assert_allclose(left, right, rtol=1e-12)
+    unit = np.zeros(SHAPE)
+    unit[2, 3, 1] = 1.0
+    np.testing.assert_allclose(a.apply(unit)[2, 3, 1], a.diagonal()[2, 3, 1], rtol=1e-12)
+    power, forward = np.zeros(SHAPE), np.zeros((3, *SHAPE))
+    power[:, :, :2] = 1.0
+    phi, _ = solve(a, a.source(power, forward), 400)
+    assert phi[:, :, :2].min() > 0.0
+    assert np.all(phi[:, :, 2:] == 0.0)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.6])
+def test_a_slab_between_walls_is_brighter_by_what_they_reflect(rho):
+    """Marshak's condition with reflection: Phi = 2 J (1 + rho)/(1 - rho) on the walls."""
+    n, length, d, q = 40, 2.0, 0.05, 3.0
+    cell = np.array([length / n, 1e6, 1e6])
+    closed = np.zeros((3, 1, 1, n + 2), bool)
+    closed[0, 0, 0, [0, n]] = True
+    a = Diffusion(
+        cell,
+        np.full((1, 1, n + 2, 1), d),
+        np.zeros((1, 1, n + 2, 1)),
+        closed,
+        np.full((3, 2, 1, 1, n + 2), rho),
+    )
+    power = np.full((1, 1, n + 2, 1), q * cell.prod())
+    phi, _ = solve(a, a.source(power, np.zeros((3, 1, 1, n + 2, 1))), 200)
+    x = (np.arange(n) + 0.5) * cell[0]
+    want = q * (length * x - x * x) / (2.0 * d) + q * length * (1.0 + rho) / (1.0 - rho)
+    np.testing.assert_allclose(phi[0, 0, 1:-1, 0], want, rtol=4e-3)

@@ -27,7 +27,7 @@ from ..surface.geometry import GpuScene
 from ..surface.instances import InstanceData
 from .placement import LatticeParams, Placement
 from .rooms import Rooms
-from .surfels import SurfelData, follow, surfels, turned
+from .surfels import SurfelData, follow, sealed, surfels, turned
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 UNITS = 2.0**16
@@ -132,7 +132,9 @@ class Blockers:
         # A body that the camera enters on its way is a room from the beginning.
         eyes = scene.animation.eyes(scene) if scene.animation else []
         self._rooms = Rooms(self.meshes.current, np.array([*eyes, *_inside(scene)], np.float64))
-        samples = surfels(scene.meshes, self.meshes.order, count, self._rooms.sides)
+        order = self.meshes.order
+        samples = surfels(scene.meshes, order, count, self._rooms.sides)
+        samples = sealed(samples, order, scene.meshes, self._rooms.walls)
         self.count = len(samples)
         self.surfels = buffer_of(gpu, "surfels", samples)
         self._samples, self._followed = samples, self.meshes.original
@@ -150,14 +152,15 @@ class Blockers:
         self.placement = placement
 
     def find_rooms(self, scene: Scene) -> None:
-        """Let bodies that hold the eye or a local light of `scene` block with both sides.
+        """Let bodies that hold the eye or a local light of `scene` block with both sides, wholly.
 
         Of nested lattices the largest one does it for all, before any of them is encoded.
         """
         before = self._rooms.sides
         if self._rooms.update(self.meshes.current, _inside(scene)):
             order, meshes = self.meshes.order, self.meshes.original
-            self._samples = turned(self._samples, order, meshes, before, self._rooms.sides)
+            samples = turned(self._samples, order, meshes, before, self._rooms.sides)
+            self._samples = sealed(samples, order, meshes, self._rooms.walls)
             self.surfels.write(self._samples)
             self._followed, self._turns = self.meshes.original, self._turns + 1
 
@@ -239,6 +242,8 @@ class Blockers:
 
 
 def _inside(scene: Scene) -> NDArray[np.float64]:
-    """The positions (n, 3) of the eye and of local lights, metres."""
+    """The positions (n, 3) of the eye and of lights, metres; infinite of distant ones."""
     local = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
-    return np.array([scene.camera.position, *local], np.float64)
+    has_distant = len(local) < len(scene.lights) or scene.environment is not None
+    distant = [(np.inf,) * 3] * has_distant
+    return np.array([scene.camera.position, *local, *distant], np.float64)

@@ -3,6 +3,9 @@
 //! use blocker_side
 //! use lattice_axes
 
+// Rooms let nothing through: where their walls meet, the faces that they cover in part are closed, too.
+const SEALED_GAIN = 4.0;
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
         return;
@@ -24,7 +27,8 @@
     let n = lattice.count + 1u;
     let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
     // Its area across each axis, on the side that it faces, or on both.
-    let covered = area * (params.units / (lattice.cell * lattice.cell));
+    let gain = select(1.0, SEALED_GAIN, surfel.is_sealing != 0u);
+    let covered = area * (gain * params.units / (lattice.cell * lattice.cell));
     for (var axis = 0u; axis < 3u; axis++) {
         let units = i32(round(abs(covered[axis])));
         if (units == 0) {

@@ -33,7 +33,9 @@ class _Known:
 class Rooms:
     """The closed bodies of a scene, and which of their sides block.
 
-    `sides`, one per mesh: 1 the front, -1 the back, 0 both that its material has.
+    `sides`, one per mesh: 1 the front, -1 the back, 0 both that its material has. `walls`: the
+    meshes, by index, of rooms that hold some of the points and not all: no light comes from one
+    side of those to the other but through their materials.
     """
 
     def __init__(self, meshes: Sequence[Mesh], points: F64) -> None:
@@ -45,15 +47,26 @@ class Rooms:
         self._always = self._around(meshes, points)
         self._rooms = self._always
         self.sides = self._blocking(meshes)
+        self.walls = self._walls(meshes, points)
 
     def update(self, meshes: Sequence[Mesh], points: F64) -> bool:
-        """Take on where meshes and `points` (n, 3), metres, are; whether `sides` changed."""
-        rooms = self._always | self._around(meshes, points)
+        """Take on where meshes and `points` (n, 3), metres, are; whether there are other rooms."""
+        rooms, before = self._always | self._around(meshes, points), self.walls
+        self.walls = self._walls(meshes, points)
         if rooms == self._rooms:
-            return False
-        self._rooms, before = rooms, self.sides
+            return self.walls != before
+        self._rooms = rooms
         self.sides = self._blocking(meshes)
-        return self.sides != before
+        return True
+
+    def _walls(self, meshes: Sequence[Mesh], points: F64) -> frozenset[int]:
+        low, high = self._boxes
+        found: set[int] = set()
+        for number in self._around(meshes, points):
+            is_near = ((points > low[number]) & (points < high[number])).all(axis=-1)
+            if not (is_near.all() and all(self._holds(number, meshes, p) for p in points)):
+                found.update(self._bodies[number])
+        return frozenset(found)
 
     def _blocking(self, meshes: Sequence[Mesh]) -> list[int]:
         """Rooms, and what of single-sided materials faces in, block as their materials have it."""

@@ -7,7 +7,7 @@ light whether or not a view sees it. They live in object space and move with the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ class SurfelData(Struct):
     area_normal = vec3f("m^2, object space")
     is_two_sided = u32()
     reflectance = vec3f("bihemispherical albedo, linear")
-    pad = u32()
+    is_sealing = u32("1: of the opaque wall of a room, see `sealed`")
 
 
 def surfels(
@@ -132,6 +132,17 @@ def turned(
             found["area_normal"][rows] *= (before[index] or 1) * (now[index] or 1)
             is_both = now[index] == 0 and meshes[index].material.two_sided
             found["is_two_sided"][rows] = int(is_both)
+    return found
+
+
+def sealed(
+    made: NDArray[np.void], order: list[int], meshes: tuple[Mesh, ...], walls: Set[int]
+) -> NDArray[np.void]:
+    """The same surfels, marked where they are of opaque `walls` of rooms: Rooms.walls."""
+    found = made.copy()
+    is_opaque = [not (m.material.is_translucent or m.material.alpha_cutoff > 0.0) for m in meshes]
+    is_wall = [index in walls and is_opaque[index] for index in order]
+    found["is_sealing"] = np.array(is_wall, np.uint32)[made["instance"]] if order else 0
     return found
 
 

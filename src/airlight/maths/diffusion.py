@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,12 +64,16 @@ def diffusivity(density: F64, sigma_tr: ArrayLike, sigma_a: ArrayLike, largest: 
 class Diffusion:
     """The operator div(-D grad Phi) + sigma_a Phi on cells of size `cell` (3,), m.
 
-    `d` (z, y, x, channel), m; `sigma_a` (z, y, x, channel), m^-1.
+    `d` (z, y, x, channel), m; `sigma_a` (z, y, x, channel), m^-1. `closed` (3, z, y, x): where a
+    surface stands before the next cell along x, y and z; `reflectance` (3, 2, z, y, x): what those
+    before a cell's lower and upper faces reflect to all sides.
     """
 
     cell: F64
     d: F64
     sigma_a: F64
+    closed: NDArray[np.bool_] | None = None
+    reflectance: F64 | None = None
 
     def between(self, axis: int) -> F64:
         """Harmonic means of D on the inner faces across `axis` (0 is x)."""
@@ -90,8 +95,11 @@ class Diffusion:
             h = float(self.cell[axis])
             low, high = _sides(total, axis)
             between = self.between(axis) / h**2
-            low += between
-            high += between
+            shut, beyond = self._shut(axis)
+            low += np.where(_sides(shut, axis)[0], 0.0, between)
+            high += np.where(_sides(beyond, axis)[1], 0.0, between)
+            for side, walls in enumerate((beyond, shut)):
+                total += np.where(walls, self._onto(np.ones_like(total), None, axis, side), 0.0) / h
             for side in (0, 1):
                 edge = _edge(total, axis, side)
                 edge += self.outflow(axis, side) / h
@@ -105,7 +113,7 @@ class Diffusion:
     def flux(self, phi: F64, forward: F64) -> F64:
         """J (3, z, y, x, channel), W m^-2, at cell centres: the mean of both faces'."""
         carried = forward / float(np.prod(self.cell))
-        sides = (_sides(self._faces(phi, carried, axis), axis) for axis in range(3))
+        sides = (self._around(phi, carried, axis) for axis in range(3))
         return np.stack([0.5 * (low + high) for low, high in sides])
 
     def exits(self, phi: F64, forward: F64) -> F64:
@@ -122,9 +130,34 @@ class Diffusion:
     def _divergence(self, phi: F64, source: F64 | None) -> F64:
         total = np.zeros_like(phi)
         for axis in range(3):
-            low, high = _sides(self._faces(phi, source, axis), axis)
+            low, high = self._around(phi, source, axis)
             total += (high - low) / self.cell[axis]
         return total
+
+    def _around(self, phi: F64, source: F64 | None, axis: int) -> tuple[F64, F64]:
+        """J along `axis` through the lower and the upper face of each cell."""
+        low, high = _sides(self._faces(phi, source, axis), axis)
+        shut, beyond = self._shut(axis)
+        return (
+            np.where(beyond, -self._onto(phi, source, axis, 0), low),
+            np.where(shut, self._onto(phi, source, axis, 1), high),
+        )
+
+    def _shut(self, axis: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(z, y, x, 1): whether a surface closes the upper face of a cell; the lower one."""
+        shape = (*self.d.shape[:3], 1)
+        upper = np.zeros(shape, bool) if self.closed is None else self.closed[axis][..., None]
+        lower = np.zeros(shape, bool)
+        _sides(lower, axis)[1][...] = _sides(upper, axis)[0]
+        return upper, lower
+
+    def _onto(self, phi: F64, source: F64 | None, axis: int, side: int) -> F64:
+        """J outwards from every cell onto a surface: that of `_outer`, which reflects."""
+        half = 0.5 * float(self.cell[axis]) / self.d
+        carried = 0.0 if source is None else (1.0 if side else -1.0) * source[axis]
+        rho = 0.0 if self.reflectance is None else self.reflectance[axis, side][..., None]
+        leaving = phi + half * 3.0 * self.d * carried
+        return np.asarray(leaving / (half + 2.0 * (1.0 + rho) / (1.0 - rho)))
 
     def _faces(self, phi: F64, source: F64 | None, axis: int) -> F64:
         """J along `axis` on all n + 1 faces."""
@@ -150,7 +183,7 @@ class Diffusion:
         return np.asarray(sign * value / (half + 2.0))
 
 
-def _sides(array: F64, axis: int) -> tuple[F64, F64]:
+def _sides(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Views of the cells below and above each inner face across `axis`."""
     at = [slice(None)] * array.ndim
     at[2 - axis] = slice(None, -1)

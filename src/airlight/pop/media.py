@@ -69,7 +69,9 @@ class PopMedia(Solver):
         reflected = self._maps.reflected if self._maps else None
         self._surfaces: Surfaces | None = None
         if self._scene.meshes:
-            self._surfaces = Surfaces(kit.meshes, kit.lights, kit.sky, reflected, kit.blockers)
+            self._surfaces = Surfaces(
+                kit.meshes, kit.lights, kit.sky, kit.rays, reflected, kit.blockers
+            )
         self._merged: MergedMedium | None = None
         if len(volumes) > MOST_ALONE:
             self.solvers = [self._made_as_one(volumes, media)]

@@ -260,7 +260,8 @@ class PopSolver:
                 self._indirect.encode(commands, uniform, eye, lit.reflected, self.scale, target)
         # Light of the ordinates, scattered once and more often, and all of it together.
         self.transport.encode_view(commands, medium.params, eye, self.emission)
-        self.emission.smooth.encode(commands, medium.params, self.emission.texture)
+        walls = self.transport.diffuse.walls
+        self.emission.smooth.encode(commands, medium.params, self.emission.texture, walls)
 
     @property
     def scale(self) -> float:

@@ -17,6 +17,7 @@ from ..grids.propagation import GridPropagation
 from ..light.incident import IncidentLight
 from ..light.table import LocalLight
 from ..light.visibility import Surfaces
+from ..light.walls import Walls
 from ..medium.finer_medium import FinerMedium
 from ..medium.grid_medium import GridMedium, ScatteredLight
 from ..medium.mixture import Mixture
@@ -64,6 +65,8 @@ class DeltaBeams:
         if outer is not None and isinstance(medium, FinerMedium):
             self._border = Border(medium, mixture, outer.diffuse)
         self._near = NearLight(medium, self.light)
+        self._walls: Walls | None = None
+        self._surfaces: Surfaces | None = None
         # Virtual point lights may propagate in grids of their own.
         self._in_grids = uses_virtual_grids(settings, alone=mixture.is_alone)
         self._virtual_grids: GridPropagation | None = None
@@ -112,6 +115,8 @@ class DeltaBeams:
     ) -> None:
         """Take the surfaces that shade the medium, with the lights of the scene."""
         self.light.write_surfaces(ordinates, lights, surfaces, in_grids=self._in_grids)
+        self._surfaces = surfaces
+        self._walls = self._walls or Walls(self._medium)
 
     def encode_medium(self, commands: Commands, params: MediumParams) -> None:
         """Take a changed medium: the operator of the diffusion solve."""
@@ -120,6 +125,11 @@ class DeltaBeams:
 
     def encode(self, commands: Commands, params: MediumParams, eye: F64 | None = None) -> None:
         """Solve the light of the scene; `eye` (3,), m in the frame of the medium, if any."""
+        # Surfaces between cells close faces of the operator.
+        walls, surfaces = self._walls, self._surfaces
+        is_new = walls and surfaces and walls.encode(commands, params, surfaces, self.diffuse.walls)
+        if is_new:
+            self.diffuse.encode_medium(commands, params, self._medium.density.cells)
         # Blocks of other media are positioned; they are dark until those are solved.
         self.light.encode_others(commands, is_lit=False)
         # Media and surfaces between every cell and every ordinate.

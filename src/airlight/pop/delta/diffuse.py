@@ -30,6 +30,7 @@ class StepParams(Struct):
 
 _params = uniform("params", MediumParams)
 _density, _links = storage("density", "f32"), storage("links", "vec4f")
+_walls = storage("walls", "u32")
 _sums = storage("sums", "vec4f", "read_write")
 
 
@@ -44,9 +45,12 @@ class _OfCells(ComputePass):
 
 
 class _System(_OfCells):
-    """The operator: its diagonal, and the links to the next cells along x, y, z; m^-1."""
+    """The operator: its diagonal, and the links to the next cells along x, y, z; m^-1.
 
-    own_slots = (_params, _density, storage("links", "vec4f", "read_write"))
+    Behind them it leaves which faces of the cell surfaces close, and what those reflect.
+    """
+
+    own_slots = (_params, _density, _walls, storage("links", "vec4f", "read_write"))
     workgroup = (64, 1, 1)
     file = "diffuse_system.wgsl"
 
@@ -109,6 +113,7 @@ class _Flux(_OfCells):
     own_slots = (
         _params,
         _density,
+        _links,
         storage("deposits", "vec4f"),
         storage("phi", "vec4f"),
         storage("diffuse", "vec4f", "read_write"),
@@ -122,6 +127,7 @@ class Diffuse:
 
     In: `deposits`, vec4 [P, Bx, By, Bz][z][y][x], W. Out: `diffuse`, vec4 [Phi, Jx, Jy,
     Jz][z][y][x], W m^-2; both rgb. For an eye `outgoing` adds to the latter what goes there.
+    `walls`: surfaces between cells, as `wgsl/walls.wgsl` reads them; none until they are filled.
     """
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement, mixture: Mixture) -> None:
@@ -132,6 +138,7 @@ class Diffuse:
         names = ("phi", "residual", "z", "search 0", "search 1", "product")
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
         self._links = Buffer(gpu, "diffusion links", _VECTORS * nbytes)
+        self.walls = Buffer(gpu, "walls between cells", 8 * self.cells)
         self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // PARTIAL_SUM_GROUP))
         self._system, self._flux = _System(gpu, mixture), _Flux(gpu, mixture)
         self._begin, self._search, self._update = _Begin(gpu, mixture), _Search(gpu), _Update(gpu)
@@ -143,6 +150,7 @@ class Diffuse:
             (self.cells,),
             params=params,
             density=density,
+            walls=self.walls,
             links=self._links,
             **self._mixture.cell_bound,
         )
@@ -170,6 +178,7 @@ class Diffuse:
             cells,
             params=params,
             density=density,
+            links=self._links,
             deposits=self.deposits,
             phi=v["phi"],
             diffuse=self.diffuse,

@@ -2,12 +2,18 @@
 //! use diffusion
 //! use partial_sums
 
+// What the surface before a face reflects.
+fn reflectance_before(index: u32, axis: u32, side: u32) -> f32 {
+    return wall_reflectance(u32(links[(1u + axis) * params.cells + index].w), 0u, side);
+}
+
 // The right-hand side b: P/V less the divergence of the flux that the deposits carry.
 fn source(index: u32) -> vec3f {
     let cell = cell_of(index);
     let volume = params.cell.x * params.cell.y * params.cell.z;
-    // Through each face: half of both cells' net power, or what leaves the box.
+    // Through each face: half of both cells' net power, or what leaves the box or meets a surface.
     let d = diffusivity(index);
+    let faces = u32(links[index].w);
     var total = deposits[index].xyz;
     for (var face = 0u; face < 6u; face++) {
         let axis = face / 2u;
@@ -16,8 +22,8 @@ fn source(index: u32) -> vec3f {
         let h = params.cell[axis];
         let section = (1u + axis) * params.cells;
         let own = outwards * deposits[section + index].xyz;
-        if (is_outer(cell, axis, side)) {
-            total -= outer_flux(d, vec3f(0.0), own, h) / h;
+        if (is_closed(faces, cell, axis, side)) {
+            total -= outer_flux(d, vec3f(0.0), own, h, reflectance_before(index, axis, side)) / h;
         } else {
             let other = beside(index, axis, side);
             let carried = 0.5 * (own + outwards * deposits[section + other].xyz);

@@ -9,8 +9,9 @@ fn flux_outwards(index: u32, axis: u32, side: u32) -> vec3f {
     let section = (1u + axis) * params.cells;
     let own = outwards * deposits[section + index].xyz;
     let d = diffusivity(index);
-    if (is_outer(cell_of(index), axis, side)) {
-        return outer_flux(d, phi[index].xyz, own, h);
+    if (is_closed(u32(links[index].w), cell_of(index), axis, side)) {
+        let reflectance = wall_reflectance(u32(links[section + index].w), 0u, side);
+        return outer_flux(d, phi[index].xyz, own, h, reflectance);
     }
     let other = beside(index, axis, side);
     let carried = 0.5 * (own + outwards * deposits[section + other].xyz);

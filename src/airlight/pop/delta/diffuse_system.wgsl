@@ -1,10 +1,11 @@
-// The operator of the diffusion solve: its diagonal, and the links to the next cells along x, y, z.
+// The operator of the diffusion solve: its diagonal, and the links to the next cells along x, y, z. Behind them: which
+// faces are closed, and what those across each axis reflect.
 //! use diffusion
 
 // The flux per difference of phi across a cell's upper inner face, over its side h, m^-1; 0 on the
-// upper faces of the box.
-fn link_up(index: u32, cell: vec3u, axis: u32) -> vec3f {
-    if (is_outer(cell, axis, 1u)) {
+// upper faces of the box and where surfaces stand.
+fn link_up(index: u32, cell: vec3u, axis: u32, faces: u32) -> vec3f {
+    if (is_closed(faces, cell, axis, 1u)) {
         return vec3f(0.0);
     }
     let h = params.cell[axis];
@@ -17,8 +18,11 @@ fn link_up(index: u32, cell: vec3u, axis: u32) -> vec3f {
         return;
     }
     let cell = cell_of(id.x);
-    links[id.x] = vec4f(diffusion_diagonal(id.x), 0.0);
+    let faces = walls[2u * id.x] & 63u;
+    let reflecting = walls[2u * id.x + 1u];
+    links[id.x] = vec4f(diffusion_diagonal(id.x, faces, reflecting), f32(faces));
     for (var axis = 0u; axis < 3u; axis++) {
-        links[(1u + axis) * params.cells + id.x] = vec4f(link_up(id.x, cell, axis), 0.0);
+        links[(1u + axis) * params.cells + id.x] = vec4f(link_up(id.x, cell, axis, faces),
+            f32((reflecting >> (2u * REFLECTING_BITS * axis)) & 1023u));
     }
 }

@@ -23,7 +23,7 @@ class Outgoing(ComputePass):
     """Fills the last sections of `Diffuse.diffuse`, of which emission is made.
 
     vec4 [S, k, own][z][y][x]: radiance per unit of the extinction k, m^-1, and what the medium
-    scatters smoothly per unit of its scattering; rgb.
+    scatters smoothly per unit of its scattering; rgb. Behind k: which faces surfaces close.
     """
 
     workgroup = (64, 1, 1)
@@ -35,6 +35,7 @@ class Outgoing(ComputePass):
             uniform("eye", EyeParams),
             storage("density", "f32"),
             storage("deposits", "vec4f"),
+            storage("walls", "u32"),
             storage("diffuse", "vec4f", "read_write"),
             *mixture.cell_slots,
         )
@@ -51,6 +52,7 @@ class Outgoing(ComputePass):
             eye=EyeParams(position=eye),
             density=self._medium.density.cells,
             deposits=light.deposits,
+            walls=light.walls,
             diffuse=light.diffuse,
             **mixture.cell_bound,
         )

@@ -34,7 +34,7 @@
         diffuse[3u * n + cell].xyz, travel);
     let extinction = absorbing(cell) + leaving;
     diffuse[4u * n + cell] = vec4f((first + again) / max(extinction, vec3f(1e-30)), 0.0);
-    diffuse[5u * n + cell] = vec4f(extinction, 0.0);
+    diffuse[5u * n + cell] = vec4f(extinction, f32(walls[2u * cell] & 63u));
     // What the medium itself scatters smoothly, per unit of its scattering.
     let smooth_own = smooth_scattering(diffuse[cell].xyz, diffuse[n + cell].xyz, diffuse[2u * n + cell].xyz,
         diffuse[3u * n + cell].xyz, travel, params.g, unturned());

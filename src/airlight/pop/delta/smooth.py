@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.memory import Texture
+from ...gpu.memory import Buffer, Texture
 from ...gpu.slots import image, storage, texture, uniform
 from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
@@ -20,6 +20,7 @@ class _Smooth(ComputePass):
         uniform("params", MediumParams),
         texture("emission", "3d", "unfilterable-float"),
         storage("reach", "u32"),
+        storage("walls", "u32"),
         image("halved", "rgba16float", "3d"),
     )
     workgroup = (4, 4, 4)
@@ -40,8 +41,10 @@ class SmoothEmission:
         )
         self._pass = _Smooth(medium.gpu)
 
-    def encode(self, commands: Commands, params: MediumParams, emission: Texture) -> None:
-        """Interpolate the `emission` of the cells that light reaches."""
+    def encode(
+        self, commands: Commands, params: MediumParams, emission: Texture, walls: Buffer
+    ) -> None:
+        """Interpolate the `emission` of the cells that light reaches, up to `walls`."""
         with commands.stage("pop emission"):
             self._pass.dispatch(
                 commands,
@@ -49,5 +52,6 @@ class SmoothEmission:
                 params=params,
                 emission=emission,
                 reach=self._medium.density.reach,
+                walls=walls,
                 halved=self.texture,
             )

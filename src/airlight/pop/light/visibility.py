@@ -20,6 +20,7 @@ from ...gpu.memory import Buffer
 from ...gpu.slots import storage, texture, uniform
 from ...lattice.blockers import Blockers
 from ...lighting.lights import Lights
+from ...lighting.shadow_rays import SceneRays
 from ...lighting.sky import Sky
 from ...maths.ordinates import Ordinates
 from ...maths.transforms import F64
@@ -36,12 +37,14 @@ from ..virtual.reflected import ReflectedLights
 class Surfaces:
     """The surfaces around media: their shadow maps, and what they reflect.
 
-    `reflected`: where virtual point lights are sampled from; `blockers`: cells between media.
+    `rays`: what rays meet of them. `reflected`: where virtual point lights are sampled from;
+    `blockers`: cells between media.
     """
 
     meshes: GpuScene
     lights: Lights
     sky: Sky
+    rays: SceneRays
     reflected: ReflectedLights | None = None
     blockers: Blockers | None = None
 

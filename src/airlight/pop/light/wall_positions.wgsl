@@ -1,0 +1,39 @@
+// The first surface on the way from the middle of a cell to those of the next along x, y and z: its distance in
+// cells, eight bits each; WALL_FREE where there is none. Behind those of all cells: what the surfaces reflect that
+// either cell sees, five bits each.
+//! use medium_grid
+//! use rays
+//! use walls
+
+fn reflectance_code(instance: u32) -> u32 {
+    return min(u32(round(reflectances[instance] * REFLECTING_STEPS)), 31u);
+}
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.cells) {
+        return;
+    }
+    let cell = cell_of(id.x);
+    let origin = (placement.world_from_medium * vec4f(cell_centre(cell), 1.0)).xyz;
+    var found = 0u;
+    var reflecting = 0u;
+    for (var axis = 0u; axis < 3u; axis++) {
+        var position = WALL_FREE;
+        if (cell[axis] + 1u < params.count[axis]) {
+            // A wall in the middle of a cell closes the faces on both sides of it.
+            let step = placement.world_from_medium[axis].xyz * params.cell[axis];
+            let hit = nearest_hit(origin, step, -placement.wider, 1.0 + placement.wider);
+            if (hit.triangle != NO_HIT) {
+                position = u32(round(clamp(hit.t, 0.0, 1.0) * f32(WALL_FREE - 1u)));
+                // The next cell sees the last of them.
+                let last = nearest_hit(origin + step, -step, -placement.wider, 1.0 + placement.wider);
+                let own = reflectance_code(hit.instance);
+                let beyond = reflectance_code(select(last.instance, hit.instance, last.triangle == NO_HIT));
+                reflecting |= (own | (beyond << REFLECTING_BITS)) << (2u * REFLECTING_BITS * axis);
+            }
+        }
+        found |= position << (8u * axis);
+    }
+    positions[id.x] = found;
+    positions[params.cells + id.x] = reflecting;
+}

@@ -1,0 +1,153 @@
+"""Surfaces between the cells of a medium, found by rays from the middle of each cell to the next.
+
+Diffuse light ends at them as it does at the border of the medium's box, but for what they reflect.
+differs: Elek2014 lets light propagate from cell to cell as if nothing stood there.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...gpu.commands import Commands
+from ...gpu.compute import ComputePass
+from ...gpu.device import Gpu
+from ...gpu.layout import Struct, f32, mat4x4f
+from ...gpu.memory import Buffer, buffer_of
+from ...gpu.slots import storage, uniform
+from ...maths.colour import srgb_decode
+from ...maths.reflection import bihemispherical_albedo
+from ...rays.rays import RAY_SLOTS, RayScene
+from ...scene.material import Material
+from ...scene.mesh import world_boxes
+from ..medium.grid_medium import GridMedium
+from ..medium.placement import MediumParams
+from .visibility import Surfaces
+
+_WIDER = 1e-3  # of the way to the next cell, by which rays are longer at both ends
+
+
+class WallParams(Struct):
+    """Where the medium is, and how far rays go."""
+
+    world_from_medium = mat4x4f()
+    wider = f32("of the way to the next cell, by which rays are longer at both ends")
+
+
+class _Positions(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        uniform("placement", WallParams),
+        *RAY_SLOTS,
+        storage("reflectances", "f32"),
+        storage("positions", "u32", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    in_bands = True
+    file = "wall_positions.wgsl"
+
+
+class _Faces(ComputePass):
+    slots = (
+        uniform("params", MediumParams),
+        storage("positions", "u32"),
+        storage("walls", "u32", "read_write"),
+    )
+    workgroup = (64, 1, 1)
+    file = "wall_faces.wgsl"
+
+
+class Walls:
+    """Fills `Diffuse.walls` where meshes reach into a medium's box, once until either moves."""
+
+    def __init__(self, medium: GridMedium) -> None:
+        self._medium = medium
+        self._faces = _Faces(medium.gpu)
+        self._positions = Buffer(medium.gpu, "positions of walls", 8 * medium.cells)
+        # Pipelines of rays, by their constants.
+        self._passes: dict[tuple[Any, ...], _Positions] = {}
+        self._reflectances: Buffer | None = None
+        self._made: tuple[Any, ...] = ()
+        self._is_clear = True
+
+    def encode(
+        self, commands: Commands, params: MediumParams, surfaces: Surfaces, walls: Buffer
+    ) -> bool:
+        """Fill `walls`, two u32 per cell, as `wgsl/walls.wgsl` reads them; whether they changed."""
+        at = self._medium.placement
+        made = (surfaces.meshes.version, at.world_from_medium.tobytes(), at.extent.tobytes())
+        if made == self._made:
+            return False
+        self._made = made
+        if not self._is_crossed(surfaces):
+            return self._clear(walls)
+        with commands.stage("pop walls"):
+            self._reflectances = self._reflectances or _reflectances(self._medium.gpu, surfaces)
+            self._trace(commands, params, surfaces.rays.of_frame(commands))
+            self._faces.dispatch(
+                commands,
+                (self._medium.cells,),
+                params=params,
+                positions=self._positions,
+                walls=walls,
+            )
+        self._is_clear = False
+        return True
+
+    def _trace(self, commands: Commands, params: MediumParams, scene: RayScene) -> None:
+        """Find the first surface on the way from each cell to the next along x, y and z."""
+        # Translucent surfaces close nothing.
+        constants = {**scene.constants, "RAYS_MEET_TRANSLUCENT": 0.0}
+        key = tuple(constants.items())
+        if key not in self._passes:
+            self._passes[key] = _Positions(self._medium.gpu, constants=constants)
+        placement = self._medium.placement
+        self._passes[key].dispatch(
+            commands,
+            (placement.cells,),
+            params=params,
+            placement=WallParams(world_from_medium=placement.world_from_medium, wider=_WIDER),
+            **scene.bound,
+            reflectances=self._reflectances,
+            positions=self._positions,
+        )
+
+    def _is_crossed(self, surfaces: Surfaces) -> bool:
+        """Whether any mesh's box meets that of the medium."""
+        meshes = surfaces.meshes.current
+        if not (surfaces.meshes.draws and meshes):
+            return False
+        placement = self._medium.placement
+        corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).reshape(3, 8).T * placement.extent
+        placed = (
+            corners @ placement.world_from_medium[:3, :3].T + placement.world_from_medium[:3, 3]
+        )
+        boxes = world_boxes(meshes)
+        meets = (boxes[:, 0] <= placed.max(axis=0)) & (boxes[:, 1] >= placed.min(axis=0))
+        return bool(meets.all(axis=1).any())
+
+    def _clear(self, walls: Buffer) -> bool:
+        """Open all faces; returns whether any was closed."""
+        was_clear, self._is_clear = self._is_clear, True
+        if not was_clear:
+            walls.write(np.zeros(2 * self._medium.cells, np.uint32))
+        return not was_clear
+
+
+def _reflectances(gpu: Gpu, surfaces: Surfaces) -> Buffer:
+    """What each instance reflects of diffuse light: the mean of its material's channels."""
+    meshes = surfaces.meshes
+    found = {id(m.material): _mean_albedo(m.material) for m in meshes.original}
+    rows = [found[id(meshes.original[index].material)] for index in meshes.order]
+    return buffer_of(gpu, "reflectance of instances", np.array(rows, np.float32))
+
+
+def _mean_albedo(material: Material) -> float:
+    colour, texture = np.array([material.base_color]), material.base_color_texture
+    if texture is not None:
+        mean = texture.pixels[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
+        colour = colour * (srgb_decode(mean) if texture.is_srgb else mean)
+    metallic, roughness = np.array([material.metallic]), np.array([material.roughness])
+    specular = np.array([material.specular])
+    return float(bihemispherical_albedo(colour, metallic, roughness, specular).mean())
