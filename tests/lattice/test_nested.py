@@ -86,7 +86,8 @@ def test_lattices_that_would_be_no_finer_are_left_out():
 def test_one_lattice_more_lies_around_all_others():
     around = ((-90.0, -10.0, -70.0), (80.0, 40.0, 60.0))
     alone, nest = nested(*HALL, 48, count=3), surrounded(nested(*HALL, 48, count=3), around, 48)
-    # The others are what they are without it, but for the borders at which it takes over.
+    # The others are what they are without it, but for the borders at which it takes over; what is
+    # finer ends inside of those.
     assert nest.levels[:2] == alone.levels[:2]
     assert replace(nest.over_inner, fade=None) == alone.over_inner == alone.levels[2]
     assert [nest.follows(k) for k in range(4)] == [True, True, False, False]
@@ -99,11 +100,14 @@ def test_one_lattice_more_lies_around_all_others():
 
 
 def test_lattices_stay_where_they_are_for_inside_of_the_one_around_them():
-    nest = surrounded(nested(*HALL, 32, count=2), ((-900.0,) * 3, (900.0,) * 3), 32)
+    nest = surrounded(nested(*HALL, 48, count=2), ((-900.0,) * 3, (900.0,) * 3), 48)
+    fade = nest.over_inner.fade
     for place, centre in walk(nest, 0, [(-500.0, 90.0, 3.0), (900.0, -50.0, 0.0)]):
         low, high = place.bounds
         assert (high > HALL[0]).all() and (low < HALL[1]).all()
         assert not must_move(place, centre)
+        assert (np.array(place.fade.low) >= np.add(fade.low, fade.low_width) - 1e-9).all()
+        assert (np.array(place.fade.high) <= np.subtract(fade.high, fade.high_width) + 1e-9).all()
 
 
 def test_a_lattice_moves_in_whole_cells_of_the_common_grid():

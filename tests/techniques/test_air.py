@@ -74,7 +74,8 @@ def test_black_air_scatters_nothing(foggy_box):
 
 
 def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
-    """As far as MEDIUM_BEYOND says beyond them, and where it says to be, nothing more."""
+    """As far as MEDIUM_BEYOND says beyond them, all of it in one more; and nothing more where
+    settings say it."""
     low, high = foggy_box.bounds
     side = float((high - low).max())
     tall = np.array([high[0], high[1] + 3.0 * side, high[2]])
@@ -84,7 +85,10 @@ def test_the_lattice_holds_air_above_the_surfaces(foggy_box):
         ({**SMALL, "bounds": (0, 0, 0, 1, 1, 1)}, 1),
     ):
         with Renderer(air, "lpv-scatter", SIZE, settings=settings) as renderer:
-            place = renderer.technique.kit.placement
+            lattices = renderer.technique.kit.lattices
+        place = lattices.nest.over_inner
+        largest = float(lattices.largest.placement.bounds[1][1])
+        assert (largest >= tall[1]) == ("bounds" not in settings)
         ends = float(place.bounds[1][1])
         assert top <= ends <= top + 2.6 * place.cell
 
