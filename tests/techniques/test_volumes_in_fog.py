@@ -78,17 +78,3 @@ def test_white_fog_lights_a_volume_whether_there_are_surfaces_or_not():
     # What the fog scatters onto the volume, of its light.
     dark = replace(fog, albedo=(0.0,) * 3)
     assert np.all(scattered(replace(bare, medium=dark)) < 0.8 * alone)
-
-
-@pytest.mark.parametrize("technique", ["auto", "lpv-scatter"])
-def test_fog_far_beyond_all_surfaces_scatters_more_than_once(technique):
-    """As it does where there are none: .51 of its light here; all of it was missing."""
-    fog = Medium((0.3,) * 3, (1.0,) * 3, (0.0,) * 3, BOUNDS)
-    bare = Scene((), (SUN,), camera=CAMERA, medium=fog)
-    settings = {k: v for k, v in SETTINGS.items() if k != "grid"}
-    found = [
-        render(scene, technique, SIZE, settings=settings, samples=1).layers["multiple_scatter"]
-        for scene in (bare, with_black_cube(bare))
-    ]
-    assert found[0].min() > 0.01
-    np.testing.assert_allclose(found[1], found[0], rtol=0.02)

@@ -181,10 +181,9 @@ def _with_borders(nest: Nest, placement: Placement, centre: F64) -> Placement:
         for gap in (low - room_low, room_high - high)
     )
     width = (FADING * cell,) * 3
-    first, last = low + inset_low, high - inset_high
-    if nest.inner is not None and placement.cell < nest.over_inner.cell:
-        first, last = np.maximum(first, nest.inner[0]), np.minimum(last, nest.inner[1])
-    return replace(placement, fade=Fade(triple(first), width, triple(last), width))
+    return replace(
+        placement, fade=Fade(triple(low + inset_low), width, triple(high - inset_high), width)
+    )
 
 
 def shares(levels: Sequence[Placement], points: F64) -> F64:

@@ -29,7 +29,7 @@ fn in_view(point: vec3f, view: LightViewData) -> vec3f {
 
 // Whether a light reaches a point of its view, filtered; beyond the map nothing shades.
 fn lit(coordinates: vec3f, layer: u32) -> f32 {
-    let is_outside = any(coordinates.xy < vec2f(0.0)) || any(coordinates.xy > vec2f(1.0));
+    let is_outside = any(coordinates.xy < vec2f(0.0)) || any(coordinates.xy > vec2f(1.0)) || coordinates.z >= 1.0;
     return select(
         textureSampleCompareLevel(depth, compare, coordinates.xy, layer, coordinates.z), 1.0, is_outside);
 }

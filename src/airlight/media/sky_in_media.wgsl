@@ -13,7 +13,8 @@ fn offset_in_cell(i: u32, k: u32) -> vec3f {
 fn visibility(world: vec3f, i: u32) -> f32 {
     let clip = views[i].clip_from_world * vec4f(world, 1.0);
     let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0))) {
+    // Nothing shades a point beside the map or beyond it.
+    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || clip.z >= 1.0) {
         return 1.0;
     }
     return textureSampleCompareLevel(depth, compare, uv, i, clip.z);

@@ -36,6 +36,7 @@ from .solver import PopSolver
 from .virtual.maps import reflected_maps
 
 _FULL = 0.9  # of the largest buffer
+_EYE_STEPS = 32  # along the longest side of what is lit
 MediaOf = Callable[[Scene], list[Volume]]
 
 
@@ -161,6 +162,9 @@ class PopMedia(Solver):
         medium = self._scene.medium
         if medium is None or self._solves_medium:
             return None
+        # Fog without bounds reaches to the eye, in steps, so that not every move is another light.
+        step = float(np.subtract(*self._bounds[::-1]).max()) / _EYE_STEPS
+        eye = step * np.round(eye / max(step, 1e-30))
         low, high = medium_box(medium, *self._bounds, eye)
         return SurroundingMedium(tuple(low), tuple(high), reduced(medium).sigma_t)
 

@@ -56,7 +56,8 @@ def cascades(
     Raises SettingsError where the scheme cannot do the scene's media.
     """
     gpu, made = kit.gpu, []
-    varies = is_varied(scene, kit.placement, settings)
+    inner = kit.lattices.nest.over_inner
+    varies = any(is_varied(scene, place, settings) for place in (inner, kit.placement))
     for level in kit.lattices.levels:
         placement = level.placement
         cells = LatticeCells(gpu, level, light.media, settings, is_varied=varies)
@@ -65,9 +66,7 @@ def cascades(
         frames, stills = (
             _schedule(reduced, settings, placement, is_still=s) for s in (False, True)
         )
-        levels = Levels(
-            gpu, placement.count, placement.cell, frames, cells.kind(scene, kit.placement)
-        )
+        levels = Levels(gpu, placement.count, placement.cell, frames, cells.kind(scene, inner))
         # What fills its cells with light, and what spreads that.
         injection = Injection(kit, scene, light, cells)
         made.append(Cascade(level, cells, injection, levels, (frames, stills)))

@@ -61,18 +61,19 @@ class LatticeCells:
         """What blocks between them."""
         return self._level.blockers
 
-    def kind(self, scene: Scene, largest: Placement) -> LatticeKind:
+    def kind(self, scene: Scene, inner: Placement) -> LatticeKind:
         """What propagation must know of these cells; settings as for solving `scene`.
 
-        Light goes on in the `largest` lattice, which they are part of.
+        Light goes on in the largest lattice over surfaces, `inner`, if that is larger.
         """
+        extents = [max(place.count) * place.cell for place in (inner, self.placement)]
         scheme = self._settings.scheme
         return LatticeKind(
             has_walls=self._settings.occlusion,
             is_varied=self.is_varied,
             scheme=scheme if scheme.startswith("paper") else "deposit",
             is_straight=any(densest_medium(scene)[1]),
-            span=round(max(largest.count) * largest.cell / self.placement.cell),
+            span=round(max(extents) / self.placement.cell),
         )
 
     @property

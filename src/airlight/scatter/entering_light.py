@@ -6,6 +6,8 @@ inject_*, gather_*   one lattice's share, which `Injection` asks for
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..fields import Frame
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, buffer_of
@@ -14,6 +16,7 @@ from ..lattice.lobes import InjectionTarget, Lobe
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
 from ..maths.lattice26_walls import returned_sharpness
+from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..surface.light_maps import BLOCK, LightMaps
 from ..surface.light_table import LightData, packed_lights
@@ -69,10 +72,18 @@ class EnteringLight:
         self.sky_rows = self.sky_key = b""
         """Equal as long as the sky's lights are; as long as these and the scale are."""
 
+    def _box(self, frame: Frame) -> tuple[F64, F64]:
+        """What light comes into: the surfaces' box, with a medium far beyond them the lattice's."""
+        low, high = frame.bounds
+        if self.kit.lattices.nest.inner is None:
+            return low, high
+        first, last = self.kit.placement.world_bounds
+        return np.minimum(low, first), np.maximum(high, last)
+
     def begin(self, commands: Commands, frame: Frame) -> None:
         """Draw the maps of the frame's lights."""
         scene, sky = frame.scene, self.kit.sky
-        self.flux = flux_bound([*scene.lights, *sky.lights], *frame.bounds)
+        self.flux = flux_bound([*scene.lights, *sky.lights], *self._box(frame))
         self.flux += self._points.take(scene.light_groups)
         self.scale = fixed_point_scale(self.flux, returned_sharpness())
         self.forward.set_scale(scene.lights)

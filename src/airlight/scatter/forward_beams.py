@@ -50,7 +50,7 @@ class ForwardBeams:
     def encode(self, commands: Commands, frame: Frame) -> None:
         """Find the beams of a frame, where anything changed."""
         scene = self._forwards.of(frame.scene)
-        self._has_any = is_forward(scene, least=0.0)
+        self._has_any = is_forward(scene)
         if not self._has_any:
             return
         if self._made is None:

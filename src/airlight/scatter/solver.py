@@ -62,7 +62,7 @@ class ScatterSolver(Solver):
         # What surfaces and media read.
         size = kit.lattices.texture_size
         self.emission = Emission(gpu, kit.placement, size)
-        self.surfaces = SurfaceLight(gpu, kit.placement, size)
+        self.surfaces = SurfaceLight(gpu, kit.lattices.nest.over_inner, size)
         self.air = LightInAir(gpu, kit) if is_gathered else None
         # Light that media only scatter forwards, apart for rays, which do not meet it.
         self.beams = beams

@@ -112,7 +112,10 @@ def _lpv_in_media(
     from ..lpv.solver import LpvSolver
     from ..media.media import Media
 
-    kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
+    # The paper's scheme knows no light from one lattice to the next.
+    has_outer = settings.scheme != "paper"
+    nest = cascades_nest(context.scene, settings, in_medium=True, has_outer=has_outer)
+    kit = Kit(context, settings, nest)
     lattice = LpvSolver(kit, settings, is_marched=True)
     drawn = replace(part_of(settings, MediaSettings), **changed)
     media = Media(kit, drawn, is_lattice_marched=True)
