@@ -1,6 +1,6 @@
 """Nested lattices: one over the scene, finer ones before the camera, one around all.
 
-Kaplanyan2010 section 4: each before the camera is finer by a ratio, displaced along the view, and moves in whole
+Kaplanyan2010 section 4: each is finer by a ratio, displaced along the view, and moves in whole
 cells of its own, so that the light injected into a cell does not depend on the camera.
 """
 
