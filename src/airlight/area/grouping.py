@@ -118,8 +118,8 @@ class Grouping:
         return made
 
     def shape(self, rows: I64) -> Shape:
-        """What a group of pieces is in closed form, as far as it is; of meshes that were one light
-        and glow differently in this frame, samples."""
+        """The closed form of a group of pieces, or samples if it has none, as have meshes that
+        were one light and glow differently in this frame."""
         own, is_one = self.found.taken(rows), self._is_one(rows)
         shape, glow = fitted(own, is_one=is_one), own.radiance.mean(axis=1)
         if is_one and np.ptp(self.cut.source[rows]) and glow.std() > _UNEVEN * glow.mean():

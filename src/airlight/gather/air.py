@@ -119,7 +119,7 @@ class Met(NamedTuple):
 
 
 def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
-    """What media along a gather's rays scatter, or along mirrored ones."""
+    """The light that media scatter along a gather's rays, or along mirrored ones."""
     means = [None if is_mirrored else s.mean for s in fields.volumes]
     # Of volumes either all send what reduced media do, or all as they are seen from the eye.
     is_reduced = all(mean is not None for mean in means)

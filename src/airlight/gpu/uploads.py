@@ -1,4 +1,4 @@
-"""What all renderers of a device share: uploads, found by what they were made of.
+"""Uploads that all renderers of a device share, found by a digest of their sources.
 
 uploads  of one device; an upload is released with the last lease of it
 lease    what one user of an upload holds; it ends with the scope of that user
@@ -44,7 +44,7 @@ class _Upload:
 
 
 class Lease(Generic[T]):
-    """The use of an upload. `value` is what all its leases share, which nobody may change."""
+    """The use of an upload. All its leases share `value`, which nobody may change."""
 
     def __init__(self, uploads: Uploads, upload: _Upload) -> None:
         self._uploads, self._upload = uploads, upload
@@ -52,7 +52,7 @@ class Lease(Generic[T]):
 
     @property
     def value(self) -> T:
-        """What was made."""
+        """The upload itself."""
         value: T = self._upload.value
         return value
 
@@ -75,7 +75,7 @@ class Lease(Generic[T]):
 
 
 class Uploads:
-    """Of one device. Any thread may ask; one that asks for what another makes waits for it."""
+    """The uploads of one device. A thread that asks for one that another makes waits for it."""
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
@@ -146,7 +146,7 @@ class Uploads:
         return upload.count == 0
 
     def _sweep(self) -> None:
-        """Count what was dropped. What is encoded still may need it, so it is not destroyed."""
+        """Count the dropped uploads. Encoded commands may still need them: none is destroyed."""
         while self._dropped and self._lock.acquire(blocking=False):
             try:
                 while self._dropped:

@@ -1,7 +1,8 @@
 """All lattices of a scene: their placement, blockers, and the sky's light in their cells.
 
-One lattice covers the scene; finer ones may be nested in it and follow the camera (Kaplanyan2010
-section 4). They share textures, in which each has rows of its own, and the table that shaders loop
+One lattice covers the surfaces, and may have an outer one around it for a medium that goes on far
+beyond them; neither moves. Finer ones may be nested in it and follow the camera (Kaplanyan2010
+section 4). All share textures, in which each has rows of its own, and the table that shaders loop
 over, the finest first. Every solver works on these cells.
 """
 

@@ -1,4 +1,4 @@
-"""The placement of nested lattices: the coarsest over the scene, finer ones before the camera.
+"""Nested lattices: one over the scene, finer ones before the camera, one around all.
 
 Kaplanyan2010 section 4: each is finer by a ratio, displaced along the view, and moves in whole
 cells of its own, so that the light injected into a cell does not depend on the camera.

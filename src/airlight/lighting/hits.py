@@ -114,7 +114,7 @@ class HitLighting:
     ) -> dict[str, Any]:
         """The resources of lighting, by slot name."""
         kit, lights = self.kit, self.kit.lights
-        # What is hit and glows shines as one of a light's samples, not by its material.
+        # Emissive surfaces that rays hit count as a sample of their light, not by their material.
         eye = (0.0, 0.0, 0.0)
         emission = hits.emission
         if self._area is not None:

@@ -1,4 +1,4 @@
-"""Light that media only scatter forwards: what their reduced media transmit beyond them.
+"""Light that media only scatter forwards: their reduced media transmit it, they do not.
 
 For any media on a light's path: a lattice's, and volumes that are
 solved on grids of their own. Their depths add up. In the reduced medium (similarity theory, see
@@ -24,11 +24,11 @@ def depths(columns: ArrayLike, sigma_t: ArrayLike, albedo: ArrayLike, g: ArrayLi
     """(reduced, forward), each (..., channel): optical depths of all media on a path.
 
     `columns` (..., media), m, of density; `sigma_t`, `albedo`, `g` (media, channel). `forward` is
-    what the media have beside the reduced ones.
+    the depth that the media have beside the reduced ones.
     """
     c, scattered = np.asarray(columns, np.float64), np.multiply(sigma_t, albedo)
-    kept = scattered * np.asarray(g)
-    return np.stack([c @ (np.asarray(sigma_t) - kept), c @ kept])
+    forward = scattered * np.asarray(g)
+    return np.stack([c @ (np.asarray(sigma_t) - forward), c @ forward])
 
 
 def passed_forwards(reduced: ArrayLike, forward: ArrayLike) -> F64:
@@ -39,7 +39,7 @@ def passed_forwards(reduced: ArrayLike, forward: ArrayLike) -> F64:
 
 def slant(near: ArrayLike, far: ArrayLike, g: ArrayLike) -> tuple[F64, F64]:
     """(deviation, back), m, of light that a medium deflects between `near` and `far`, m, before a
-    point: across its direction, and the distance of the place where it is deflected.
+    point: across its direction, and how far back it is deflected.
     """
     a, b = np.asarray(near, np.float64), np.asarray(far, np.float64)
     # Three times the mean square of the distance from the point.
@@ -51,7 +51,7 @@ def span_beside(size: ArrayLike, origin: ArrayLike, towards: ArrayLike) -> F64:
     """(..., 3) near, far, aside, m: where a box about 0 lies on a parallel of a path.
 
     The path begins at `origin` (..., 3) and goes `towards` (..., 3), unit length; the parallel
-    goes through the nearest place of a box of INSIDE the sides of `size` (3,), m, and lies `aside`
+    goes through the nearest point of a box of INSIDE the sides of `size` (3,), m, and lies `aside`
     of it. `near` is above `far` where the box lies behind.
     """
     o, d = np.asarray(origin, np.float64), np.asarray(towards, np.float64)
@@ -61,8 +61,8 @@ def span_beside(size: ArrayLike, origin: ArrayLike, towards: ArrayLike) -> F64:
     for _ in range(3):
         nearest = np.clip(o + t[..., None] * d, -INSIDE * half, INSIDE * half)
         t = np.maximum(((nearest - o) * d).sum(axis=-1), 0.0)
-    way = nearest - (o + t[..., None] * d)
-    aside = way - (way * d).sum(axis=-1, keepdims=True) * d
+    offset = nearest - (o + t[..., None] * d)
+    aside = offset - (offset * d).sum(axis=-1, keepdims=True) * d
     with np.errstate(divide="ignore"):
         ends = np.sort([(-half - o - aside) / d, (half - o - aside) / d], axis=0)
     near, far = ends[0].max(axis=-1), ends[1].min(axis=-1)

@@ -24,7 +24,7 @@ def halved_cells(
     """(2z, 2y, 2x, c) <- `values` (z, y, x, c) of the cells that are `known` (z, y, x).
 
     0 within cells that are not. `walls` (3, z, y, x): how far, in cells, the first surface on the
-    way to the next cell along x, y and z is behind a cell's middle; infinite where there is none.
+    path to the next cell along x, y and z is behind a cell's middle; infinite where there is none.
     """
     light, known = np.asarray(values, np.float64), np.asarray(known, bool)
     shape = np.array(known.shape)
@@ -72,7 +72,7 @@ def _walled(
 def _is_open(
     begin: NDArray[Any], end: NDArray[Any], axes: tuple[int, ...], walls: NDArray[Any]
 ) -> bool:
-    """Whether no surface stands on the way along one axis after the other."""
+    """Whether no surface stands on the path along one axis after the other."""
     at = begin.copy()
     for axis in axes:
         row = 2 - axis

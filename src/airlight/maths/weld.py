@@ -1,4 +1,4 @@
-"""Vertices at one position as one vertex, those at the rims of surfaces, and what is connected."""
+"""Vertices at one position as one vertex, those at rims of surfaces, and connected parts."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class MediaChanges:
     def take(
         self, version: int, table: bytes, boxes: NDArray[np.float32], grids: Sequence[int]
     ) -> None:
-        """Note what `version` (the last one's successor) has: a row of the `table` for each medium.
+        """Note the media of `version` (the last one's successor): each has a row of the `table`.
 
         `boxes`: of its `volume_from_world`; `grids`: the version of each medium's densities.
         """

@@ -65,7 +65,7 @@ def path_list_slots() -> tuple[Slot, ...]:
 
 
 def path_list_wgsl(count: int, *, has_lists: bool) -> str:
-    """What `wgsl/path_lists.wgsl` needs of so many media, with lists or without."""
+    """The constants of `wgsl/path_lists.wgsl` for so many media, with lists or without."""
     texels = list_texels(count) if has_lists else 1
     visits = room_for(count) + texels if has_lists else _tree_nodes(count)
     return (

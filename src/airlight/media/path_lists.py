@@ -36,7 +36,7 @@ _PLACED = ("kind", "position", "direction")  # of a light, all that lists depend
 
 
 class PathListParams(Struct):
-    """How many there are of what."""
+    """Numbers of media, lights and blocks."""
 
     media = u32()
     lights = u32()

@@ -18,8 +18,8 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
     var centres: array<vec3f, LISTS_AT_ONCE>;
     for (var k = 0u; k < LISTS_AT_ONCE; k++) {
         let block = id.x + k * apart;
-        let place = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
-        centres[k] = all.low + (vec3f(place) + 0.5) * side;
+        let cell = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
+        centres[k] = all.low + (vec3f(cell) + 0.5) * side;
     }
     for (var texel = 0u; texel < PATH_TEXELS; texel++) {
         var bits: array<vec4u, LISTS_AT_ONCE>;

@@ -29,11 +29,11 @@ from .media_changes import MOST_BOXES
 STALE_CELL_SLOTS: tuple[Slot, ...] = (storage("stale_cells", "u32"),)
 """Of passes that use `wgsl/listed_cells.wgsl`: how many cells there are, then their indices."""
 LISTED_CELLS, ALL_CELLS = "//! use listed_cells\n", "//! use all_cells\n"
-"""What passes over cells add that may be given a list, and those that are given none."""
+"""Lines of shaders whose passes over cells may be given a list, and of those that may not."""
 
 
 class StaleCellParams(Struct):
-    """How many there are of what."""
+    """Numbers of lights and boxes."""
 
     light_count = u32()
     boxes = u32()

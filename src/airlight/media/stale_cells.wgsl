@@ -15,7 +15,7 @@ fn is_lit(world: vec3f, i: u32) -> bool {
     return textureSampleCompareLevel(depth, compare, uv, i, clip.z) > 0.0;
 }
 
-// Whether the way from anywhere in a ball about p meets a box.
+// Whether the path from anywhere in a ball about p meets a box.
 fn meets(from_world: mat4x4f, p: vec3f, towards: vec3f, radius: f32) -> bool {
     let axes = mat3x3f(from_world[0].xyz, from_world[1].xyz, from_world[2].xyz);
     let across = transpose(axes);
@@ -44,7 +44,7 @@ fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
     if (any(id >= lattice.count)) {
         return;
     }
-    // All its points lie in a ball, which few ways through a box meet.
+    // All its points lie in a ball, which few paths through a box meet.
     let span = cell_span(lattice, id);
     let centre = point_in_span(lattice, span, vec3f(0.5));
     let radius = (0.25 * length(span.side) + MARGIN) * lattice.cell;

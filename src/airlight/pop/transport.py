@@ -23,7 +23,7 @@ class Transport(Protocol):
     light: IncidentLight
     diffuse: Diffuse
     has_mean: bool
-    """Whether it knows what the reduced medium scatters, `Emission.mean`."""
+    """Whether it knows the light that the reduced medium scatters, `Emission.mean`."""
 
     @property
     def iterations(self) -> int:

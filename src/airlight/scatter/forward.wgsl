@@ -5,7 +5,7 @@
 //! use lights_in_media
 //! use forward_beams
 //! use forward_depths
-//! use free_way
+//! use free_path
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 //! needs fn is_read(cell: u32) -> bool
@@ -16,7 +16,7 @@ fn part_middle(k: u32) -> vec3f {
     return vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
 }
 
-// What the reduced medium transmits of a light to p beyond the true one: that is what was deflected once.
+// The light that reaches p through the reduced medium beyond the true one: it was deflected once.
 fn gained_at(light: LightData, p: vec3f, lit: f32, depths: Depths) -> vec3f {
     // A local light may be in the cell, so its mean over the part is taken.
     let in = incoming_in_media(light, p);
@@ -44,7 +44,7 @@ fn slant_aside(k: u32, tap: u32) -> vec2f {
     return sqrt(-2.0 * log(1.0 - share)) * vec2f(cos(turn), sin(turn));
 }
 
-// What was deflected comes slantwise from a beam beside it, whose light is looked up where it was deflected. At lattice
+// Deflected light comes slantwise from a beam beside p, whose light is looked up where it was deflected. At lattice
 // coordinates `start`; `depths` on the straight path.
 fn slanted(light: LightData, i: u32, start: vec3f, deviations: vec2f, depths: Depths) -> vec3f {
     let across = normalize(cross(light.direction,
@@ -55,10 +55,10 @@ fn slanted(light: LightData, i: u32, start: vec3f, deviations: vec2f, depths: De
     let back = depths.back / lattice.cell * min(1.0, BLUR_CELLS / radius);
     let offset = aside - back * lattice_from_world(lattice, light.direction);
     let moved = moved_freely(start, offset);
-    let way = length(moved - start) / length(offset);
-    // As much medium as there is before the place beside this one; lit if the beam is where it was deflected.
-    let beside = depths_towards(light, i, place_of(start + way * aside), false);
-    let p = place_of(moved);
+    let share = length(moved - start) / length(offset);
+    // As much medium as there is before the point beside this one; lit if the beam is where it was deflected.
+    let beside = depths_towards(light, i, world_point(start + share * aside), false);
+    let p = world_point(moved);
     return gained_at(light, p, lit_point(light, -light.direction, p), beside);
 }
 
@@ -68,7 +68,7 @@ struct Part {
     depth: f32,         // optical, of scattering
 }
 
-// What comes straight to p, where nobody asks for the rest: most of space has no media before it.
+// Light that comes straight to p, where nobody asks for the rest: most of space has no media before it.
 fn forward_alone(light: LightData, i: u32, p: vec3f) -> Part {
     let depths = depths_towards(light, i, p, params.is_blurred != 0u);
     if (all(depths.forward == vec3f(0.0))) {
@@ -81,7 +81,7 @@ fn forward_alone(light: LightData, i: u32, p: vec3f) -> Part {
     return Part(vec3f(0.0), gained_at(light, p, lit, depths), 0.0);
 }
 
-// What comes slantwise into all of a cell, by how much it spreads on its way to the middle.
+// Light that comes slantwise into all of a cell, by how much it spreads on its path to the middle.
 fn slanted_alone(light: LightData, i: u32, id: vec3u, span: CellSpan) -> vec3f {
     let depths = depths_towards(light, i, point_in_span(lattice, span, vec3f(0.5)), true);
     if (depths.deviation <= 0.0) {
@@ -105,7 +105,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     }
     let own = incoming_in_media(light, p);
     let lit = lit_point(light, own.to_light, p);
-    // In the shade nothing arrives, and the way through the media need not be known.
+    // In the shade nothing arrives, and the path through the media need not be known.
     if (params.is_blurred == 0u && lit <= 0.0) {
         return Part(vec3f(0.0), vec3f(0.0), 0.0);
     }

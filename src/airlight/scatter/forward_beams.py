@@ -70,7 +70,7 @@ class ForwardBeams:
 
 
 class _Made:
-    """What finds beams, and where they are."""
+    """The passes that find beams, and their results."""
 
     def __init__(self, kit: Kit, scene: Scene) -> None:
         gpu, self._kit = kit.gpu, kit
@@ -138,7 +138,7 @@ class _Level:
         self._sky_key: tuple[Any, ...] = ()
 
     def _walls(self, kit: Kit) -> tuple[Any, ...]:
-        """Where the cells are, and what surfaces are around them."""
+        """Where the cells are, and the versions of the surfaces around them."""
         placement = replace(self.of.placement, fade=None)
         return placement, kit.meshes.version, self.of.blockers.version
 

@@ -148,7 +148,7 @@ class Injection:
         self._sum_up(commands, base, self.static)
 
     def _single_of_sky(self, commands: Commands) -> Buffer:
-        """What media scatter of the sky, once; and forwards, in `forward.sky`."""
+        """The sky's light that media scatter once; and forwards, in `forward.sky`."""
         light, sky, walls = self.light, self.kit.sky, self.cells.blockers.walls
         # The sky's lights with their maps, bound as if they were the scene's.
         resources = {

@@ -31,7 +31,7 @@ class TextureStore:
     """The textures of a scene on the device, each image once, however many textures show it.
 
     Scenes on one device share images that are the same, and maps packed of the same images. One
-    sampler is kept for each kind of wrapping.
+    sampler is cached for each kind of wrapping.
     """
 
     def __init__(self, gpu: Gpu) -> None:
@@ -58,7 +58,7 @@ class TextureStore:
         return found[1].value
 
     def chain(self, texture: SceneTexture) -> list[NDArray[np.uint8]]:
-        """Its mip chain, kept until it is packed, where it will be."""
+        """Its mip chain; cached until it is packed, on devices that pack maps."""
         found = self._chains.get(image_of(texture))
         if found is None:
             found = (texture, mip_chain(texture.pixels, is_srgb=texture.is_srgb))
@@ -85,7 +85,7 @@ class TextureStore:
         return [None if key is None else locations[key] for key in keys], texels
 
     def _image(self, texture: SceneTexture) -> Hashable:
-        """What is equal for textures of the same texels, of whatever scene."""
+        """A key that textures of the same texels share, of whatever scene."""
         found = self._images.get(image_of(texture))
         if found is None:
             found = (texture, (digest(texture.pixels), texture.is_srgb))

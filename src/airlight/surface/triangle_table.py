@@ -58,7 +58,7 @@ MATERIAL = np.dtype(
 
 
 class _Triangles:
-    """What tables share: the triangles of `geometries`, by their first vertex in the scene.
+    """Data that tables share: the triangles of `geometries`, by their first vertex in the scene.
 
     positions  of the vertices of `unique_provoking`
     indices    in the scene's order, into those
@@ -90,7 +90,7 @@ class _Triangles:
         self.indices = buffer_of(gpu, "seen indices", corners, index=True)
         laid = [_uvs(g)[self._sources[key]] for key, g in geometries.items()]
         self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
-        # What the second pass reads.
+        # Rows of triangles, for the second pass.
         rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
         self.triangles = buffer_of(gpu, "triangle table", rows)
 
@@ -148,7 +148,7 @@ class TriangleTable:
 
     @property
     def triangles(self) -> Buffer:
-        """What the second pass reads of triangles."""
+        """Rows of triangles, which the second pass reads."""
         return self.shared.triangles
 
     @property

@@ -1,4 +1,4 @@
-"""Which techniques have beams on surfaces of what volumes of ordinates only scatter forwards."""
+"""Which techniques light surfaces by beams that volumes only scatter forwards."""
 
 from __future__ import annotations
 

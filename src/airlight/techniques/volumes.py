@@ -43,11 +43,11 @@ class LatticeVolumes:
     def __init__(
         self, solver: LpvSolver, media: GpuMedia, beams: ForwardBeams | None = None
     ) -> None:
-        """`beams`: of what the media scatter forwards, on surfaces."""
+        """`beams`: light on surfaces that the media only scatter forwards."""
         self._solver, self._media, self.beams = solver, media, beams
         kit = solver.kit
         gpu, scene = kit.gpu, kit.context.scene
-        # Reflective shadow maps, attenuated between their light and each texel: less where what is
+        # Reflective shadow maps, attenuated between their light and each texel: less where light
         # scattered forwards arrives, too.
         self.isotropic = GpuMedia(
             gpu,

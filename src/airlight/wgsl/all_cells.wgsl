@@ -1,4 +1,5 @@
-// Which cell an invocation computes, in passes that compute all cells of `lattice`.
+// Which cell an invocation computes, in passes over all cells of `lattice`: its own. Passes ask `computed_cell`, so that
+// the same shader may compute the cells of a list alone, with `listed_cells.wgsl` in place of this file.
 
 const NO_CELL = vec3u(0xffffffffu);
 

@@ -7,7 +7,7 @@
 
 const LEAST_TRANSMITTANCE = 0.005;
 
-// Whether a surface stands between a cell and the next one on the way, a step of at most a cell along each axis;
+// Whether a surface stands between a cell and the next one on the path, a step of at most a cell along each axis;
 // `faces` and `next_faces`: those of both.
 fn is_step_walled(faces: u32, next_faces: u32, step: vec3i) -> bool {
     var walled = false;

@@ -5,12 +5,12 @@ const SPREAD = 0.29;
 const BACK = 0.58;
 const INSIDE = 0.8;
 
-// T' - T, by the optical depths of the reduced media and of what the media have beside them.
+// T' - T, by the optical depths of the reduced media and those that the true media have beside them.
 fn passed_forwards(reduced: vec3f, forward: vec3f) -> vec3f {
     return exp(-reduced) * (1.0 - exp(-forward));
 }
 
-// (deviation, back), m, of what a medium deflects between `near` and `far` before a point.
+// (deviation, back), m, of light that a medium deflects between `near` and `far` before a point.
 fn slant(near: f32, far: f32, g: f32) -> vec2f {
     let reach = sqrt(near * near + near * far + far * far);
     return vec2f(SPREAD * sqrt(2.0 * max(1.0 - g, 1e-4)), BACK) * reach;
@@ -25,8 +25,8 @@ fn span_beside(size: vec3f, origin: vec3f, towards: vec3f) -> vec3f {
         nearest = clamp(origin + t * towards, -half, half);
         t = max(dot(nearest - origin, towards), 0.0);
     }
-    let way = nearest - (origin + t * towards);
-    let aside = way - dot(way, towards) * towards;
+    let offset = nearest - (origin + t * towards);
+    let aside = offset - dot(offset, towards) * towards;
     let span = ray_box_interval(origin + aside, towards, -0.5 * size, 0.5 * size);
     return vec3f(max(span.x, 0.0), span.y, length(aside));
 }

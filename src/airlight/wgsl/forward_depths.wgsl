@@ -1,4 +1,4 @@
-// What all media on a light's path to a point do to light that they scatter forwards, and where it comes from. The including
+// Optical depths of all media on a light's path to a point, and where light that they scatter forwards comes from. The including
 // pass declares LightData, the media with what `media_light` needs, and SLANT_MEDIA: beyond so many, light comes slantwise
 // from those alone that the straight path meets.
 //! use forward_beams
@@ -9,7 +9,7 @@ const LEAST_DEFLECTED = 1e-3;   // optical depth, by which media beside the stra
 
 struct Depths {
     reduced: vec3f,     // optical depth of the reduced medium
-    forward: vec3f,     // what the true medium has besides
+    forward: vec3f,     // that the true medium has besides
     scattering: vec3f,  // of it
     deviation: f32,     // m, of the light's spread across its direction
     back: f32,          // m, from where it is deflected
@@ -62,7 +62,7 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
         let scattering = reduced * media[m].albedo / isotropic;
         sum.forward += scattering * media[m].g;
         sum.scattering += scattering;
-        // Each counts by what it deflects; of many, none of which is looked for beside the path, the ways in them add up.
+        // Each counts by what it deflects; of many, none of which is looked for beside the path, the lengths in them add up.
         let deflected = scattering.g * media[m].g.g;
         if (MEDIA_COUNT > SLANT_MEDIA) {
             along += slant(0.0, select(0.0, column, deflected > 0.0), media[m].g.g);

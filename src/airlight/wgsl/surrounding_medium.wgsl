@@ -1,4 +1,4 @@
-// What a homogeneous medium around the solved one leaves of light on its way to a point; see
+// The transmittance of a homogeneous medium around the solved one on light's path to a point; see
 // pop/medium/surrounding.py. The including pass binds `params` (MediumParams).
 //! use medium
 
@@ -10,6 +10,6 @@ fn passed_surrounding(point: vec3f, travel: vec3f, distance: f32) -> vec3f {
     let origin = (params.surrounding_from_medium * vec4f(point, 1.0)).xyz;
     let back = -(params.surrounding_from_medium * vec4f(travel, 0.0)).xyz;
     let inside = ray_box_interval(origin, back, vec3f(0.0), vec3f(1.0));
-    let way = max(0.0, min(inside.y, distance) - max(inside.x, 0.0));
-    return exp(-params.surrounding_sigma_t * way);
+    let path = max(0.0, min(inside.y, distance) - max(inside.x, 0.0));
+    return exp(-params.surrounding_sigma_t * path);
 }

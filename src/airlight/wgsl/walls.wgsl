@@ -1,6 +1,6 @@
 // Surfaces between the cells of a medium; see pop/light/walls.py. Two words for each cell. The first has six bits for
 // its faces, two for each axis, the lower one first; a bit where anything near is closed; and for each axis how far
-// behind its middle the first surface on the way to the next cell is. The second: what each face's surface reflects.
+// behind its middle the first surface on the path to the next cell is. The second: the reflectance of each face's surface.
 
 const WALLS_NEAR = 64u;
 const WALL_POSITIONS = 8u;  // the bit where they begin

@@ -25,9 +25,9 @@ _LIGHTS = (1, 2, 5)  # of `solved_by`: lights, their groups, the environment
 
 
 class Drawn:
-    """For one thread at a time. `solve_ms`: what the last `solve` took on a CPU adapter.
+    """For one thread at a time. `solve_ms`: the time of the last `solve` on a CPU adapter.
 
-    `is_quick`: whether what is solved now was solved quickly.
+    `is_quick`: whether the present solution was found quickly.
     """
 
     def __init__(self, renderer: Renderer) -> None:

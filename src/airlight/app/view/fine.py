@@ -38,7 +38,9 @@ GATHERED_FROM = 2
 Living room, RMSE of tone mapped values beside 32 gathered samples: .029 for 16 plain ones, .020 for
 2 gathered ones, .036 for one."""
 PLAIN_SAMPLES = 2
-"""At full size and shown at once, in place of a coarse image, where others gather: .034, 4 .032."""
+"""Drawn at full size before gathered ones, and shown at once in place of a coarse image.
+
+The RMSE of the living room, as above, is .034 for two of them and .032 for four."""
 MOST_BYTES = 512 << 20
 """Of the device, beside what the coarser renderer has; where it takes more it is given up."""
 _MOST_CELLS = {True: 64**3, False: 96**3}  # by whether the driver is software
@@ -87,7 +89,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Seen:
-    """What is to be seen until the finest image is better.
+    """The image that is shown until the finest one is better.
 
     `samples` of its size, whether somebody refines them (`is_refined`), whether they gather.
     """

@@ -2,7 +2,7 @@
 //! use diffusion
 //! use partial_sums
 
-// What the surface before a face reflects.
+// The reflectance of the surface before a face.
 fn reflectance_before(index: u32, axis: u32, side: u32) -> f32 {
     return wall_reflectance(u32(links[(1u + axis) * params.cells + index].w), 0u, side);
 }

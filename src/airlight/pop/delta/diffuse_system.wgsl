@@ -1,5 +1,5 @@
 // The operator of the diffusion solve: its diagonal, and the links to the next cells along x, y, z. Behind them: which
-// faces are closed, and what those across each axis reflect.
+// faces are closed, and the reflectances of those across each axis.
 //! use diffusion
 
 // The flux per difference of phi across a cell's upper inner face, over its side h, m^-1; 0 on the

@@ -35,7 +35,7 @@ fn home_of(id: vec3u) -> vec3u {
     return home;
 }
 
-// Whether no surface stands on the way to a cell that is at most one away along each axis, which goes along one axis
+// Whether no surface stands on the path to a cell that is at most one away along each axis, which goes along one axis
 // after the other, in this order.
 fn is_open_along(begin: vec3u, end: vec3u, axes: vec3u) -> bool {
     var at = begin;

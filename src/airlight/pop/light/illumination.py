@@ -33,7 +33,7 @@ class Illumination:
 
     @property
     def versions(self) -> tuple[Any, ...]:
-        """Of the surfaces, what they reflect and the medium around; equal: none changed."""
+        """Of the surfaces, of reflected light and of the medium around; equal: none changed."""
         of_surfaces = () if self.surfaces is None else self.surfaces.version
         reflected = () if self.reflected is None else self.reflected.version
         return (*of_surfaces, *reflected, self.around)

@@ -19,7 +19,7 @@ const AROUND = 2;   // cells: as far as splines read
             found |= select(0u, 1u, position_of(below, axis) != WALL_FREE) << (2u * axis);
         }
     }
-    // What its faces reflect: the lower side of its upper faces, the upper side of those below it.
+    // The reflectances of its faces: the lower side of its upper faces, the upper side of those below it.
     var reflecting = 0u;
     let above = positions[params.cells + id.x];
     for (var axis = 0u; axis < 3u; axis++) {

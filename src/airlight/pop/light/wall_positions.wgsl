@@ -1,6 +1,6 @@
-// The first surface on the way from the middle of a cell to those of the next along x, y and z: its distance in
-// cells, eight bits each; WALL_FREE where there is none. Behind those of all cells: what the surfaces reflect that
-// either cell sees, five bits each.
+// The first surface on the path from the middle of a cell to those of the next along x, y and z: its distance in
+// cells, eight bits each; WALL_FREE where there is none. Behind those of all cells: the reflectances of the
+// surfaces that either cell sees, five bits each.
 //! use medium_grid
 //! use rays
 //! use walls

@@ -25,14 +25,14 @@ from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 from .visibility import Surfaces
 
-_WIDER = 1e-3  # of the way to the next cell, by which rays are longer at both ends
+_WIDER = 1e-3  # of the distance to the next cell, by which rays are longer at both ends
 
 
 class WallParams(Struct):
     """Where the medium is, and how far rays go."""
 
     world_from_medium = mat4x4f()
-    wider = f32("of the way to the next cell, by which rays are longer at both ends")
+    wider = f32("of the distance to the next cell, by which rays are longer at both ends")
 
 
 class _Positions(ComputePass):
@@ -96,7 +96,7 @@ class Walls:
         return True
 
     def _trace(self, commands: Commands, params: MediumParams, scene: RayScene) -> None:
-        """Find the first surface on the way from each cell to the next along x, y and z."""
+        """Find the first surface on the path from each cell to the next along x, y and z."""
         # Translucent surfaces close nothing.
         constants = {**scene.constants, "RAYS_MEET_TRANSLUCENT": 0.0}
         key = tuple(constants.items())
@@ -136,7 +136,7 @@ class Walls:
 
 
 def _reflectances(gpu: Gpu, surfaces: Surfaces) -> Buffer:
-    """What each instance reflects of diffuse light: the mean of its material's channels."""
+    """The diffuse reflectance of each instance: the mean of its material's channels."""
     meshes = surfaces.meshes
     found = {id(m.material): _mean_albedo(m.material) for m in meshes.original}
     rows = [found[id(meshes.original[index].material)] for index in meshes.order]

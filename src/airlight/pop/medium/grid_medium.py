@@ -163,7 +163,7 @@ class GridMedium:
         around: SurroundingMedium | None = None,
     ) -> MediumParams:
         """The parameters of passes over so many `ordinates`; with another `albedo`, if any, and
-        with what a medium `around` this one leaves of their light."""
+        the transmittance of a medium `around` this one."""
         fields = self.parts[0].fields(ordinates)
         fields |= {} if albedo is None else {"albedo": albedo}
         fields |= {} if around is None else around.fields(self.placement)

@@ -1,4 +1,4 @@
-"""A homogeneous medium around others, which a lattice solves: what it leaves of their light.
+"""A homogeneous medium around others, which a lattice solves: its transmittance of their light.
 
 The lattice has the light that it scatters, as its reduced medium does (`media.reduced`); so what
 reaches the others unscattered in that medium is attenuated by its extinction.
@@ -25,7 +25,7 @@ class SurroundingMedium:
     sigma_t: Rgb
 
     def fields(self, placement: MediumPlacement) -> dict[str, Any]:
-        """What `MediumParams` has of it, for a medium that is placed so."""
+        """Its fields of `MediumParams`, for a medium that is placed so."""
         low, high = np.array(self.low), np.array(self.high)
         unit_from_world: F64 = np.diag([*(1.0 / np.maximum(high - low, 1e-30)), 1.0])
         unit_from_world[:3, 3] = -low * unit_from_world.diagonal()[:3]

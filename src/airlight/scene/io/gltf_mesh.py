@@ -101,7 +101,7 @@ def _triangles(
         order = raw.astype(np.int64)
     else:
         order = np.arange(vertex_count)
-    # What points beyond the vertices, or makes no triangle, is an error of the file.
+    # Indices beyond the vertices are an error of the file, as are too few for a triangle.
     if len(order) and (order.max() >= vertex_count or order.min() < 0):
         raise primitive.child("indices").error(
             f"index {order.max()} is out of range: the primitive has {vertex_count} vertices"

@@ -86,7 +86,7 @@ def _read(path: Path) -> Any:
 
 
 def _of_strips(points: Any, path: Path) -> Any:
-    """The mesh of a PLY file that has strips of triangles in place of faces; else what it was."""
+    """The mesh of a PLY file that has triangle strips instead of faces; else `points` itself."""
     import trimesh
 
     data, vertices = _ply_data(points, "tristrips"), _ply_data(points, "vertex")

@@ -209,7 +209,7 @@ class UsdMaterials:
         return self._images[key]
 
     def _fallback(self, source: Any) -> Texture:
-        """One texel of what a UsdUVTexture says for where there is no image; black, if nothing."""
+        """One texel of a UsdUVTexture's fallback, where there is no image; black without one."""
         value = np.array(self._value(source, "fallback") or (0.0, 0.0, 0.0, 1.0), float)
         texel = np.round(np.clip(value, 0.0, 1.0) * 255.0).astype(np.uint8)
         return Texture(texel.reshape(1, 1, 4), is_srgb=False)

@@ -1,4 +1,4 @@
-// Ways through a lattice that walls do not close. The including pass binds `lattice` and `face_visibility`.
+// Paths through a lattice that end at walls. The including pass binds `lattice` and `face_visibility`.
 //! use entering_share
 //! use lattice_space
 
@@ -34,7 +34,7 @@ fn moved_freely(start: vec3f, offset: vec3f) -> vec3f {
 }
 
 // The world point of lattice coordinates. Beyond the lattice cells go on; within it walls stand where the warp has them.
-fn place_of(coordinates: vec3f) -> vec3f {
+fn world_point(coordinates: vec3f) -> vec3f {
     let cell = vec3u(clamp(vec3i(floor(coordinates)), vec3i(0), vec3i(lattice.count) - 1));
     return unwarped_point(lattice, cell, coordinates - vec3f(cell));
 }
