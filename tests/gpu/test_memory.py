@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.gpu.code_paths import CPU_PATHS, GPU_PATHS
 from airlight.gpu.memory import Buffer, BufferPart, Texture, buffer_of
 
 FORMATS = {
@@ -144,10 +145,12 @@ def test_a_part_of_a_buffer_is_bound_and_read_as_one(gpu):
     whole.release()
 
 
+@pytest.mark.parametrize(("taken", "submits"), [(CPU_PATHS, 0), (GPU_PATHS, 3)])
 def test_parts_of_an_upload_are_handed_over_where_that_keeps_nobody_waiting(
-    gpu, owned, monkeypatch
+    gpu, owned, monkeypatch, taken, submits
 ):
     """A submit waits on a CPU adapter until all before it is done: not for 20 MB."""
+    monkeypatch.setattr(gpu, "paths", taken)
     given = np.arange(20 << 18, dtype=np.uint32)
     made = owned(Buffer(gpu, "20 MB", given.nbytes))
     submit, handed = type(gpu.queue).submit, []
@@ -156,5 +159,5 @@ def test_parts_of_an_upload_are_handed_over_where_that_keeps_nobody_waiting(
             type(gpu.queue), "submit", lambda queue, work: (handed.append(1), submit(queue, work))
         )
         made.write(given)
-    assert len(handed) == (0 if gpu.is_cpu else 3)
+    assert len(handed) == submits
     np.testing.assert_array_equal(made.read(np.uint32), given)

@@ -114,6 +114,20 @@ def test_a_body_is_a_room_while_the_eye_is_in_it():
     assert not Rooms(meshes, np.zeros((1, 3))).update(meshes, np.array([[9.0, 0.0, 0.0]]))
 
 
+def test_another_room_changes_nothing_where_both_sides_block_already(monkeypatch):
+    """Of a body that faces in, both sides do; and each body is asked for each point once."""
+    inward, asked = (flipped(box(2.0, material=Material(two_sided=False))),), []
+    rooms = Rooms(inward, NOWHERE)
+    assert (rooms.sides, rooms.walls) == ([0], frozenset())
+    around = rooms._around
+    monkeypatch.setattr(rooms, "_around", lambda *given: asked.append(1) or around(*given))
+    assert not rooms.update(inward, np.array([[0.1, 0.2, 0.1]]))
+    assert len(asked) == 1
+    # With a light outside it becomes a wall.
+    assert rooms.update(inward, np.array([[0.1, 0.2, 0.1], [9.0, 0.0, 0.0]]))
+    assert (rooms.sides, rooms.walls) == ([0], frozenset({0}))
+
+
 def test_the_opaque_walls_of_rooms_are_sealed():
     """Both halves, with the eye in and a light out; not one of glass; none with both in or out."""
     halved = halves(box(2.0))

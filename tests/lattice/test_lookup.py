@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.memory import Buffer, buffer_of, linear_sampler
 from airlight.gpu.slots import sampler, storage, texture, uniform
 from airlight.lattice.lobes import SHAPED_LOBE
-from airlight.lattice.lookup import CellLight, LatticeTextures, own_shares, texture_scale
+from airlight.lattice.lookup import LatticeStates, LatticeTextures, own_shares, texture_scale
 from airlight.lattice.placement import LatticeParams, Placement
 from airlight.maths.lattice6 import (
     LOOKUP_SCALE,
@@ -57,7 +57,7 @@ def looked_up(gpu, commands, kernel, owned, cells_texture):
         scale = texture_scale(power)
         given = owned(buffer_of(gpu, "cells", np.ascontiguousarray(cells, np.float32)))
         zero = owned(Buffer(gpu, "zero", given.nbytes))
-        textures.encode(commands, CellLight(given, zero), scale, is_shaped=False)
+        textures.encode(commands, LatticeStates(given, zero), scale, is_shaped=False)
         rows = np.zeros((2, len(points), 4), np.float32)
         rows[0, :, :3], rows[1, :, :3] = points, normals
         p, n = (owned(buffer_of(gpu, "rows", r)) for r in rows)

@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.memory import Buffer, Texture, buffer_of, linear_sampler
 from airlight.lattice.inject import Resolve, fixed_point_scale, new_sums
 from airlight.lattice.lobes import InjectionTarget
-from airlight.lattice.lookup import CellLight, LatticeTextures, texture_scale
+from airlight.lattice.lookup import LatticeStates, LatticeTextures, texture_scale
 from airlight.lattice.placement import Placement
 from airlight.lpv.border import Border
 from airlight.lpv.propagate import Propagate
@@ -70,7 +70,7 @@ def nest(gpu, commands, owned):
             Resolve(gpu).encode(commands, placement, sums, base, cells, units)
             steps = owned(Propagate(gpu, placement, StepKind()))
             total = steps.encode(commands, cells, faces, ITERATIONS)
-            light = CellLight(cells, total)
+            light = LatticeStates(cells, total)
             textures.encode(commands, light, power, is_shaped=False, placement=placement)
             commands.submit()
             shape = (3, *placement.count[::-1], 4)

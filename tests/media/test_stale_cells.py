@@ -13,6 +13,7 @@ from airlight.media.media import Media
 from airlight.rendering import Renderer
 from airlight.scatter.solver import ScatterSolver
 from airlight.scene import Camera, Environment, Scene
+from airlight.scene.emission import Emission
 from airlight.scene.volume import Volume
 
 SIZE = (12, 8)
@@ -24,6 +25,7 @@ SETTINGS = {
     "sky_resolution": 32,
     "surfels": 2000,
 }
+SINGLE = {name: SETTINGS[name] for name in ("bounds", "resolution", "sky_lights", "sky_resolution")}
 BALL = np.full((4, 4, 4), 0.5, np.float32)
 
 
@@ -56,6 +58,8 @@ def fields(renderer: Renderer) -> dict[str, np.ndarray]:
     buffers = {"once": injection._sky_single, "forward": injection.forward.sky}
     found = {n: b.read().reshape(3, nz, ny, nx, 4) for n, b in buffers.items()}
     found = {n: np.moveaxis(x, 0, -1) for n, x in found.items()}
+    if injection._fluences:
+        found["fluence"] = injection._fluences[1].read().reshape(nz, ny, nx, 4)
     return {**found, "marched": media.sky.red.read(), "mean": media.sky.mean.read()}
 
 
@@ -121,3 +125,54 @@ def test_another_sky_or_floor_is_light_for_all_cells(two: Scene) -> None:
         fresh.frame()
         for name, field in fields(fresh).items():
             np.testing.assert_array_equal(now[name], field, name)
+
+
+def test_emission_that_flickers_for_long_changes_no_light_of_the_sky(two: Scene) -> None:
+    """Not even after more versions of the media than are remembered."""
+
+    def burning(k: int) -> tuple[Volume, ...]:
+        grid = BALL.copy()
+        grid[0, 0, 0] *= 0.05 * k
+        return changed(two, emission=Emission((1.0, 0.5, 0.2), grid))
+
+    there = dataclasses.replace(two, volumes=burning(0))
+    with Renderer(there, "single", SIZE, settings=SINGLE) as renderer:
+        renderer.frame(read=False)
+        media = renderer.technique.find(Media)
+        assert media and media.sky
+        version, of_media = media.sky.version, media.sky.media.version
+        for k in range(1, 12):
+            renderer.frame(volumes=burning(k), read=False)
+            assert media.sky.version == version
+        assert media.sky.media.version == of_media + 11
+
+
+def test_cells_that_a_medium_enters_in_the_shade_are_new(gpu: Gpu, square: Any) -> None:
+    """A roof shades half of the cells below its edge; smoke enters the half that is in the shade.
+
+    The mean fluence over what scatters in them falls, though no light comes through the smoke.
+    """
+    above = np.zeros((64, 128, 3), np.float32)
+    above[:2] = 10.0
+    smoke = Volume(8.0, albedo=0.9, density=BALL, world_from_volume=placed(-0.6))
+    thin = Volume(0.2, albedo=0.9, shape="box", bounds=((-4, 0, -2), (4, 2, 2)))
+    scene = Scene(
+        meshes=(square((-1.7143, 1.3, 0), (2, 0, 0), (0, 0, -2)),),
+        volumes=(smoke, thin),
+        environment=Environment(map=above),
+        camera=Camera((0, 1, 6), (0, 0.5, 0)),
+    )
+    moved = (dataclasses.replace(smoke, world_from_volume=placed(-0.03)), thin)
+    # Texels of the sky's maps as wide as a tenth of a cell.
+    settings = {**SETTINGS, "sky_resolution": 256}
+    with Renderer(scene, "lpv-scatter", SIZE, settings=settings) as renderer:
+        renderer.frame(read=False)
+        before = fields(renderer)["fluence"]
+        renderer.frame(volumes=moved, read=False)
+        after = fields(renderer)["fluence"]
+    there = dataclasses.replace(scene, volumes=moved)
+    with Renderer(there, "lpv-scatter", SIZE, settings=settings) as fresh:
+        fresh.frame(read=False)
+        wanted = fields(fresh)["fluence"]
+    assert (before != wanted).any()
+    np.testing.assert_array_equal(after, wanted)

@@ -231,3 +231,11 @@ def test_surfaces_shade_what_hops(gpu):
             image = renderer.frame(samples=1)
         found.append(float(image.layers["scattered"].sum()))
     assert found[0] < 0.02 * found[1]
+
+
+@pytest.mark.parametrize("scheme", ["delta-beam", "hops"])
+def test_light_of_the_reduced_medium_takes_memory_where_it_is_known(gpu: Gpu, scheme: str) -> None:
+    made = PopSolver(gpu, blob(), PopSettings(scheme=scheme, **SETTINGS), lights=1)
+    knows = made.transport.has_mean
+    assert made.emission.mean.size == (made.medium.placement.count if knows else (1, 1, 1))
+    assert (made.sources(0)[0].mean is not None) == knows

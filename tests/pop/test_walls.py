@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,8 @@ from airlight.maths.delta_beam import MediumGrid, diffusion_of
 from airlight.maths.diffusion import solve
 from airlight.maths.halved_cells import halved_cells
 from airlight.maths.transforms import F64
+from airlight.pop.delta.diffuse import Diffuse
+from airlight.pop.light.walls import Walls
 from airlight.pop.media import PopMedia
 from airlight.pop.solver import PopSolver
 from airlight.rendering import Renderer, render
@@ -91,6 +95,48 @@ def test_light_between_cells_is_of_one_side_as_its_twin(walled):
     twin = halved_cells(light, np.ones((8, 8, 8)), walls)
     np.testing.assert_allclose(read["smooth"][..., :3], twin, rtol=2e-3, atol=1e-3 * twin.max())
     assert twin[:, :, :10].max() < 1e-3 * twin[:, :, 10:].min()
+
+
+def test_walls_follow_what_reaches_into_the_box_and_nothing_else(monkeypatch):
+    """A wall at x = .3 that moves, goes and comes; the box that moves; a mesh elsewhere."""
+    traced, solved = [], []
+    trace, solve = Walls._trace, Diffuse.encode_medium
+    monkeypatch.setattr(Walls, "_trace", lambda *given: traced.append(1) or trace(*given))
+    monkeypatch.setattr(Diffuse, "encode_medium", lambda *of: solved.append(1) or solve(*of))
+    wall, other = block((0.25, -2, -2), (0.35, 2, 2)), block((5, -1, -1), (6, 1, 1))
+    other = replace(other, material=replace(other.material, emission=(0.5,) * 3))
+    glowing = replace(other, material=replace(other.material, emission=(1.0,) * 3))
+
+    def by(mesh: Mesh, x: float) -> Mesh:
+        matrix = mesh.world_from_object.copy()
+        matrix[0, 3] += x
+        return replace(mesh, world_from_object=matrix)
+
+    stretched = wall.geometry.positions * np.float32([1.0, 0.5, 1.0])
+    bent = replace(wall, geometry=replace(wall.geometry, positions=stretched))
+    matrix = np.eye(4)
+    matrix[0, 3] = 0.5
+    aside = replace(SMOKE, world_from_volume=matrix)
+    with Renderer(scene(wall, other), "pop", (16, 16), settings=SETTINGS) as renderer:
+        for meshes, volume, closed, is_new in (
+            ((wall, other), SMOKE, 4, True),
+            ((wall, by(other, 1.0)), SMOKE, 4, False),
+            ((wall, glowing), SMOKE, 4, False),
+            ((by(wall, -0.5), other), SMOKE, 2, True),
+            ((by(wall, 9.0), other), SMOKE, None, True),
+            ((by(wall, 9.5), other), SMOKE, None, False),
+            ((wall, other), SMOKE, 4, True),
+            ((bent, other), SMOKE, 4, True),
+            ((wall, other), aside, 2, True),
+        ):
+            traced.clear(), solved.clear()
+            renderer.frame(samples=1, meshes=meshes, volumes=(volume,))
+            (solver,) = renderer.technique.find(PopMedia).solvers
+            words = solver.transport.diffuse.walls.read(np.uint32).reshape(8, 8, 8, 2)
+            found = np.flatnonzero(((words[..., 0] >> 1) & 1).any(axis=(0, 1)))
+            assert found.tolist() == ([] if closed is None else [closed])
+            assert len(traced) == (is_new and closed is not None)
+            assert bool(solved) == is_new
 
 
 def mean_light(scene: Scene) -> float:

@@ -121,6 +121,26 @@ def test_another_map_of_the_same_size_takes_the_place_of_the_first(gpu, owned):
     assert not background.take(None), "its map has one texel"
 
 
+def test_a_sky_that_changes_in_two_scenes_gets_a_texture_of_its_own_once(gpu, monkeypatch):
+    """No map is looked at byte by byte, nor any texture made, in the frames after that."""
+    scope = gpu.scope()
+    both = [EnvironmentTexture(scope, Environment(map=MAP)) for _ in range(2)]
+    assert both[0].texture is both[1].texture
+    for seen in both:
+        assert seen.take(Environment(map=2.0 * MAP))
+    own = [seen.texture for seen in both]
+    assert own[0] is not own[1]
+    monkeypatch.setattr(sky, "digest", None)
+    monkeypatch.setattr(sky, "Texture", None)
+    for k, seen in enumerate(both):
+        assert seen.take(Environment(map=(3.0 + k) * MAP))
+        assert seen.texture is own[k]
+    for k, seen in enumerate(both):
+        read = seen.texture.read()[..., :3].astype(np.float64)
+        np.testing.assert_allclose(read, (3.0 + k) * MAP, rtol=1e-3, atol=1e-6)
+    scope.release()
+
+
 def test_an_invisible_environment_has_a_black_background(gpu, owned):
     for environment in (None, Environment(visible=False)):
         background = EnvironmentTexture(gpu, environment)

@@ -40,6 +40,8 @@ class CodePaths:
     listed_gloss         glossy pixels are listed and traced apart: `lighting.glossy_pixels`
     occlusion_samples    slices of the hemisphere of screen-space occlusion, and steps on each side
                          of one: `lighting.occlusion`
+    uploaded_at_once     bytes that are handed over at once; before the next part the host submits,
+                         and so waits, on CPU adapters, until all before it is done: `gpu.memory`
     """
 
     name: Paths
@@ -51,6 +53,7 @@ class CodePaths:
     wide_reads: bool
     listed_gloss: bool
     occlusion_samples: tuple[int, int]
+    uploaded_at_once: int
 
 
 GPU_PATHS = CodePaths(
@@ -63,6 +66,7 @@ GPU_PATHS = CodePaths(
     wide_reads=False,
     listed_gloss=False,
     occlusion_samples=(3, 6),
+    uploaded_at_once=8 << 20,
 )
 CPU_PATHS = CodePaths(
     "cpu",
@@ -74,6 +78,7 @@ CPU_PATHS = CodePaths(
     wide_reads=True,
     listed_gloss=True,
     occlusion_samples=(2, 4),
+    uploaded_at_once=64 << 20,  # copied in some 25 ms
 )
 
 

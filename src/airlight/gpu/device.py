@@ -186,15 +186,6 @@ class Gpu(Scope):
         """Whether this is a CPU adapter. Code paths ask `paths` instead."""
         return self.info.is_cpu
 
-    @property
-    def uploaded_at_once(self) -> int:
-        """Bytes of a buffer; more would hold up whoever else uses the device.
-
-        A CPU adapter copies 64 MB in some 25 ms, and lets the host wait, at a submit, until all
-        that was submitted before is done.
-        """
-        return 64 << 20 if self.is_cpu else 8 << 20
-
     def scope(self) -> Gpu:
         """The same device with a scope of its own within this one, released no later than it."""
         inner = copy.copy(self)

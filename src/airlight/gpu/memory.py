@@ -224,7 +224,7 @@ class Buffer(_Counted):
         """Upload; happens before anything submitted later, after anything submitted before."""
         sent = np.ascontiguousarray(data).reshape(-1).view(np.uint8)
         with self.gpu.guarded():
-            most = self.gpu.uploaded_at_once
+            most = self.gpu.paths.uploaded_at_once
             for k in range(0, len(sent), most):
                 self.gpu.queue.write_buffer(self.handle, offset + k, sent[k : k + most])
                 if len(sent) > most:  # copied while the next part is handed over

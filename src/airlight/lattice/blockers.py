@@ -152,8 +152,9 @@ class Blockers:
         self.placement = placement
 
     def find_rooms(self, scene: Scene) -> None:
-        """Let bodies that hold the eye or a local light of `scene` block with both sides, wholly.
+        """Let bodies that hold the eye or a local light of `scene` block with both sides.
 
+        Those that hold some of these points and not all block wholly, but for their materials.
         Of nested lattices the largest one does it for all, before any of them is encoded.
         """
         before = self._rooms.sides

@@ -86,7 +86,7 @@ class ChannelTextures:
         return {"red": self.red, "green": self.green, "blue": self.blue}
 
 
-class CellLight(NamedTuple):
+class LatticeStates(NamedTuple):
     """States of cells: injected, propagated; and `beams`, the fluence and flux, W m, of light that
     the lattice does not hold."""
 
@@ -109,7 +109,7 @@ class LatticeTextures(ChannelTextures):
     def encode(
         self,
         commands: Commands,
-        light: CellLight,
+        light: LatticeStates,
         scale: float,
         *,
         is_shaped: bool,

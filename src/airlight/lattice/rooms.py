@@ -47,22 +47,28 @@ class Rooms:
         self._always = self._around(meshes, points)
         self._rooms = self._always
         self.sides = self._blocking(meshes)
-        self.walls = self._walls(meshes, points)
+        self.walls = self._walls(self._always, meshes, points)
 
     def update(self, meshes: Sequence[Mesh], points: F64) -> bool:
-        """Take on where meshes and `points` (n, 3), metres, are; whether there are other rooms."""
-        rooms, before = self._always | self._around(meshes, points), self.walls
-        self.walls = self._walls(meshes, points)
-        if rooms == self._rooms:
-            return self.walls != before
-        self._rooms = rooms
-        self.sides = self._blocking(meshes)
-        return True
+        """Take on where meshes and `points` (n, 3), metres, are.
 
-    def _walls(self, meshes: Sequence[Mesh], points: F64) -> frozenset[int]:
+        Returns whether `sides` or `walls` changed.
+        """
+        before, holding = (self.sides, self.walls), self._around(meshes, points)
+        self.walls = self._walls(holding, meshes, points)
+        rooms = self._always | holding
+        if rooms != self._rooms:
+            self._rooms = rooms
+            self.sides = self._blocking(meshes)
+        return (self.sides, self.walls) != before
+
+    def _walls(
+        self, holding: frozenset[int], meshes: Sequence[Mesh], points: F64
+    ) -> frozenset[int]:
+        """The meshes of those bodies, which hold some of the points, that do not hold all."""
         low, high = self._boxes
         found: set[int] = set()
-        for number in self._around(meshes, points):
+        for number in holding:
             is_near = ((points > low[number]) & (points < high[number])).all(axis=-1)
             if not (is_near.all() and all(self._holds(number, meshes, p) for p in points)):
                 found.update(self._bodies[number])

@@ -16,7 +16,7 @@ from ..gpu.memory import Buffer, linear_sampler
 from ..lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound
 from ..lattice.irradiance import Irradiance
 from ..lattice.lobes import COSINE, SHAPED, InjectionTarget
-from ..lattice.lookup import CellLight, LatticeTextures, texture_scale
+from ..lattice.lookup import LatticeStates, LatticeTextures, texture_scale
 from ..lattice.placement import EVERYWHERE, Hull, LatticeParams
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
@@ -174,7 +174,7 @@ class LpvSolver(Solver):
         with commands.stage("pack"):
             self.textures.encode(
                 commands,
-                CellLight(part.injected, total),
+                LatticeStates(part.injected, total),
                 self.power_scale,
                 hull=self._hull,
                 is_shaped=self.lobe.is_shaped,

@@ -162,9 +162,11 @@ class SkyInMedia:
         # All cells of lattices that moved, or of all where light or shadows changed; else those
         # that light reaches through media that did.
         stale = [level for level in self._levels if has_changed or level not in before]
+        # Changes that touch no box are seen, too: few versions are remembered.
+        self._media_version = self.media.version
         if not stale:
             return
-        self._lit, self._media_version = table.tobytes(), self.media.version
+        self._lit = table.tobytes()
         self.version += 1
         # A scale that fits half floats: a power of two, so that it changes no bits.
         total = max((sum(x.irradiance[c] for x in self.sky.lights) for c in range(3)), default=0.0)

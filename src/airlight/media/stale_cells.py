@@ -1,8 +1,10 @@
-"""Cells that the sky's light reaches otherwise since some of the media changed, as a list.
+"""Cells whose light of the sky is another since some of the media changed, as a list.
 
 A cell sums up a hundred lights, each through all media; few of them come through the box of a
-medium that moved, and most cells have none that does. Passes with the slot `STALE_CELL_SLOTS` and
-`//! use listed_cells` compute the listed cells alone; each comes out as if all had been computed.
+medium that moved, and most cells have none that does. A cell that reaches into such a box is
+listed, too: what it scatters changes, and the mean of light over what scatters. Passes with the
+slot `STALE_CELL_SLOTS` and `//! use listed_cells` compute the listed cells alone; each comes out as
+if all had been computed.
 """
 
 from __future__ import annotations
@@ -91,7 +93,7 @@ class StaleCells:
         placement: Placement,
         sky: SkyLights,
     ) -> None:
-        """List the cells of a lattice that the sky's light reaches through any of `boxes`.
+        """List the cells of a lattice that the sky's light reaches through `boxes`, or in them.
 
         None: changes may be anywhere.
         """

@@ -1,4 +1,4 @@
-// Cells with a point that light of the sky reaches through a box whose medium changed.
+// Cells with a point that light of the sky reaches through a box whose medium changed, or with one in such a box.
 //! use lattice_space
 //! use wider_box
 
@@ -15,7 +15,7 @@ fn is_lit(world: vec3f, i: u32) -> bool {
     return textureSampleCompareLevel(depth, compare, uv, i, clip.z) > 0.0;
 }
 
-// Whether the path from anywhere in a ball about p meets a box.
+// Whether the path from anywhere in a ball about p meets a box; `towards` 0: whether the ball does.
 fn meets(from_world: mat4x4f, p: vec3f, towards: vec3f, radius: f32) -> bool {
     let axes = mat3x3f(from_world[0].xyz, from_world[1].xyz, from_world[2].xyz);
     let across = transpose(axes);
@@ -29,10 +29,25 @@ fn comes_near(away: vec3f, towards: vec3f, reach: f32) -> bool {
     return dot(beside, beside) <= reach * reach;
 }
 
-// Whether light i reaches one of the eight points of a cell, at which passes look for it, through a box.
+// One of the eight points of a cell at which passes look for light.
+fn point_of(span: CellSpan, k: u32) -> vec3f {
+    return point_in_span(lattice, span, 0.5 * vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) + 0.25);
+}
+
+// Whether one of them is in a box, lit or not: light is averaged over those that are in media.
+fn has_point_in(span: CellSpan, from_world: mat4x4f) -> bool {
+    for (var k = 0u; k < 8u; k++) {
+        if (meets(from_world, point_of(span, k), vec3f(0.0), MARGIN * lattice.cell)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Whether light i reaches one of them through a box.
 fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
     for (var k = 0u; k < 8u; k++) {
-        let p = point_in_span(lattice, span, 0.5 * vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) + 0.25);
+        let p = point_of(span, k);
         if (meets(from_world, p, -lights[i].direction, MARGIN * lattice.cell) && is_lit(p, i)) {
             return true;
         }
@@ -53,6 +68,9 @@ fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
         let from_world = boxes[b].volume_from_world;
         let away = boxes[b].centre - centre;
         let reach = boxes[b].radius + radius;
+        if (dot(away, away) <= reach * reach && meets(from_world, centre, vec3f(0.0), radius)) {
+            is_stale = has_point_in(span, from_world);
+        }
         for (var i = 0u; i < params.light_count && !is_stale; i++) {
             let towards = -lights[i].direction;
             if (comes_near(away, towards, reach) && meets(from_world, centre, towards, radius)) {

@@ -90,9 +90,7 @@ class PopSolver:
         else:
             self.medium = FinerMedium(outer.medium, settings.grid_ratio)
             self._scene_ordinates = outer._scene_ordinates
-        self.emission = Emission(
-            self.medium, settings.furnace_correction, has_local_shafts=has_local_shafts
-        )
+        self.emission = Emission(self.medium, settings, has_local_shafts=has_local_shafts)
         self.transport: Transport = self._scheme(settings.ordinates + lights)
         self._furnace: Furnace | None = None
         if is_beam and settings.furnace_correction > 0.0:

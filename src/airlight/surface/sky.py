@@ -7,6 +7,7 @@ noise and no seed, so a turning map does not flicker.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -130,14 +131,8 @@ class EnvironmentTexture:
     """
 
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
-        def make(scope: Gpu) -> Texture:
-            height, width = _background_map(environment)[0].shape[:2]
-            made = Texture(scope, "environment", (width, height), "rgba16float")
-            _upload(made, environment)
-            return made
-
-        self._lease = gpu.uploads.lease(gpu, _texels_of(environment), make)
-        self.texture = self._lease.value
+        self._gpu = gpu
+        self._lease(_texels_of(environment), environment)
         self.sampler = Sampler(
             gpu,
             "environment",
@@ -149,24 +144,39 @@ class EnvironmentTexture:
         self._turn(environment)
 
     def take(self, environment: Environment | None) -> bool:
-        """Show another environment.
+        """Show another environment; returns False if its map has another size.
 
-        Returns False if its map has another size, or if other scenes show the one before.
+        While other scenes show the one before, `texture` is another afterwards.
         """
         old = self._shown
         is_same = old and environment and _pixels_of(old) == _pixels_of(environment)
         if not is_same:
             if _background_map(environment)[0].shape[1::-1] != self.texture.size[:2]:
                 return False
-            if not self._lease.claim():
-                return False
-            _upload(self.texture, environment)
+            if self._leased.claim():
+                _upload(self.texture, environment)
+            else:
+                # One of its own, which nobody finds: the next map is written into it.
+                self._leased.release()
+                self._lease(object(), environment)
         self._turn(environment)
         return True
 
     def release(self) -> None:
         """Give the texture back, unless other scenes show it."""
-        self._lease.release()
+        self._leased.release()
+
+    def _lease(self, key: Hashable, environment: Environment | None) -> None:
+        """Take the texture of a `key`, or make and fill it."""
+
+        def make(scope: Gpu) -> Texture:
+            height, width = _background_map(environment)[0].shape[:2]
+            made = Texture(scope, "environment", (width, height), "rgba16float")
+            _upload(made, environment)
+            return made
+
+        self._leased = self._gpu.uploads.lease(self._gpu, key, make)
+        self.texture: Texture = self._leased.value
 
     @property
     def seen(self) -> dict[str, Any]:

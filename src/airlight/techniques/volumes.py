@@ -22,7 +22,7 @@ from ..gpu.memory import Buffer
 from ..lattice.inject import Resolve, new_sums
 from ..lattice.irradiance import Irradiance
 from ..lattice.lobes import InjectionTarget
-from ..lattice.lookup import CellLight, LatticeTextures
+from ..lattice.lookup import LatticeStates, LatticeTextures
 from ..lpv.cascades import Cascade
 from ..lpv.solver import LpvSolver
 from ..media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
@@ -145,7 +145,7 @@ class LatticeVolumes:
         with commands.stage("pack"):
             self.textures.encode(
                 commands,
-                CellLight(own.cells, total, self.beams.beams(level) if self.beams else None),
+                LatticeStates(own.cells, total, self.beams.beams(level) if self.beams else None),
                 solver.power_scale,
                 is_shaped=solver.settings.occlusion,
                 placement=part.placement,

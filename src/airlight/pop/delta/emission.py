@@ -16,6 +16,7 @@ from ..light.table import OrdinateData, OrdinateTable
 from ..medium.grid_medium import GridMedium
 from ..medium.mixture import Mixture
 from ..medium.placement import MediumParams
+from ..settings import PopSettings
 from .diffuse import Diffuse
 from .outgoing import Outgoing
 from .smooth import SmoothEmission
@@ -88,26 +89,20 @@ class Emission:
     """
 
     def __init__(
-        self, medium: GridMedium, correction: float, *, has_local_shafts: bool = False
+        self, medium: GridMedium, settings: PopSettings, *, has_local_shafts: bool = False
     ) -> None:
-        """`correction`: exponent of the furnace corrections; 0 for none.
-
-        `has_local_shafts`: what local lights scatter once is drawn by shafts, and left out here.
-        """
+        """`has_local_shafts`: what local lights scatter once is drawn by shafts, left out here."""
         gpu, mixture = medium.gpu, medium.mixture
         self.has_local_shafts = has_local_shafts
-        self._medium, self._correction = medium, correction
+        self._medium, self._correction = medium, settings.furnace_correction
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
         )
         self.smooth = SmoothEmission(medium)
+        # Light that hops fills no mean, and nobody asks for it (`Transport.has_mean`).
+        count = medium.placement.count if settings.scheme == "delta-beam" else (1, 1, 1)
         self.mean = Texture(
-            gpu,
-            "mean emission",
-            medium.placement.count,
-            "rgba16float",
-            dimension="3d",
-            written=True,
+            gpu, "mean emission", count, "rgba16float", dimension="3d", written=True
         )
         # Nothing is written to a second texture that would be the same.
         count = medium.placement.count if has_local_shafts else (1, 1, 1)

@@ -68,19 +68,26 @@ class Walls:
         # Pipelines of rays, by their constants.
         self._passes: dict[tuple[Any, ...], _Positions] = {}
         self._reflectances: Buffer | None = None
+        # The meshes that they were found among, and what was there when those were last looked for.
         self._made: tuple[Any, ...] = ()
+        self._seen: tuple[Any, ...] = ()
         self._is_clear = True
 
     def encode(
         self, commands: Commands, params: MediumParams, surfaces: Surfaces, walls: Buffer
     ) -> bool:
         """Fill `walls`, two u32 per cell, as `wgsl/walls.wgsl` reads them; whether they changed."""
+        # Meshes elsewhere move, and emission flickers, without another wall.
         at = self._medium.placement
-        made = (surfaces.meshes.version, at.world_from_medium.tobytes(), at.extent.tobytes())
-        if made == self._made:
+        placed = (at.world_from_medium.tobytes(), at.extent.tobytes())
+        if (surfaces.meshes.version, *placed) == self._seen:
             return False
-        self._made = made
-        if not self._is_crossed(surfaces):
+        self._seen = (surfaces.meshes.version, *placed)
+        crossing = self._crossing(surfaces)
+        if (crossing, *placed) == self._made:
+            return False
+        self._made = (crossing, *placed)
+        if not crossing:
             return self._clear(walls)
         with commands.stage("pop walls"):
             self._reflectances = self._reflectances or _reflectances(self._medium.gpu, surfaces)
@@ -113,11 +120,11 @@ class Walls:
             positions=self._positions,
         )
 
-    def _is_crossed(self, surfaces: Surfaces) -> bool:
-        """Whether any mesh's box meets that of the medium."""
+    def _crossing(self, surfaces: Surfaces) -> tuple[tuple[Any, ...], ...]:
+        """The meshes whose boxes meet that of the medium: number, geometry, where it is."""
         meshes = surfaces.meshes.current
         if not (surfaces.meshes.draws and meshes):
-            return False
+            return ()
         placement = self._medium.placement
         corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).reshape(3, 8).T * placement.extent
         placed = (
@@ -125,7 +132,10 @@ class Walls:
         )
         boxes = world_boxes(meshes)
         meets = (boxes[:, 0] <= placed.max(axis=0)) & (boxes[:, 1] >= placed.min(axis=0))
-        return bool(meets.all(axis=1).any())
+        return tuple(
+            (int(i), meshes[i].geometry, meshes[i].world_from_object.tobytes())
+            for i in np.flatnonzero(meets.all(axis=1))
+        )
 
     def _clear(self, walls: Buffer) -> bool:
         """Open all faces; returns whether any was closed."""
