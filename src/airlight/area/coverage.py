@@ -143,8 +143,10 @@ def seen_corners(
     shape = emitter.shape
     if not emitter.is_outlined or shape.corners is None:
         return None
+    # From behind or nearly edge on, no front is seen whose area could be computed.
     if float((eye - shape.centre) @ shape.normal) <= 1e-3 * shape.radius:
         return None
+    # A corner beside or behind the eye has no place in the image: the projection turns over.
     clip = np.concatenate([shape.corners, np.ones((len(shape.corners), 1))], 1) @ clip_from_world.T
     if float(clip[:, 3].min()) < _CLOSE:
         return None
@@ -159,13 +161,16 @@ def covered(corners: F64) -> float:
     """
     total = 0.0
     for a, b in zip(np.roll(corners, 1, axis=0), corners, strict=True):
+        # An edge counts over the rows of the box that it crosses; a level one crosses none.
         low, high = np.clip((a[1], b[1]), 0.0, 1.0)
         if low == high:
             continue
         slope = (b[0] - a[0]) / (b[1] - a[1])
         x = a[0] + (np.array((low, high)) - a[1]) * slope
+        # Left of the box x counts as 0, right of it as 1: its integral is quadratic, then linear.
         within = np.clip(x, 0.0, 1.0)
         integral = 0.5 * within**2 + np.maximum(x - 1.0, 0.0)
+        # Along a nearly vertical edge the quotient would lose its digits.
         wide = x[1] - x[0]
         mean = within.mean() if abs(wide) < 1e-3 else (integral[1] - integral[0]) / wide
         total += float((high - low) * mean)

@@ -117,12 +117,14 @@ class Emitters:
         """Lights without extent, spots on the balls of spot lights, samples, glowing media."""
         plain = [light for light in scene.lights if not has_extent(light)]
         spots = [x for s in self._grouping.sources if s.spot for x in _spots(s.spot)]
+        # Each stratum that media see is one light; a hollow part sends from its opening instead.
         samples = [
             self._opening(rows)
             if self._grouping.is_hollow(rows) and not self._grouping.is_round(rows)
             else self._sample(rows, 0, 0, has_cube=self._grouping.is_body(rows)).light
             for rows in self._scattering
         ]
+        # Groups that have no points of their own take the nearest of these, see `_stand_ins`.
         places = [light.position for light in spots] + [light.position for light in samples]
         self._places = np.array(places).reshape(-1, 3)
         self._first_sample = len(spots)
@@ -142,6 +144,7 @@ class Emitters:
         middle = own.areas @ own.positions / own.areas.sum()
         # Of a cap of a sphere the middle is as far behind its rim as before its deepest point.
         rim = -float(((own.corners - middle) @ normal).min())
+        # The rectangle and its power shrink to the opening's share of the surface.
         across, along = (math.sqrt(share) * half for half in light.size)
         r, g, b = (share * c for c in light.intensity)
         return replace(
@@ -153,20 +156,24 @@ class Emitters:
 
     def _stand_ins(self) -> list[slice]:
         """Of each group, which of those points stand for it alone; else the one nearest to it."""
+        # Which group each piece belongs to, and so the groups that each point stands for.
         owner = np.full(len(self._grouping.weights), -1, np.int64)
         for number, group in enumerate(self._groups):
             owner[group.rows] = number
         of_points = [owner[rows] for rows in self._scattering]
         found, spots = [], 0
         for number, group in enumerate(self._groups):
+            # A spot light has four points on its ball, which lie in the order of groups.
             if group.spot >= 0:
                 found.append(slice(4 * spots, 4 * spots + 4))
                 spots += 1
                 continue
+            # Points of this group's pieces alone carry its power exactly, if they are one run.
             own = [k for k, by in enumerate(of_points) if (by == number).all()]
             if own and own[-1] - own[0] + 1 == len(own):
                 found.append(slice(self._first_sample + own[0], self._first_sample + own[-1] + 1))
                 continue
+            # Else it shares points with other groups: the nearest one stands for it.
             centre = self._grouping.found.positions[group.rows].mean(axis=0)
             far = np.linalg.norm(self._places - centre, axis=1)
             # What is as near but for rounding is the same point wherever the scene stands.
@@ -196,6 +203,7 @@ class Emitters:
         """What a stratum sends, from its middle; for later samples of a still, from a piece."""
         found = self._grouping.found
         own = found.taken(rows)
+        # Pieces weigh by their power; by a little of their area, too, where all are dark.
         light = found.areas[rows, None] * found.radiance[rows]
         weight = light.sum(axis=1) + 1e-30 * found.areas[rows]
         weight = weight / max(float(weight.sum()), 1e-300)
@@ -204,10 +212,12 @@ class Emitters:
         mean = weight @ normals
         length = float(np.linalg.norm(mean))
         normal = mean / length if length > 1e-6 else np.array((0.0, 1.0, 0.0))
+        # How large it is: as a disk of its area, or as far as its light is spread.
         extent = float(np.sqrt(found.areas[rows].sum() / np.pi))
         spread = float(np.sqrt(weight @ ((points - middle) ** 2).sum(axis=1)))
         segment = long_part(own)
         bodies = self._grouping.cut.body[rows]
+        # A still's samples step by the golden ratio, strata by the plastic number's inverse.
         at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
         if segment is not None and has_cube:
             # Anywhere along the segment.
@@ -223,6 +233,8 @@ class Emitters:
             # A point of the surface itself: the middle of a curved part lies behind it.
             piece = int(((points - middle) ** 2).sum(axis=1).argmin())
             middle = points[piece]
+        # By Cauchy a convex body shows a quarter of its surface to all sides alike; only what its
+        # normals have in common faces one side.
         front = length if has_cube else 1.0
         size = body(own, segment) if has_cube else rectangle(own, normal)
         near = own_reach(own, bodies, middle) if has_cube else np.zeros(3)

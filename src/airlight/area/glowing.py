@@ -71,10 +71,12 @@ def grouped(blocks: Blocks, most: int) -> list[I64]:
     """Rows of blocks in at most `most` groups; media stay apart where there are not too many."""
     weight = blocks.weight + _FAINT * max(float(blocks.weight.mean()), 1e-30)
     count = int(blocks.volume.max()) + 1
+    # More media than groups: whole media are put together.
     if count > most:
         return clusters(blocks.positions, weight, blocks.volume, most)
     total = float(weight.sum())
     found = []
+    # Each medium has a group, and more of them by its share of the power.
     for one in range(count):
         rows = np.flatnonzero(blocks.volume == one)
         parts = 1 + int((most - count) * float(weight[rows].sum()) / total)
@@ -95,6 +97,7 @@ def light_of(blocks: Blocks, rows: I64, chosen: int | None = None) -> LightSampl
     # A group that is dark for now stays where it is.
     weight = weight + 1e-12 * max(float(weight.max(initial=0.0)), 1e-30)
     weight = weight / weight.sum()
+    # The extent is that of blocks around the middle, and of the light within each of them.
     middle = weight @ blocks.positions[rows]
     apart = ((blocks.positions[rows] - middle) ** 2).sum(axis=1)
     extent = float(np.sqrt(weight @ (apart + blocks.variance[rows])))
@@ -194,6 +197,7 @@ def _of_volume(volume: Volume) -> _Columns:
     emission = volume.emission
     assert emission is not None
     radiance = np.array(emission.radiance, np.float64)
+    # A volume glows by its own grid of emission, else as dense as it is, else all over its shape.
     values: NDArray[np.floating]
     if volume.density is None:
         values = _shape_values(volume.shape == "sphere")
@@ -207,6 +211,7 @@ def _of_volume(volume: Volume) -> _Columns:
     # A voxel emits its share of the volume, 1 at the box's own size.
     size = abs(float(np.linalg.det(matrix[:3, :3]))) * float(np.prod(high - low))
     intensity = sums * radiance * (size / np.prod(values.shape[:3]))
+    # In the world its box may be turned and stretched: the variance takes its sides there.
     points = transformed(low + centres * (high - low), matrix)
     sides = np.linalg.norm(matrix[:3, :3] * (high - low), axis=0)
     return points, intensity, _variance(values.shape, sides, len(points))
@@ -217,6 +222,7 @@ def _of_medium(medium: Medium, scene: Scene) -> _Columns:
     low, high = scene.bounds if medium.endless else (None, None)
     if low is None or high is None:
         low, high = medium_box(medium, *scene.bounds, scene.camera.position)
+    # Alike all over its box: each of 512 voxels sends an equal part.
     values = np.ones((8, 8, 8, 1))
     centres, sums = _summed(values)
     size = np.maximum(high - low, 0.0)
@@ -248,6 +254,7 @@ def _summed(values: NDArray[np.floating]) -> tuple[F64, F64]:
         centres.append(
             np.where(total > 0.0, _reduced(weight * at, starts) / np.maximum(total, 1e-30), middles)
         )
+    # A grid of one channel is grey.
     sums = [_reduced(values[..., k], starts) for k in range(values.shape[3])]
     colours = np.stack(sums if len(sums) == 3 else sums * 3, axis=-1)
     points = np.stack(centres, axis=-1)

@@ -77,10 +77,12 @@ class Grouping:
         large: what faces two ways is one only where sources are many.
         """
         count = len(self.sources)
+        # How large each source is, by the longest side of its pieces' box.
         low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
         np.minimum.at(low, self.cut.source, self.found.positions)
         np.maximum.at(high, self.cut.source, self.found.positions)
         size = (high - low).max(axis=1)[self.cut.source]
+        # Opposite unit normals are 2 apart: twice the mean size of sources makes that four sizes.
         scale = 2.0 * float(np.average(size, weights=self.weights + 1e-30))
         return np.concatenate([self.found.positions, scale * self.found.normals], axis=1)
 
@@ -108,10 +110,13 @@ class Grouping:
         total = max(sum(float(self.weights[rows].sum()) for rows, _ in groups), 1e-300)
         made = []
         for rows, spot in groups:
+            # By its share of all power a group has more than the one sample that it needs.
             share = float(self.weights[rows].sum()) / total
             count = min(1 + int(share * max(budget - len(groups), 0)), each)
+            # Few groups and the whole budget: even faint ones have as many as settings ask for.
             if len(groups) <= BUDGET and budget >= int(BUDGET * each):
                 count = each
+            # A stratum is one sample, with a cube of maps where its light leaves to all sides.
             own = self._strata(rows, count)
             cubes = tuple(spot < 0 and self.is_round(part) for part in own)
             made.append(Group(rows, own, cubes, spot))
@@ -177,8 +182,10 @@ class Grouping:
         first = int(atoms.max(initial=0)) + 1
         for row in range(len(self.sources)):
             own = np.flatnonzero(self.cut.source == row)
+            # A texture much brighter in places cuts its source again, into parts of equal power.
             glow = self.found.radiance[own].mean(axis=1)
             if glow.std() > _UNEVEN * max(glow.mean(), 1e-30):
+                # Dark pieces send nothing: they may stay with any number.
                 kept = own[self.weights[own] > 0.0]
                 patches = strata(self.found.positions[kept], self.weights[kept], _TEXTURED_GROUPS)
                 for patch in patches:
@@ -240,6 +247,7 @@ class Grouping:
         groups, scattering, edges = first
         if np.allclose(edges, self.edges, rtol=1e-4, atol=0.0):
             return groups, scattering
+        # Lights have another form: groups keep their pieces, strata are cut from it.
         again = []
         for group in groups:
             own = self._strata(group.rows, len(group.strata))

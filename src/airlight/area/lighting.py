@@ -159,6 +159,7 @@ class AreaShadows:
         if key == self._key:
             return
         self._key = None  # until all is drawn: what raises leaves nothing to be kept
+        # The samples of this image of a still, and what each of them sees of the scene.
         found = self.emitters.jittered(index)
         self._write(found, low, high)
         views = [

@@ -22,9 +22,11 @@ def is_outline(shape: Shape, group: Pieces) -> bool:
     if shape.corners is None:
         return False
     points = group.corners.reshape(-1, 3)
+    # Each of the polygon's corners is one of a piece: none was cut off or bridged.
     apart = np.linalg.norm(shape.corners[:, None] - points, axis=-1).min(axis=1)
     turned = np.cross(shape.corners - shape.centre, np.roll(shape.corners, -1, 0) - shape.centre)
     area = 0.5 * float(np.linalg.norm(turned.sum(axis=0)))
+    # Pieces that glow alike and leave no gap: their areas add up to the polygon's.
     is_even = bool((np.ptp(group.radiance, axis=0) <= _EXACT * group.radiance.max()).all())
     is_filled = abs(float(group.areas.sum()) - area) <= _EXACT * area
     return is_even and is_filled and float(apart.max()) <= _EXACT * shape.radius
@@ -37,6 +39,7 @@ def apart(emitters: Sequence[Emitter]) -> tuple[Emitter, ...]:
     """
     rows = [row for row, emitter in enumerate(emitters) if emitter.is_outlined]
     shapes = {row: emitters[row].shape for row in rows}
+    # Both of a pair that overlaps go back to what the G-buffer sees of them.
     over = {
         row
         for i, first in enumerate(rows)

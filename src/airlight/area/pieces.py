@@ -103,6 +103,7 @@ def _split(depth: int) -> F64:
     """Weights (4^depth, 3 corners, 3) of the corners of a triangle's equal parts."""
     parts = np.eye(3)[None]
     for _ in range(depth):
+        # The middles of its edges cut a triangle into four of equal area and of its own shape.
         a, b, c = parts[:, 0], parts[:, 1], parts[:, 2]
         ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
         quarters = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab)]
@@ -126,6 +127,7 @@ def pieces(found: Sequence[Source], cut: Layout) -> Pieces:
         radiance[own] = cut.share[own] * np.array(source.surface.material.emission)
         # A mirroring placement keeps the front.
         sign[own] = source.side * (1.0 if np.linalg.det(placed[:3, :3]) >= 0.0 else -1.0)
+    # The cross product is twice the area along the normal, turned to the side that glows.
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     double = np.linalg.norm(cross, axis=1)
     normals = sign[:, None] * cross / np.maximum(double, 1e-30)[:, None]
@@ -148,6 +150,7 @@ def smooth_parts(geometry: Geometry) -> I64:
 
 def parts_and_bodies(geometry: Geometry) -> tuple[I64, I64]:
     """(T,) each: numbers of `smooth_parts`, and of the bodies whose triangles are connected."""
+    # Corners in one place are one: seams of texture coordinates cut no surface.
     corners = welded(snapped(geometry).positions)[geometry.indices]
     points = geometry.positions.astype(np.float64)[geometry.indices]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
@@ -161,6 +164,7 @@ def parts_and_bodies(geometry: Geometry) -> tuple[I64, I64]:
     edges, owner = edges[order], owner[order]
     is_same = (edges[1:] == edges[:-1]).all(axis=1)
     a, b = owner[:-1][is_same], owner[1:][is_same]
+    # Across a fold the body goes on, the smooth part does not.
     joins = (normals[a] * normals[b]).sum(axis=1) > _FOLD_COSINE
     part = connected(len(corners), a[joins], b[joins])
     body = connected(len(corners), a, b)

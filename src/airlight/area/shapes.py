@@ -52,10 +52,12 @@ def fitted(group: Pieces, *, is_one: bool = False) -> Shape:
     """
     light = (group.areas[:, None] * group.radiance).sum(axis=0)  # W m^-2 sr^-1 times m^2
     weight = np.maximum(group.power, 1e-30)[:, None]
+    # Middle and normal by power: dark pieces do not pull them.
     centre = (weight * group.positions).sum(axis=0) / weight.sum()
     mean = (weight * group.normals).sum(axis=0) / weight.sum()
     length = float(np.linalg.norm(mean))
     normal = mean / max(length, 1e-30) if length > 1e-6 else np.array((0.0, 1.0, 0.0))
+    # Flat within a small part of its size: the polygon around it, unless that is mostly holes.
     points = group.corners.reshape(-1, 3)
     extent = float(np.ptp(points, axis=0).max())
     if length > 0.999 and float(np.ptp(points @ normal)) <= _FLAT * extent:
@@ -64,6 +66,7 @@ def fitted(group: Pieces, *, is_one: bool = False) -> Shape:
             middle = corners.mean(axis=0)
             radius = float(np.linalg.norm(corners - middle, axis=1).max())
             return Shape(Kind.POLYGON, middle, normal, light / area, radius, corners)
+    # Not flat: a sphere where it is about one, else only samples can say where its light is from.
     ball = _sphere(group, light)
     return ball or Shape(Kind.SAMPLES, centre, normal, light / max(group.areas.sum(), 1e-30))
 
@@ -95,8 +98,10 @@ def _hull(points: F64, directions: int) -> F64:
     towards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     rows = (points @ towards.T).argmax(axis=0)
     corners = points[rows[np.concatenate([[True], rows[1:] != rows[:-1]])]]
+    # The first and the last direction may find the same corner.
     if len(corners) > 1 and np.allclose(corners[0], corners[-1]):
         corners = corners[:-1]
+    # Where the outline does not turn there is no corner, only a point on an edge.
     before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
     turn = _cross(corners - before, after - corners)
     scale = np.linalg.norm(corners - before, axis=1) * np.linalg.norm(after - corners, axis=1)

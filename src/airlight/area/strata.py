@@ -22,6 +22,7 @@ def strata(features: F64, power: F64, count: int) -> list[I64]:
         parts = min(parts, len(rows))
         if parts <= 1:
             return [rows]
+        # The halves have as much power as their parts shall have, so that all parts end up alike.
         low = parts // 2
         first, second = _halves(features, power, rows, low / parts, low, parts - low)
         return cut(first, low) + cut(second, parts - low)
@@ -74,6 +75,7 @@ def _halves(
 ) -> tuple[I64, I64]:
     """Rows in two across their longest side, the first with `share` of the power."""
     axis = int(np.ptp(features[rows], axis=0).argmax())
+    # Cut where the running power reaches the share, with enough rows left on either side.
     ordered = rows[np.argsort(features[rows, axis], kind="stable")]
     running = np.cumsum(power[ordered])
     at = int(np.searchsorted(running, share * running[-1] * (1.0 - 1e-9))) + 1

@@ -88,6 +88,7 @@ def stretches(corners: F64, weight: F64, count: int) -> list[I64]:
     """
     # About their middle: squares of large numbers would leave no digits.
     moments = Moments.of(corners - corners.reshape(-1, 3).mean(axis=0), weight)
+    # The heap's first gains most by its division; one that is a single triangle ends it.
     heap = [_division(moments, np.arange(len(corners)), 0)]
     while len(heap) < count and heap[0][3]:
         _, _, _, halves = heapq.heappop(heap)
@@ -108,6 +109,7 @@ def _division(moments: Moments, rows: I64, first: int) -> _Division:
     # Lights that change their form keep the number of their stretches: there is always a division.
     best = (-1e-300, first, rows, (rows[: len(rows) // 2], rows[len(rows) // 2 :]))
     before = float(whole.off()[0])
+    # Candidates along each principal axis: cuts after equal numbers of triangles.
     centres = own.first / np.maximum(own.weight, 1e-300)[:, None]
     _, axes = np.linalg.eigh(whole.covariance()[0])
     for axis in axes.T:
@@ -116,9 +118,11 @@ def _division(moments: Moments, rows: I64, first: int) -> _Division:
         last = min(_CANDIDATES, len(rows) - 1)
         at = np.unique(np.arange(1, last + 1) * len(rows) // (last + 1)) - 1
         at = at[(at >= 0) & (at < len(rows) - 1)]
+        # Running sums of moments give both sides of every cut at once.
         low = running.taken(at)
         after = low.off() + whole.less(low).off()
         least = int(after.argmin())
+        # A gain that differs by rounding alone must not decide between axes.
         if after[least] - before < best[0] * (1.0 + 1e-9):
             cut = int(at[least]) + 1
             halves = (rows[order[:cut]], rows[order[cut:]])

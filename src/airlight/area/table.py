@@ -91,6 +91,7 @@ def frame(sample: Sample) -> F64:
         return np.eye(3)
     normal = np.array(sample.light.direction)
     side, up = orthonormal_frame(normal)
+    # Three axes at right angles, alike inclined to the normal: the corner of a cube.
     turn = 2.0 * np.pi * np.arange(3)[:, None] / 3.0
     axes = normal / np.sqrt(3.0) + np.sqrt(2.0 / 3.0) * (np.cos(turn) * side + np.sin(turn) * up)
     return np.asarray(axes)
@@ -143,6 +144,7 @@ def sample_views(sample: Sample, near: float, far: float, resolution: int) -> li
         for k in range(3):
             forward, right, up = sign * axes[k], sign * axes[(k + 2) % 3], axes[(k + 1) % 3]
             rows = np.stack([right, up, forward])
+            # From the world into the view: its axes as rows, the sample at the origin.
             moved = np.eye(4)
             moved[:3, :3] = rows
             moved[:3, 3] = -rows @ np.array(sample.light.position)

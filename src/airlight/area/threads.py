@@ -32,10 +32,12 @@ def threads_joined(points: F64, part: I64, body: I64) -> I64:
     sums = np.stack([np.bincount(body, areas * column) for column in centres.T], axis=1)
     middle = sums / np.maximum(total, 1e-300)[:, None]
     volume = np.bincount(body, ((centres - middle[body]) * doubled).sum(axis=1)) / 6.0
+    # Of a round rod 4 V / A is the diameter: a thread has many faces and is long for it.
     diameter = 4.0 * np.abs(volume) / np.maximum(total, 1e-300)
     faces = np.bincount(np.unique(np.stack([body, part]), axis=1)[0], minlength=len(total))
     may_be = (faces > _MOST_FACES) & (total > np.pi * _SLENDER * diameter**2)
     joined = part.copy()
+    # The largest of them are looked at; a thread's parts take the least of their numbers.
     largest = np.flatnonzero(may_be)[np.argsort(-total[may_be], kind="stable")][:_MOST_BODIES]
     for one in largest:
         rows = np.flatnonzero(body == one)
@@ -48,6 +50,7 @@ def _is_thread(corners: F64, areas: F64) -> bool:
     """Whether nearly all of a body lies in long stretches, of some number of them."""
     count = 1
     while count <= _MOST_BENDS:
+        # Bends are few along a thread: so many stretches hold nearly all of its area.
         parts = stretches(corners, areas, count)
         off = [
             float(areas[rows].sum()) for rows in parts if not is_long(corners[rows], areas[rows])

@@ -27,12 +27,14 @@ class Part(NamedTuple):
 
 def parts_of_wholes(meshes: Mapping[int, Mesh]) -> dict[int, Part]:
     """The parts of surfaces that several of these meshes make together, by the meshes' rows."""
+    # Only meshes that glow alike, and alike all over, can be one surface; small ones come first.
     alike: dict[tuple[object, ...], list[int]] = {}
     for row in sorted(meshes, key=lambda row: len(meshes[row].geometry.indices)):
         if meshes[row].material.emission_texture is None:
             alike.setdefault(_glow(meshes[row].material), []).append(row)
     found = {}
     for rows in alike.values():
+        # What meets is merged; each mesh remembers where its triangles begin in the whole.
         for whole in _meeting(rows, meshes):
             geometry, first = _merged([meshes[row] for row in whole]), 0
             for row in whole:

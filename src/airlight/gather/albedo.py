@@ -122,6 +122,7 @@ def reduced(map: Texture, size: tuple[int, int]) -> F64:
         # Of wide blocks some rows stand for all.
         step = max(1, pixels.shape[axis] // (count * _READ))
         pixels = pixels[(slice(None),) * axis + (slice(step // 2, None, step),)]
+    # Means of linear colours, along one axis after the other; blocks differ by one row at most.
     values = table[pixels]
     for axis, count in enumerate(size):
         starts = np.arange(count) * values.shape[axis] // count

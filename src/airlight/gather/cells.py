@@ -132,6 +132,7 @@ class CellPoints:
         """Take the middles of the cells of these lattices; `walls` as of their blockers."""
         ahead = np.subtract(view.camera.target, view.camera.position)
         ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
+        # Cells of all lattices are numbered in one row, and rays of all of them traced at once.
         for first, placement in _numbered(placements):
             self._pass.dispatch(
                 commands,

@@ -58,6 +58,7 @@ class Filtering:
         `sky_rays`: of a point, beside those by the cosine.
         """
         points = self._points
+        # Edge-avoiding a-trous passes (Dammertz2010): few taps, farther apart in each pass.
         for stride, after in zip(STRIDES, self._between, strict=True):
             self._filter.dispatch(
                 commands,

@@ -30,6 +30,7 @@ class Glosses:
     """The rows of materials in the order of a scene's `original` meshes; their glow may change."""
 
     def __init__(self, gpu: Gpu, original: Sequence[Mesh]) -> None:
+        # Meshes of one material share its row, by the first of them.
         first: dict[int, int] = {}
         for index, mesh in enumerate(original):
             first.setdefault(id(mesh.material), index)

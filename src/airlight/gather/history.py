@@ -126,4 +126,5 @@ def lit_alike(one: Scene, other: Scene) -> bool:
         if len(ours) != len(theirs):
             return False
         pairs += zip(ours, theirs, strict=True)
+    # Parts of a frame that rest are the very same objects as before.
     return all(a is b for a, b in pairs)

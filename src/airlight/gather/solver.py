@@ -116,6 +116,7 @@ class GatherSolver(Solver):
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
         sums = sized.sums.buffer
+        # A moving frame adds the frames before it; a still has samples of its own.
         if history:
             with commands.stage("gather history"):
                 sums = history.encode(commands, view, sums, is_changing=self._is_changing)
@@ -146,6 +147,7 @@ class GatherSolver(Solver):
         rays, source = self.settings.gather_air, fields.scattered
         if not rays or self._air is None or source is None or fields.air is None:
             return fields
+        # Buffers are for so many cells: only lattices of other sizes need new ones.
         cells = sum(placement.cells for placement in source.levels)
         if self._in_air is None or self._in_air.cells != cells:
             self._air_scope.release()

@@ -134,6 +134,7 @@ class Blockers:
         self._rooms = Rooms(self.meshes.current, np.array([*eyes, *_inside(scene)], np.float64))
         order = self.meshes.order
         samples = surfels(scene.meshes, order, count, self._rooms.sides)
+        # A body that holds some of these points and not all is a wall between them: it is sealed.
         samples = sealed(samples, order, scene.meshes, self._rooms.walls)
         self.count = len(samples)
         self.surfels = buffer_of(gpu, "surfels", samples)
@@ -159,10 +160,12 @@ class Blockers:
         """
         before = self._rooms.sides
         if self._rooms.update(self.meshes.current, _inside(scene)):
+            # Surfels are turned, not sampled again: each stays where it was drawn.
             order, meshes = self.meshes.order, self.meshes.original
             samples = turned(self._samples, order, meshes, before, self._rooms.sides)
             self._samples = sealed(samples, order, meshes, self._rooms.walls)
             self.surfels.write(self._samples)
+            # They lie on the original vertices again; `follow_vertices` moves them on.
             self._followed, self._turns = self.meshes.original, self._turns + 1
 
     def encode(self, commands: Commands) -> bool:

@@ -54,6 +54,7 @@ def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
         indices, own = mesh.geometry.indices, 0.0
         for part in chunks(len(indices)):
             a, b, c = (corners[indices[part, k]] for k in range(3))
+            # VanOosterom1983 eq. 8: the triple product over this sum is tan of half the angle.
             la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
             volume = np.einsum("nk,nk->n", a, np.cross(b, c))
             dots = lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)

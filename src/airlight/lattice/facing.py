@@ -111,6 +111,7 @@ def _summed(vectors: F64, steps: int) -> F64:
 def _peaks(normals: F64, areas: F64) -> list[F64]:
     """Directions that much area faces, those with the most area first."""
     left, found = areas.copy(), []
+    # Each takes with it all area that faces nearly its way, until the rest would gain little.
     for _ in range(_MOST):
         found.append(normals[int(left.argmax())])
         left[np.abs(normals @ found[-1]) > _NEAR] = 0.0

@@ -52,6 +52,7 @@ def narrow_gap(meshes: tuple[Mesh, ...], axes: Axes) -> float:
     longest = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     if longest <= 0.0:
         return float(np.inf)
+    # A slot is narrow along one axis alone: gaps along all three count together.
     found = [_gaps_along(points, normals, axis, longest / _COLUMNS) for axis in range(3)]
     width, air = np.concatenate(found, axis=1)
     if not len(width):

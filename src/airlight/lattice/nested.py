@@ -150,6 +150,7 @@ def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Pl
         now = np.round((np.array(before.origin) - base) / placement.cell)
         if (np.abs(now - ideal) <= SLACK).all():
             return replace(before, fade=None)
+    # Moves are of whole cells: light of cells that stay can be copied.
     origin = base + placement.cell * np.round(ideal)
     return replace(placement, origin=triple(origin))
 
@@ -176,6 +177,7 @@ def _with_borders(nest: Nest, placement: Placement, centre: F64) -> Placement:
     half = 0.5 * cell * np.array(placement.count)
     room_low, room_high = _room((nest.low, nest.high), placement)
     low, high = centre - half, centre + half
+    # A side inside the room fades before it ends; one that is the room's own never does.
     inset_low, inset_high = (
         np.where(gap > 0.0, np.minimum(gap, (BORDER + FADING) * cell) - FADING * cell, -_NEVER_M)
         for gap in (low - room_low, room_high - high)
@@ -194,6 +196,7 @@ def shares(levels: Sequence[Placement], points: F64) -> F64:
     """
     left = np.ones(points.shape[:-1])
     found = []
+    # A lattice's share falls off towards its borders, of that which finer ones have not taken.
     for level in levels:
         fade, own = level.borders, points @ np.array(level.axes).T
         low = (own - np.array(fade.low)) / np.array(fade.low_width)

@@ -57,6 +57,7 @@ class Rooms:
         before, holding = (self.sides, self.walls), self._around(meshes, points)
         self.walls = self._walls(holding, meshes, points)
         rooms = self._always | holding
+        # Which sides block changes only where a body becomes a room, or is none any more.
         if rooms != self._rooms:
             self._rooms = rooms
             self.sides = self._blocking(meshes)
@@ -69,6 +70,7 @@ class Rooms:
         low, high = self._boxes
         found: set[int] = set()
         for number in holding:
+            # Outside its box a point is outside the body: that saves most winding numbers.
             is_near = ((points > low[number]) & (points < high[number])).all(axis=-1)
             if not (is_near.all() and all(self._holds(number, meshes, p) for p in points)):
                 found.update(self._bodies[number])

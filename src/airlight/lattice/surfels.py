@@ -97,6 +97,7 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     made["instance"] = instance
     if areas.sum() <= 0.0:
         return made
+    # The samples follow from areas and their number alone: `follow` finds the same ones again.
     triangle, weights = samples_of(areas, count)
     geometry = mesh.geometry
     corners = geometry.indices[triangle]
@@ -129,6 +130,7 @@ def turned(
     for instance, index in enumerate(order):
         if before[index] != now[index]:
             rows = made["instance"] == instance
+            # 0, both sides, has the normals of the front: a turn is the product of signs.
             found["area_normal"][rows] *= (before[index] or 1) * (now[index] or 1)
             is_both = now[index] == 0 and meshes[index].material.two_sided
             found["is_two_sided"][rows] = int(is_both)
@@ -253,6 +255,7 @@ def _filtered_alpha(texture: Texture, uv: F64) -> F64:
     first = np.floor(texel).astype(int)
     weight = texel - first
     alpha = texture.pixels[..., 3]
+    # Beyond its border a texture goes on from its other side.
     sums = np.zeros(len(uv))
     for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
         share = np.abs(1 - dx - weight[:, 0]) * np.abs(1 - dy - weight[:, 1])

@@ -66,6 +66,7 @@ class GlossyPixels:
         self, commands: Commands, targets: tuple[Texture, Texture], values: dict[str, Any]
     ) -> None:
         """Write all light of the listed pixels to `targets`; `values` as for `Lighting`."""
+        # Bound as for lighting, but for the targets, which it writes as images.
         names = {slot.name for slot in self._pass.slots} - {"direct_light", "indirect_light"}
         bound = {name: value for name, value in values.items() if name in names}
         direct, indirect = targets

@@ -149,6 +149,7 @@ def _reached(low: F64, high: F64, boxes: Sequence[tuple[Any, Any]]) -> tuple[F64
     def reach(beyond: F64) -> F64:
         return np.where(beyond > _HAIR * longest, np.minimum(beyond, MEDIUM_BEYOND * longest), 0.0)
 
+    # A hair's breadth is worth no cells; very far beyond, cells for surfaces would be too large.
     below = reach(low - np.min([box[0] for box in boxes], axis=0))
     above = reach(np.max([box[1] for box in boxes], axis=0) - high)
     return low - below, high + above

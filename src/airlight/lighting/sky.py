@@ -53,6 +53,7 @@ class Sky:
             self._environment = environment
             self.lights = sky_lights(environment, self._count)
             self._drawn_version = -1
+        # The maps depend on the environment and on meshes, not on where the camera looks.
         if meshes.version == self._drawn_version or not self.maps.layers:
             return False
         self._drawn_version = meshes.version

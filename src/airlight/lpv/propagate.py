@@ -139,6 +139,7 @@ class Propagate:
     ) -> None:
         """Add what `block` becomes after eight steps, sixteen ... to the total, and the tail."""
         has_tail = has_tail and blocks >= _TAIL_BLOCKS
+        # A block is a sum of states: as many steps turn it into the sum of the next ones.
         for index in range(1, blocks):
             if has_tail and index == blocks - 1:
                 self._sums.measure(commands, block, 0)

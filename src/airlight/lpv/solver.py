@@ -104,6 +104,7 @@ class LpvSolver(Solver):
         is_all = sky != self._sky_version or scale != self._static_scale
         is_all = is_all or media != self._media_version
         self._sky_version, self._static_scale, self._media_version = sky, scale, media
+        # A lattice stays stale until it is filled again, whichever frame finds it so.
         for part in self.cascades:
             version = part.blockers.version
             part.is_stale = part.is_stale or is_all or version != part.blocked

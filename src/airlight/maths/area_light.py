@@ -72,8 +72,10 @@ def sphere_irradiance(centre: F64, radius: float) -> float:
     distance = max(float(np.linalg.norm(centre)), radius * 1.0001)
     cosine = float(np.clip(centre[2] / distance, -1.0, 1.0))
     sine2 = (radius / distance) ** 2
+    # Wholly above the horizon, or wholly below: pi (r/d)^2 cos, or nothing.
     if cosine * cosine >= sine2:
         return np.pi * sine2 * max(cosine, 0.0)
+    # Cut by the horizon: the closed form for the part above it (Snyder1996).
     x = np.sqrt(1.0 / sine2 - 1.0)
     sine = np.sqrt(1.0 - cosine * cosine)
     y = float(np.clip(-x * cosine / sine, -1.0, 1.0))
@@ -92,6 +94,7 @@ def segment_irradiance(a: F64, b: F64, normal: F64, width: float) -> tuple[float
     if max(a_up, b_up) <= 0.0:
         return 0.0, 0.0
     along = (b - a) / float(np.linalg.norm(b - a))
+    # What lies below the horizon ends at the crossing.
     cut = (a * b_up - b * a_up) / (b_up - a_up if min(a_up, b_up) < 0.0 else 1.0)
     low = float((cut if a_up < 0.0 else a) @ along)
     high = float((cut if b_up < 0.0 else b) @ along)
@@ -99,6 +102,7 @@ def segment_irradiance(a: F64, b: F64, normal: F64, width: float) -> tuple[float
     h = max(float(np.linalg.norm(nearest)), width)
     # Angles from the nearest point: along the line l = h tan(angle).
     first, last = np.arctan2((low, high), h)
+    # The cosine has a part across the line and one along it; each has its antiderivatives.
     across, ahead = float(nearest @ normal) / h, float(along @ normal)
     sines, cosines = np.sin((first, last)), np.cos((first, last))
     products = float(sines[1] * cosines[1] - sines[0] * cosines[0])
@@ -155,10 +159,12 @@ def specular_cosine(view_cosine: float, alpha: float) -> tuple[F64, F64]:
     """
     table = cosine_table().astype(np.float64)
     last = len(table) - 1
+    # Rows and columns are denser where the lobe changes fast: smooth, and near normal incidence.
     row = np.sqrt(np.clip(alpha, 0.0, 1.0)) * last
     column = np.sqrt(1.0 - np.clip(view_cosine, 0.0, 1.0)) * last
     r, c = min(int(row), last - 1), min(int(column), last - 1)
     v, u = row - r, column - c
+    # Bilinear; the matrices are stored over their middle element, so that they may be blended.
     near = table[r, c] * (1.0 - u) + table[r, c + 1] * u
     far = table[r + 1, c] * (1.0 - u) + table[r + 1, c + 1] * u
     m11, m13, m31, m33, *albedos = near * (1.0 - v) + far * v
@@ -168,9 +174,11 @@ def specular_cosine(view_cosine: float, alpha: float) -> tuple[F64, F64]:
 def specular_share(corners: F64, view: F64, alpha: float) -> float:
     """Share (0 to 1) of GGX's lobe that a convex polygon fills; `view`, unit, towards the eye."""
     inverse, _ = specular_cosine(float(view[2]), alpha)
+    # The frame of normal and view; along the normal any x will do.
     flat = np.array((view[0], view[1], 0.0))
     length = float(np.linalg.norm(flat))
     x = flat / length if length > 1e-6 else np.array((1.0, 0.0, 0.0))
     y = np.cross(np.array((0.0, 0.0, 1.0)), x)
+    # The inverse turns the lobe into a cosine: Lambert's sum is its share (Heitz2016).
     own = corners @ np.stack([x, y, np.array((0.0, 0.0, 1.0))], axis=1)
     return polygon_irradiance(own @ inverse.T) / np.pi

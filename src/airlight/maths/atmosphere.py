@@ -114,6 +114,7 @@ def sky_parts(air: Air, elevation: F64, from_sun: F64, sun_elevation: float) -> 
     cosine = np.sin(elevation)
     eye = np.full_like(cosine, GROUND_M + 1.0)
     length = _to_sphere(eye, cosine, TOP_M)
+    # Middles of steps that grow with the distance, and the radius there by the law of cosines.
     edges = np.linspace(0.0, 1.0, _STEPS + 1) ** 2
     at = length[:, None] * (edges[:-1] + edges[1:]) / 2.0
     r = np.sqrt(eye[:, None] ** 2 + at**2 + 2.0 * at * (eye * cosine)[:, None])
@@ -159,12 +160,14 @@ def often_scattered(air: Air, heights: F64, sun_cosine: F64, sun_elevation: floa
 
 def _mean_radiance(air: Air, height_m: F64, sun_cosine: F64) -> F64:
     """`often_scattered` at heights (H, A), of cosines (H, A) to the sun: (H, A, W), by eq. 10."""
+    # Directions all around each point, and how far they go: to the ground, or out of the air.
     towards = fibonacci_sphere(_DIRECTIONS)
     shape = (*height_m.shape, _DIRECTIONS)
     r = np.broadcast_to((GROUND_M + height_m)[..., None], shape)
     cosine = np.broadcast_to(towards[:, 1], shape)
     hits = _meets_ground(r, cosine)
     length = np.where(hits, _to_ground(r, cosine), _to_sphere(r, cosine, TOP_M))
+    # Steps are short near the point, where most of the light comes from.
     edges = np.linspace(0.0, 1.0, _MEAN_STEPS + 1) ** 2
     at = length[..., None] * (edges[:-1] + edges[1:]) / 2.0
     # Positions beside the point's own vertical, and the sun in the plane of x and y.
@@ -174,6 +177,7 @@ def _mean_radiance(air: Air, height_m: F64, sun_cosine: F64) -> F64:
     up = at * to_sun[..., None] + (r * sun_cosine[..., None])[..., None]
     seen_cosine = np.clip(up / radius, -1.0, 1.0)
     widths = length[..., None] * np.diff(edges)
+    # The optical depth of each step, the transmittance of those before it, and what it scatters.
     at_points = densities(np.maximum(radius - GROUND_M, 0.0))
     depth = air.extinction(at_points * widths[..., None])
     before = np.exp(-(np.cumsum(depth, axis=-2) - depth))
@@ -186,6 +190,8 @@ def _mean_radiance(air: Air, height_m: F64, sun_cosine: F64) -> F64:
     end_cosine = np.clip(end / GROUND_M, 0.0, 1.0)
     arrives = transmittance_out(air, np.zeros_like(end_cosine), end_cosine)
     ground = arrives * (air.ground / np.pi * end_cosine * hits)[..., None]
+    # Light of the second order, and the share that each order hands on to the next: eq. 10 is the
+    # sum of the geometric series (Hillaire2020).
     second = (once + ground * np.exp(-depth.sum(axis=-2))).mean(axis=-2)
     again = scattered.sum(axis=-2).mean(axis=-2)
     return np.asarray(second / (1.0 - again))

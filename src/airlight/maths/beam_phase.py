@@ -57,6 +57,7 @@ def _over_cones(mu: F64, g: float, c: F64) -> F64:
     Source: the addition theorem.
     """
     rim = np.clip(2.0 * c - 1.0, -1.0, 1.0)
+    # As many orders as it takes for g^l to be nothing.
     order = int(np.ceil(np.log(1e-8) / np.log(g)))
     p_mu, p_rim = _legendre(mu, order + 1), _legendre(rim, order + 1)
     degree = np.arange(1, order + 1)

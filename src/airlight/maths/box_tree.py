@@ -74,6 +74,7 @@ def _morton(points: F64) -> NDArray[np.int64]:
     size = np.maximum(points.max(axis=0) - low, 1e-12)
     cells = np.minimum((points - low) / size * 2**_BITS, 2**_BITS - 1).astype(np.int64)
     code = np.zeros(len(points), np.int64)
+    # Bits of the three coordinates interleaved: what is near on the curve is near in space.
     for bit in range(_BITS):
         for axis in range(3):
             code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
@@ -88,5 +89,6 @@ def walked(tree: BoxTree, meets: Callable[[F64, F64], bool]) -> tuple[list[int],
         is_met = meets(tree.low[node], tree.high[node])
         if is_met and tree.box[node] >= 0:
             found.append(int(tree.box[node]))
+        # A node that is missed skips all below it: no stack is needed.
         node = node + 1 if is_met else int(tree.after[node])
     return found, seen

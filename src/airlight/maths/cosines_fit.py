@@ -42,8 +42,10 @@ def ggx_lobe(view: F64, light: F64, alpha: float) -> tuple[F64, F64, F64]:
     half /= np.linalg.norm(half, axis=1, keepdims=True)
     n_h, v_h = np.clip(half[:, 2], 0.0, 1.0), np.clip(half @ view, 1e-9, 1.0)
     a2 = alpha * alpha
+    # The GGX distribution (Walter2007 eq. 33).
     d = a2 / (np.pi * (n_h * n_h * (a2 - 1.0) + 1.0) ** 2)
     n_l, n_v = np.maximum(light[:, 2], 0.0), view[2]
+    # Height-correlated Smith masking (Heitz2014): G / (4 n.l n.v) is one half over this sum.
     shadow = n_v * np.sqrt(n_l**2 * (1.0 - a2) + a2) + n_l * np.sqrt(n_v**2 * (1.0 - a2) + a2)
     value = np.where(light[:, 2] > 0.0, d * 0.5 / np.maximum(shadow, 1e-12) * n_l, 0.0)
     return value, d * n_h / (4.0 * v_h), v_h
@@ -124,6 +126,7 @@ def fitted(cosine: float, alpha: float, start: F64 | None) -> tuple[F64, F64, F6
     u = _grid()
     light = half_vectors(view, alpha, u)
     value, density, v_h = ggx_lobe(view, light, alpha)
+    # The samples' mean is the lobe's albedo; weighted by Schlick's factor, the part at grazing.
     weight = value / np.maximum(density, 1e-30) / len(u)
     albedo = weight.sum()
     grazing = (weight * (1.0 - v_h) ** 5).sum()

@@ -139,10 +139,12 @@ def mean_transmission(depth: F64) -> F64:
     """
     mean = np.exp(-depth)
     for axis in range(3):
+        # Slopes on both sides of each cell; at the border there is only one.
         rise = np.diff(depth, axis=axis)
         ends = [np.take(rise, [0], axis), np.take(rise, [-1], axis)]
         before = np.concatenate([ends[0], rise], axis=axis)
         after = np.concatenate([rise, ends[1]], axis=axis)
+        # exp of a linear depth has the mean sinh(s/2) / (s/2) times that at the middle.
         gentler = np.minimum(np.abs(before), np.abs(after))
         mean = mean * _sinh_quotient(0.5 * np.where(before * after > 0.0, gentler, 0.0))
     return np.asarray(np.minimum(mean, 1.0))

@@ -94,12 +94,15 @@ class Diffusion:
         for axis in range(3):
             h = float(self.cell[axis])
             low, high = _sides(total, axis)
+            # Across a face to the next cell Fick's law takes D / h^2, unless a wall stands there.
             between = self.between(axis) / h**2
             shut, beyond = self._shut(axis)
             low += np.where(_sides(shut, axis)[0], 0.0, between)
             high += np.where(_sides(beyond, axis)[1], 0.0, between)
+            # Onto walls goes what their boundary condition takes.
             for side, walls in enumerate((beyond, shut)):
                 total += np.where(walls, self._onto(np.ones_like(total), None, axis, side), 0.0) / h
+            # Across the border of the grid light leaves for good.
             for side in (0, 1):
                 edge = _edge(total, axis, side)
                 edge += self.outflow(axis, side) / h

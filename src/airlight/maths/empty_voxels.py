@@ -23,6 +23,7 @@ def empty_distances(density: NDArray[Any]) -> NDArray[np.float16]:
     near = density != 0.0
     distances = np.where(near, np.float16(0.0), np.float16(1.0))
     known = 0
+    # Full voxels are widened: what a radius does not reach is farther than it, by 1 at least.
     for radius in RADII:
         near = _widened(near, radius - known)
         known = radius

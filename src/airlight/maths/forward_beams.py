@@ -56,13 +56,16 @@ def span_beside(size: ArrayLike, origin: ArrayLike, towards: ArrayLike) -> F64:
     """
     o, d = np.asarray(origin, np.float64), np.asarray(towards, np.float64)
     half = 0.5 * np.asarray(size, np.float64)
+    # The nearest points of box and path, each projected onto the other a few times.
     t = np.maximum(-(o * d).sum(axis=-1), 0.0)
     nearest = np.zeros(o.shape)
     for _ in range(3):
         nearest = np.clip(o + t[..., None] * d, -INSIDE * half, INSIDE * half)
         t = np.maximum(((nearest - o) * d).sum(axis=-1), 0.0)
+    # The parallel through that point is the path moved across itself.
     offset = nearest - (o + t[..., None] * d)
     aside = offset - (offset * d).sum(axis=-1, keepdims=True) * d
+    # Where it enters and leaves the box, slab by slab.
     with np.errstate(divide="ignore"):
         ends = np.sort([(-half - o - aside) / d, (half - o - aside) / d], axis=0)
     near, far = ends[0].max(axis=-1), ends[1].min(axis=-1)

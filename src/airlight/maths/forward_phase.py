@@ -35,6 +35,7 @@ def fused_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
     """
     m, u = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(depth, np.float64))
     total = np.zeros(m.shape)
+    # exp(-g u) u^(k-1)/k! from k = 2 on, each term from the one before.
     share = 0.5 * u * np.exp(-g * u)
     for k in range(2, _orders(u)):
         held = 1.0 - g**k - k * g ** (k - 1) * (1.0 - g)
@@ -51,6 +52,7 @@ def last_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
     """
     m, u = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(depth, np.float64))
     total = np.zeros(m.shape)
+    # exp(-g u) u^(k-1)/(k-1)! from k = 2 on, each term from the one before.
     share = u * np.exp(-g * u)
     for k in range(2, _orders(u)):
         total += share * (henyey_greenstein(m, g**k) - (1.0 - g ** (k - 1)) * ISOTROPIC)

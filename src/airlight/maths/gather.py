@@ -66,6 +66,7 @@ def ray_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike) -> F64:
     px, py, k = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray))
     a, b, c, d = (np.uint32(step) for step in POINT_STEPS)
     u, v = (np.uint32(step) for step in RAY_STEPS)
+    # Steps are in units of 2^-32: the overflow is the modulo of the sequence.
     with np.errstate(over="ignore"):
         first = px * a + py * b + k * u
         second = px * c + py * d + k * v
@@ -83,6 +84,7 @@ def later_numbers(x: ArrayLike, y: ArrayLike, ray: ArrayLike, segment: ArrayLike
     px, py, k, s = (np.asarray(v, dtype=np.uint32) for v in (x, y, ray, segment))
     (a, b), (c, d), (u, v) = np.array(SECOND_STEPS, dtype=np.uint32)
     with np.errstate(over="ignore"):
+        # Each hash takes in one more number: no two points, rays or segments are in step.
         mixed = pcg_hash(px + pcg_hash(py + pcg_hash(k + pcg_hash(s))))
         first = np.where(s < 2, px * a + py * c + k * u, mixed)
         second = np.where(s < 2, px * b + py * d + k * v, pcg_hash(mixed + np.uint32(1)))

@@ -26,9 +26,11 @@ def visible_normal(v: ArrayLike, alpha: ArrayLike, numbers: ArrayLike) -> F64:
     turned = np.stack([-stretched[..., 1], stretched[..., 0], np.zeros_like(flat)], axis=-1)
     along = turned / np.sqrt(np.maximum(flat, 1e-12))[..., None]
     across = np.where((flat > 1e-12)[..., None], along, np.array([1.0, 0.0, 0.0]))
+    # A uniform point of the disk, moved into the part that the eye sees (Heitz2018b).
     radius, angle = np.sqrt(u[..., 0]), 2.0 * np.pi * u[..., 1]
     x, s = radius * np.cos(angle), 0.5 * (1.0 + stretched[..., 2])
     y = (1.0 - s) * np.sqrt(np.maximum(1.0 - x * x, 0.0)) + s * radius * np.sin(angle)
+    # Up to the hemisphere, and back to facets that are not stretched.
     z = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
     h = x[..., None] * across + y[..., None] * np.cross(stretched, across)
     h = h + z[..., None] * stretched

@@ -45,6 +45,7 @@ def plane_light(albedo: float, cosines: F64, irradiances: F64) -> PlaneLight:
     # Of each layer, the mean of what beams bring.
     passed = np.exp(-_EDGES[:, None] / mu)
     beams = ((passed[:-1] - passed[1:]) * mu * e).sum(axis=1) / np.diff(_EDGES)
+    # Each layer sends its albedo times what beams and all layers bring: a linear system.
     sent = np.linalg.solve(np.eye(len(beams)) - albedo * k.between, albedo * beams)
     down, up = k.down @ sent, k.up @ sent
     return PlaneLight(k.depth, k.fluence @ sent, down - up, down, sent)

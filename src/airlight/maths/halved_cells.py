@@ -33,6 +33,7 @@ def halved_cells(
         inside = np.array(fine) // 2
         if not known[tuple(inside)]:
             continue
+        # Surfaces decide only where one is near; elsewhere the spline is smooth.
         around = tuple(slice(max(i - _NEAR, 0), i + _NEAR + 1) for i in inside)
         if walls is not None and np.isfinite(walls[(slice(None), *around)]).any():
             made[fine] = _walled(light, known, np.array(fine), walls)
@@ -94,6 +95,7 @@ def spline_weights(t: float) -> NDArray[np.float64]:
 def _at(light: NDArray[Any], known: NDArray[Any], fine: NDArray[Any]) -> NDArray[np.float64]:
     at = 0.5 * fine - 0.25
     base = np.floor(at).astype(int)
+    # A Catmull-Rom spline of 4 x 4 x 4 cells, over the weights of those that are known.
     weights = [spline_weights(float(t)) for t in at - base]
     total, sums = 0.0, np.zeros(light.shape[-1])
     around = []
@@ -105,5 +107,6 @@ def _at(light: NDArray[Any], known: NDArray[Any], fine: NDArray[Any]) -> NDArray
         sums, total = sums + weight * light[cell], total + weight
         if set(corner) <= {1, 2}:
             around.append(light[cell])
+    # Never beyond the eight nearest ones: no overshoot at the rim of a shadow.
     low, high = np.min(around, axis=0), np.max(around, axis=0)
     return np.asarray(np.clip(sums / max(total, LEAST_TOTAL), low, high))

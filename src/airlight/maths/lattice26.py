@@ -171,6 +171,7 @@ def deposit_step(
             power = power * (1.0 - np.asarray(blocked)[j])
         scattered += ratio * lost * (1.0 - m) * power
         passed = np.exp(-x) * power
+        # What passes goes on in its direction, less spread; what is scattered late arrives with it.
         arriving = _lobe(passed, direction, 0.0)
         arriving[..., 1:] = (3.0 * kept / RHO) * (ahead * passed)[..., None] * direction
         deposit = (ratio * m * lost * power)[..., None]

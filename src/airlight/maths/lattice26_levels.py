@@ -29,8 +29,10 @@ def coarse_absorption_depth(x: ArrayLike, level: int) -> F64:
         return mean_absorption_depth(depth)
     small = depth < _LIMIT_BELOW
     safe = np.where(small, 1.0, np.minimum(depth, 600.0))
+    # The hops before a loss are geometrically distributed: their mean and mean square.
     j1 = 1.0 / np.expm1(safe)
     j2 = j1 * (2.0 * j1 + 1.0)
+    # The squared path j2 + m (2 j1 + 1), m deposited ahead, equals that of the finer walk.
     matched = (_squared_path(safe / 2.0**level) / 4.0**level - j2) / (2.0 * j1 + 1.0)
     return np.where(small, 0.5, np.clip(matched, 0.0, 1.0))
 
@@ -57,6 +59,7 @@ def restricted(cells: ArrayLike, *, is_mean: bool = False) -> F64:
     total = _pair_sums(fine)
     if not is_mean:
         return total
+    # At odd ends cells are in part outside: means are over what is inside.
     count = _pair_sums(np.pad(weight, pads)[None])[0]
     return np.asarray(total / count.reshape(count.shape + (1,) * (fine.ndim - 4)))
 

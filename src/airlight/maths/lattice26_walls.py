@@ -88,6 +88,7 @@ def _seen_at(cells: F64, offset: tuple[int, ...] | list[int]) -> F64:
 def _path_visibility(leaving: F64, offset: list[int], order: tuple[int, ...]) -> F64:
     product: F64 = np.ones(leaving.shape[1:])
     at = [0, 0, 0]
+    # Each face is that of the cell to which the steps before have led.
     for axis in order:
         face = 2 * axis + (0 if offset[axis] > 0 else 1)
         product = product * _seen_at(leaving[face], at)

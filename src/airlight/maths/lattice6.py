@@ -166,6 +166,7 @@ def blocked_shares(projected_area: ArrayLike) -> F64:
     shares = []
     for hop, offset in enumerate(OFFSETS):
         axis = 2 - int(np.flatnonzero(offset)[0])
+        # What faces against the hop, averaged over the corners of the face that it crosses.
         faces = area[..., hop ^ 1]
         for other in {0, 1, 2} - {axis}:
             faces = 0.5 * (_without_last(faces, other) + _without_first(faces, other))
@@ -264,6 +265,7 @@ def surface_irradiance(
     s, n = np.asarray(accumulated, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     a, b = s[..., 0], np.linalg.norm(s[..., 1:], axis=-1)
     along = np.einsum("...i,...i->...", s[..., 1:], n) / np.maximum(b, 1e-300)
+    # 0 where light is isotropic, 1 where all of it goes one way.
     r = np.minimum(b / np.maximum(3.0 * a, 1e-300), 1.0)
     beam = np.maximum(2.0 * r - 1.0, 0.0)
     spread_out = 1.0 - np.minimum(2.0 * r, 1.0) * along

@@ -26,6 +26,7 @@ class Lut:
         """Colours (..., 3) by the table, blended between its entries; held at its ends."""
         steps = len(self.table) - 1
         at = np.clip((values - self.low) / (self.high - self.low), 0.0, 1.0) * steps
+        # A table of one dimension is a curve for each channel.
         if self.table.ndim == 2:
             return np.stack(
                 [np.interp(at[..., c], np.arange(steps + 1), self.table[:, c]) for c in range(3)],

@@ -66,6 +66,7 @@ def ray_box_interval(
     a = (np.asarray(low, dtype=np.float64) - o) * inverse
     b = (np.asarray(high, dtype=np.float64) - o) * inverse
     inside = (np.asarray(low) <= o) & (o <= np.asarray(high))
+    # A ray along a slab is inside it all the way, or never.
     near = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(a, b))
     far = np.where(still, np.where(inside, np.inf, -np.inf), np.maximum(a, b))
     return near.max(axis=-1), far.min(axis=-1)
@@ -126,9 +127,12 @@ def ray_cone_interval(
     qb = oa * da - c2 * np.einsum("...i,...i->...", o, d)
     qc = oa * oa - c2 * np.einsum("...i,...i->...", o, o)
     discriminant = qb * qb - qa * qc
+    # The stable form of the quadratic's roots: none is a difference of nearly equal numbers.
     q = -(qb + np.where(qb < 0.0, -1.0, 1.0) * np.sqrt(np.maximum(discriminant, 0.0)))
     r0, r1 = q / qa, qc / np.where(q == 0.0, 1e-300, q)
     low, high = np.minimum(r0, r1), np.maximum(r0, r1)
+    # At a larger angle to the axis the ray has a chord, if of the nappe ahead; at a smaller one it
+    # stays inside for good, or was inside from ever.
     chord = (qa < 0.0) & (discriminant > 0.0) & (oa + 0.5 * (low + high) * da >= 0.0)
     opens = qa > 0.0
     t0 = np.where(opens, np.where(da > 0.0, high, -np.inf), np.where(chord, low, np.inf))

@@ -28,6 +28,7 @@ def mixed(rows: F32) -> tuple[F32, F64]:
     largest = float(sums.max(initial=0.0))
     if largest <= 0.0:
         return np.zeros((len(rows), 0), np.float32), np.zeros((0, rows.shape[1]))
+    # By colour alone, of rows whose colours are more than rounding.
     seen = np.flatnonzero(sums > _FAINT * largest)
     colours = (rows[seen] / sums[seen, None]).astype(np.float64)
     tried = colours[:: -(-len(colours) // _FIRST)]
@@ -35,6 +36,7 @@ def mixed(rows: F32) -> tuple[F32, F64]:
     picked: list[int] = []
     left = tried.copy()
     for _ in range(max(1, rows.shape[1] // 2 + 1)):
+        # Farthest from the span of those picked: a vertex of the hull (successive projection).
         strongest = int(np.argmax(np.einsum("ij,ij->i", left, left)))
         direction = left[strongest]
         length2 = float(direction @ direction)

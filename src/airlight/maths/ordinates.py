@@ -74,12 +74,14 @@ def partition(radiance: ArrayLike, count: int, rounds: int = ROUNDS) -> Ordinate
     power, weight, towards, solid_angle = map_texels(np.asarray(radiance, dtype=np.float64))
     centre = seeds(weight, count)
     flat = towards.reshape(-1, 3)
+    # Spherical k-means: texels join the nearest centre, centres move to their texels' mean.
     pull = np.maximum(weight, 1e-12 * weight.max(initial=1e-300)).ravel()
     unit = flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-300)
     for _ in range(rounds):
         part = np.argmax(unit @ centre.T, axis=1)
         centre = unit_rows(_sums(part, pull[:, None] * unit, count), centre)
     part = np.argmax(unit @ centre.T, axis=1)
+    # Each part's light: its power, mean direction, and mean cosine, that mean's length.
     light = luminance(power).reshape(-1, 1)
     carried = _sums(part, light, count)[:, 0]
     vector = _sums(part, light * flat, count)
@@ -145,6 +147,7 @@ def map_texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
     light_sum = _blocks(light, blocks)
     mean = _blocks(light[..., None] * direction, blocks) / light_sum[..., None]
     omega, power = _blocks(omega, blocks), _blocks(power, blocks)
+    # The square root of radiance: bright parts are cut finely, dark ones not forgotten.
     root = np.sqrt(np.maximum(luminance(power), 0.0) / omega)
     weight = omega * (root + DARK_SHARE * max(float((root * omega).sum()) / (4 * np.pi), 1e-30))
     return power, weight, mean, omega

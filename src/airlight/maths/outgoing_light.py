@@ -83,14 +83,17 @@ def arriving(source: F64, extinction: F64, towards: F64, cell: F64) -> F64:
     """
     shape, step = source.shape[:3], float(cell.min())
     at = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)[..., ::-1] + 0.5
+    # The cell's own half step, behind which all others lie.
     through = np.exp(-0.5 * step * extinction)
     light = source * (1.0 - through)
     for n in range(1, _steps(shape, cell)):
         place = np.floor(at - towards * (n * step / cell)).astype(np.int64)[..., ::-1]
         inside = np.all((place >= 0) & (place < shape), axis=-1, keepdims=True)
+        # A march ends at the border, or where almost nothing would arrive.
         inside = inside & (through.max(axis=-1, keepdims=True) > LEAST_TRANSMITTANCE)
         k, j, i = np.moveaxis(np.clip(place, 0, np.array(shape) - 1), -1, 0)
         passed = np.where(inside, np.exp(-step * extinction[k, j, i]), 1.0)
+        # A step of constant source sends S (1 - exp(-depth)), less what lies before it.
         light = light + through * source[k, j, i] * (1.0 - passed)
         through = through * passed
     return light

@@ -48,6 +48,7 @@ def mean_inverse_square(away: F64, cell: F64) -> F64:
     half = 0.5 * float(np.mean(cell))
     for corner in range(8):
         side = np.array([(corner >> axis) & 1 for axis in range(3)]) - 0.5
+        # In the light's own cell the mean is finite: the distance is held above a part of the cell.
         r2 = np.maximum(((away + 0.5 * side * cell) ** 2).sum(axis=-1), 0.1 * half**2)
         total += (1.0 + half**2 / (12.0 * r2)) / (8.0 * r2)
     return total
@@ -60,6 +61,7 @@ def near_table(albedo: float) -> F64:
     the transform A/(1 - albedo A), A = arctan(k)/k; beam and diffusion have A + albedo A/(D k^2 +
     1 - albedo), D = 1/3. Their difference, transformed back, times s/albedo; pi^2/4 at s = 0.
     """
+    # Dense where the transforms change, then as far as their rest takes to vanish.
     k = np.concatenate([np.linspace(1e-4, 40.0, 6000), np.geomspace(40.0, 4000.0, 6001)[1:]])
     a = np.arctan(k) / k
     # The part that falls as 1/k^2 is transformed by hand: pi^2/4 exp(-s)/s.
@@ -67,6 +69,7 @@ def near_table(albedo: float) -> F64:
     rest -= 0.25 * np.pi**2 / (k * k + 1.0)
     x = np.linspace(0.0, 1.0, NEAR_TABLE)[:-1]
     s = x / (1.0 - x)
+    # The inverse transform of a radial function: 2/pi times the integral of k sin(k s) f(k).
     whole = 2.0 / np.pi * np.trapezoid(k * np.sin(k * s[:, None]) * rest, k, axis=1)
     return np.append(whole + 0.25 * np.pi**2 * np.exp(-s), 0.0)
 

@@ -134,6 +134,7 @@ def _inside(samples: F64, extent: ArrayLike, side: int) -> NDArray[np.bool_]:
 
 def read_radial(grid: RadialGrid, place: F64, density: F64, values: F64) -> F64:
     """Like `ordinate_grid.read_back`, across the octahedron's seams."""
+    # Weighted by density: cells without a medium have no light to blend.
     rho = _sewn(grid, density[..., None])[..., 0]
     at = place + np.array([1.0, 1.0, 0.0])
     weight = trilinear(rho, at)

@@ -74,6 +74,7 @@ def any_hit(
 
 def triangle_distances(origin: F64, direction: F64, corners: F64) -> tuple[F64, F64, F64]:
     """t and the shares of the second and third corner, (N, T) each; t infinite where missed."""
+    # Moeller1997: Cramer's rule, in triple products of ray, edges and corner.
     edge_1, edge_2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across = np.cross(direction[:, None], edge_2[None])
     whole = (across * edge_1).sum(axis=2)

@@ -31,9 +31,12 @@ def bihemispherical_albedo(
     """
     base = np.asarray(base_color, dtype=np.float64)
     m, r, s = (np.asarray(x, dtype=np.float64)[..., None] for x in (metallic, roughness, specular))
+    # Reflectance at normal incidence and at grazing (Schlick1994).
     f0 = 0.04 * s * (1.0 - m) + base * m
     f90 = np.clip(50.0 * f0.max(axis=-1, keepdims=True), 0.0, 1.0)
+    # The base reflects what the coat, in the mean over all directions, does not.
     lost = f0 + (f90 - f0) * SCHLICK_MEAN
+    # GGX's albedos by roughness, without the light that microfacets scatter twice.
     mirrored = f0 * np.polynomial.polynomial.polyval(r, GGX_F0)
     mirrored = mirrored + f90 * np.polynomial.polynomial.polyval(r, GGX_F90)
     return np.asarray(base * (1.0 - m) * (1.0 - lost) + mirrored)

@@ -58,6 +58,7 @@ def sky_gain(exact: F64, ordinates: Ordinates, table: F64) -> F64:
     for n in range(ordinates.count):
         cosine = -(towards @ ordinates.direction[n])
         own += ordinates.irradiance[n] * beam_phase(table[n], cosine)
+    # A little of both: where the sky is black the gain is 1.
     least = 1e-6 * max(float(exact.max()), 1e-300)
     gain = (exact + least) / (own + least)
     return np.asarray(np.clip(gain, 1.0 / LARGEST_GAIN, LARGEST_GAIN))

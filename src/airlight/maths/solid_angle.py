@@ -43,6 +43,7 @@ def polygon_mean_direction(corners: ArrayLike) -> F64:
     length = np.linalg.norm(normal, axis=-1)
     angle = np.arctan2(length, np.einsum("...i,...i->...", p, q))
     moment = 0.5 * ((angle / np.maximum(length, 1e-300))[..., None] * normal).sum(axis=-2)
+    # Corners may be listed either way round: the mean points into the polygon.
     inside = np.einsum("...i,...i->...", moment, p.mean(axis=-2))
     moment = moment * np.sign(inside)[..., None]
     return np.asarray(moment / polygon_solid_angle(p)[..., None])

@@ -24,6 +24,7 @@ def solid_voxels(
     unit = (positions - low) / (high - low) * fine
     crossing, column, sign = _crossings(unit[triangles], (int(fine[1]), int(fine[2])))
     x = np.clip(np.ceil(crossing - 0.5).astype(np.int64), 0, int(fine[0]))
+    # A crossing counts from its place on along the column: running sums are winding numbers.
     steps = np.zeros((int(fine[2]) * int(fine[1]), int(fine[0]) + 1), np.int8)
     np.add.at(steps, (column, x), sign.astype(np.int8))
     inside = np.cumsum(steps[:, :-1], axis=1, dtype=np.int8) != 0
@@ -52,6 +53,7 @@ def _crossings(corners: F64, size: tuple[int, int]) -> tuple[F64, I64, F64]:
     low_y, high_y = _range(y, size[0])
     low_z, high_z = _range(z, size[1])
     wide, tall = np.maximum(high_y - low_y, 0), np.maximum(high_z - low_z, 0)
+    # Each triangle with each line through its box, in one flat list.
     held = wide * tall
     triangle = np.repeat(np.arange(len(corners)), held)
     place = np.arange(held.sum()) - np.repeat(np.cumsum(held) - held, held)
@@ -60,6 +62,7 @@ def _crossings(corners: F64, size: tuple[int, int]) -> tuple[F64, I64, F64]:
     a, b, c = (corners[triangle, i] for i in range(3))
     # A hair off the samples' middle, so that no line meets an edge of a regular mesh.
     py, pz = j + 0.5 + 1.3e-4, k + 0.5 + 2.9e-4
+    # Barycentric coordinates in the plane across the lines, and x from them.
     area = _cross(b - a, c - a)
     u = _cross(np.stack([a[:, 0], py, pz], 1) - a, c - a) / np.where(area == 0.0, 1.0, area)
     v = _cross(b - a, np.stack([a[:, 0], py, pz], 1) - a) / np.where(area == 0.0, 1.0, area)

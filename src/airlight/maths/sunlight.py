@@ -85,10 +85,12 @@ def sky_map(air: Air, towards_sun: F64, height: int) -> F64:
     directions = latlong_texel_directions(height, 2 * height)
     sky = sky_radiance(air, towards_sun, directions[: height // 2])
     solid_angles = latlong_row_solid_angles(height, 2 * height)[: height // 2]
+    # What sky and sun send onto the level ground, W m^-2.
     weights = directions[: height // 2, :, 1] * solid_angles[:, None]
     received = (sky * weights[..., None]).sum(axis=(0, 1))
     elevation_deg = float(np.degrees(np.arcsin(np.clip(towards_sun[1], -1.0, 1.0))))
     received += sun_irradiance(air, elevation_deg) * max(float(towards_sun[1]), 0.0)
+    # Matte ground reflects albedo / pi of it in all directions.
     below = np.broadcast_to(air.ground / np.pi * received, (height - height // 2, 2 * height, 3))
     return np.concatenate([sky, below])
 

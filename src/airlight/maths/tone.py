@@ -69,9 +69,11 @@ def agx(radiance: ArrayLike) -> F64:
     """
     c = np.maximum(np.asarray(radiance, dtype=np.float64), 0.0)
     inset = (1.0 - AGX_INSET) * c + AGX_INSET * (c @ AGX_INSET_WEIGHTS)[..., None]
+    # Stops around middle grey are what the curve maps.
     with np.errstate(divide="ignore"):
         stops = np.log2(inset / MIDDLE_GREY)
     shown = agx_curve(np.clip((stops + AGX_STOPS_BELOW_GREY) / AGX_STOPS, 0.0, 1.0))
+    # The inset is undone: only what the curve compressed has lost saturation.
     outset = (shown - AGX_INSET * (shown @ AGX_INSET_WEIGHTS)[..., None]) / (1.0 - AGX_INSET)
     return np.asarray(np.clip(outset, 0.0, 1.0) ** 2.2)
 
@@ -112,9 +114,11 @@ def neutral(radiance: ArrayLike) -> F64:
     Source: Khronos, ToneMapping/PBR_Neutral, specification.
     """
     c = np.maximum(np.asarray(radiance, dtype=np.float64), 0.0)
+    # Less what a dielectric mirrors at normal incidence: base colours come out as they are.
     x = c.min(axis=-1, keepdims=True)
     toe = x - x * x / (4.0 * NEUTRAL_F90)
     c = c - np.where(x <= 2.0 * NEUTRAL_F90, toe, NEUTRAL_F90)
+    # Peaks above the start go towards 1 along a hyperbola, and towards white as they do.
     peak = c.max(axis=-1, keepdims=True)
     room = 1.0 - NEUTRAL_COMPRESSION_START
     above = np.maximum(peak, NEUTRAL_COMPRESSION_START)

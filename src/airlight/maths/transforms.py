@@ -33,6 +33,7 @@ def view_from_world(eye: Vector, forward: Vector, up: Vector) -> F64:
     """(4, 4): the eye at the origin looking down -Z, +Y as near to `up` as it can be."""
     z = -unit(forward)
     x = _cross(up, z)
+    # Straight up or down, `up` says nothing: another axis takes its place.
     if np.linalg.norm(x) < 1e-9:
         x = _cross((0.0, 0.0, 1.0) if abs(z[1]) > 0.5 else (0.0, 1.0, 0.0), z)
     x = unit(x)
@@ -102,6 +103,7 @@ def rotation_xyz(angles_deg: Vector) -> F64:
 def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
     """(4, 4): scale, then rotate by the unit quaternion (x, y, z, w), then translate."""
     x, y, z, w = rotation
+    # The rotation of a unit quaternion (Shoemake1985); its columns are scaled.
     turned = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

@@ -182,6 +182,7 @@ def importance_map(
 ) -> F64:
     """(h, w), mean 1 over the sphere: what leaves along `out.directions`, a map's row by row."""
     h, w = shape
+    # Density on each lobe's path out, between the few points from which it was marched.
     passed = _nearness(lobes.point / medium.extent) @ out.passed
     mu = lobes.travel @ out.directions.T
     phase = henyey_greenstein(mu, lobes.a[:, None])

@@ -59,6 +59,7 @@ def resized(importance: F64, shape: tuple[int, ...]) -> F64:
     u = (np.arange(width) + 0.5) / width * columns - 0.5
     top, left = np.floor(v).astype(np.int64), np.floor(u).astype(np.int64)
     down, across = (v - top)[:, None], u - left
+    # Longitudes go on around the sphere; latitudes end at the poles.
     between = (1.0 - down) * importance[top] + down * importance[np.minimum(top + 1, rows - 1)]
     seen = (1.0 - across) * between[:, left % columns] + across * between[:, (left + 1) % columns]
     omega = latlong_row_solid_angles(height, width)[:, None]

@@ -79,6 +79,7 @@ def density_behind(
     from its light `distance_m` before the point, in equal steps of at most `step_m`, each sampled
     in its middle.
     """
+    # Back to where the light enters the box or begins.
     back = -np.asarray(direction, dtype=np.float64)
     _, length = ray_box_interval(points, back, np.zeros(3), extent)
     length = np.minimum(np.maximum(length, 0.0), distance_m)
@@ -86,6 +87,7 @@ def density_behind(
     dt = length / steps
     total: F64 = np.zeros(length.shape)
     scale = np.array(density.shape[::-1]) / extent
+    # Rays with fewer steps than the longest have ended, and add nothing.
     for k in range(int(steps.max())):
         place = (points + ((k + 0.5) * dt)[..., None] * back) * scale
         total += np.where(k < steps, dt * trilinear(density, place), 0.0)

@@ -57,6 +57,7 @@ def connected(count: int, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray
     """
     label = np.arange(count)
     while True:
+        # Numbers sink along edges until each part has the least of its own.
         lower = label.copy()
         np.minimum.at(lower, a, label[b])
         np.minimum.at(lower, b, label[a])

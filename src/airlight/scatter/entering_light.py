@@ -83,12 +83,14 @@ class EnteringLight:
     def begin(self, commands: Commands, frame: Frame) -> None:
         """Draw the maps of the frame's lights."""
         scene, sky = frame.scene, self.kit.sky
+        # Sums are in fixed point, as fine as an upper bound of all power allows.
         self.flux = flux_bound([*scene.lights, *sky.lights], *self._box(frame))
         self.flux += self._points.take(scene.light_groups)
         self.scale = fixed_point_scale(self.flux, returned_sharpness())
         self.forward.set_scale(scene.lights)
         table = packed_lights(tuple(sky.lights))
         self.sky_rows = table.tobytes()
+        # Lights of the sky are uploaded, and later injected, when they or the scale change.
         key = self.sky_rows + repr(self.scale).encode()
         if key != self.sky_key and self.has_sky:
             self._sky_lights.table.write(table)

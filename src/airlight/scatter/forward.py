@@ -55,6 +55,7 @@ class _Forward(ComputePass):
     file = "forward.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool, is_near: bool) -> None:
+        # Beside the common slots: a texture to blur, near surfaces, or a list of stale cells.
         own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) * stores
         own += (storage("near", "u32"),) * is_near
         is_listed = not (stores or is_near)

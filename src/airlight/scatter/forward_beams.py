@@ -89,10 +89,12 @@ class _Made:
         with commands.stage("air"):
             self._media.update(commands, frame)
         has_sky = has_sky and bool(sky.lights and sky.maps.layers)
+        # Beams of the sky stay cached while its lights, its maps and its media are the same.
         sky_key: tuple[Any, ...] = ()
         step = 1 if frame.is_still else _FRAME_STEP
         if has_sky:
             sky_key = (self._packed_sky(), sky.version, self._media.sky.version)
+        # Irradiance is stored over the most power that may come in: the key holds that, too.
         flux = flux_bound([*scene.lights, *sky.lights], *frame.bounds)
         key = (scene.lights, self._media.lights.version, flux)
         with commands.stage("single-scattered"):

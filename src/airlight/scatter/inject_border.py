@@ -185,9 +185,11 @@ def incoming_light(medium: Medium, lights: Sequence[Light]) -> F64:
     share = np.linspace(0.0, _LAST, ROWS)
     depth = share / (1.0 - share)
     table = np.zeros((LEVELS, ROWS, 4))
+    # Each channel is a plane-parallel problem of its own albedo, in optical depths.
     for c in range(3):
         directions, irradiances = directional(lights, c)
         light = plane_light(medium.albedo[c], -directions[:, 1], irradiances)
+        # Rows are depths of the densest channel, for which the others are thinner.
         own = depth * medium.sigma_t[c] / max(medium.sigma_t)
         table[..., c] = plane_radiance(light, own, levels()[:, 0]).T
     return table.reshape(-1, 4)

@@ -141,6 +141,7 @@ class Injection:
         if light.sky_key == self._static_key and not is_new:
             return
         self._static_key = light.sky_key
+        # What media scatter once is what light that surfaces reflect is added to.
         base = self.black
         if light.has_sky:
             base = self._single_of_sky(commands)
@@ -188,6 +189,7 @@ class Injection:
         if self._border and medium:
             eye = frame.scene.camera.position
             top = float(medium_box(medium, *frame.bounds, eye)[1][1])
+            # Light begins at the top of the medium and comes in from beyond the largest lattice.
             outside = Outside(medium, top, (*frame.scene.lights, *self.kit.sky.lights))
             places = (self.placement, self.kit.placement)
             blockers, walls = self.cells.blockers, self.cells.reflectance

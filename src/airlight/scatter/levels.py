@@ -89,6 +89,7 @@ class Levels:
         if self.kind.scheme != "deposit":  # the rows of a vacuum: cells have their own gains
             self.set_homogeneous((0.0,) * CHANNELS, (0.0,) * CHANNELS)
         self.levels[0].medium = medium
+        # Coarser levels scatter as the means of the cells that they stand for.
         for k in range(1, len(self.levels)):
             assert self._restrict_medium
             self._restrict_medium.dispatch(

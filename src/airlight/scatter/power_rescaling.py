@@ -83,6 +83,7 @@ class PowerRescaling:
             sum=current,
             parts=self._parts,
         )
+        # One factor for each channel of the whole lattice: the coarsest aggregation there is.
         self._scale.dispatch(commands, (CHANNELS,), parts=self._parts, scales=self.scales)
         self._apply.dispatch(
             commands,
