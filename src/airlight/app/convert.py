@@ -133,6 +133,8 @@ def _refuse_loss(scene: Scene, source: str, target: Path) -> None:
 
     if source.startswith(BUILTIN_PREFIX) or _is_nameable(source):
         return
+    # A scene file names meshes and grids by path, so what came from elsewhere needs a file of its
+    # own.
     held = []
     if scene.meshes and target.exists() and not target.is_file():
         held.append("meshes")  # beside a device there is no place

@@ -66,6 +66,7 @@ def graphics_facts(wanted: str) -> tuple[dict[str, Any], AirlightError | None]:
     """Every adapter, which one `wanted` would use, why, and by which code paths; or why none."""
     from ..gpu import code_paths, device
 
+    # A refusal is part of the answer: all adapters are listed beside the reason.
     found = device.adapters()
     listed = [asdict(info) for info in found]
     try:

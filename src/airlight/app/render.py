@@ -89,6 +89,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
     """One image into its file. Raises AirlightError."""
     stats_path: Path | None = options["stats"]
     with progress(quiet=options["quiet"]) as report:
+        # Loading is timed apart from rendering, as a scene is often loaded once for many images.
         report("loading", 0.0)
         started_s = time.perf_counter()
         loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
@@ -99,6 +100,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         check_outputs(output, stats_path)
         from ..rendering import render
 
+        # The first image is complete when its last sample is, not when it is denoised or written.
         finished_s: list[float] = []
         asked = _asked(loaded, options)
         image = displayed(render(loaded, **asked, progress=_stamped(report, finished_s)), options)

@@ -162,10 +162,12 @@ class LightField:
 
 def _trilinear(cells: F32, uvw: F64) -> F64:
     """Values (n, ...) of cells (Z, Y, X, ...) at texture coordinates (n, 3), edges clamped."""
+    # Texels lie in the middle of cells, as a sampler reads them.
     count = np.array(cells.shape[2::-1])
     texel = uvw * count - 0.5
     low = np.floor(texel)
     t = texel - low
+    # Eight corners, each weighted by the volume of the box opposite to it.
     total = np.zeros((len(uvw), *cells.shape[3:]))
     for corner in np.ndindex(2, 2, 2):
         x, y, z = np.clip(low + corner, 0, count - 1).astype(np.intp).T

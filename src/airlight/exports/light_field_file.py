@@ -103,6 +103,7 @@ def load_light_field(path: str | Path) -> LightField:
 
 
 def _arrays(field: LightField) -> dict[str, NDArray[Any]]:
+    # The names are the file's format: readers know them, so they outlive those in the code.
     made: dict[str, NDArray[Any]] = {}
     for index, cells in enumerate(field.lattices):
         name = f"lattice{index}_"

@@ -68,6 +68,8 @@ class Lookup:
 
     def _lookup_coordinates(self, coordinates: F64, n: F64) -> F64:
         """Twin: lookup_coordinates in wgsl/lattice.wgsl."""
+        # The lookup moves ahead of the surface, but not past the middle of a cell whose far face is
+        # enclosed.
         coordinates = self._lifted(coordinates, n)
         wanted = coordinates + _raised(coordinates, n)
         cell = np.floor(coordinates + BEFORE * n)
@@ -76,12 +78,16 @@ class Lookup:
 
     def _lifted(self, coordinates: F64, n: F64) -> F64:
         """Twin: lifted in wgsl/lattice.wgsl."""
+        # Asked is the cell in front of the surface, and on which side of its middle the point lies.
         is_facing = np.abs(n) > 0.5
         before = coordinates + np.where(is_facing, 0.5 * np.sign(n), 0.0)
         cell = np.floor(before)
         t = before - cell
         side = np.where(t > 1.0 - BEFORE, 1.0, 0.0) - np.where(t < BEFORE, 1.0, 0.0)
+        # Along a face that is enclosed, light on the far side must not be mixed in.
         step = np.where(is_facing, 0.0, side)
+        # The rim of a wall is seen from either side: the enclosed face may be this cell's or its
+        # neighbour's.
         is_above = self._ends(cell, step)
         is_below = self._ends(cell + step, -step) & ~is_above
         lifted = cell + 0.5 + 0.5 * step + (BEFORE + 0.01) * np.where(is_below, step, -step)
@@ -105,6 +111,7 @@ class Lookup:
 
     def _warped_axis(self, coordinates: F64, n: F64, axis: int) -> F64:
         """One axis, between the walls of the cell WHOLE_BEFORE cells in front of the surface."""
+        # Walls are those in front of the surface, because behind it lies another room.
         beyond = WHOLE_BEFORE * n
         beyond[:, axis] = 0.0
         cell, at = self._cells(coordinates + beyond)
@@ -132,6 +139,8 @@ class Lookup:
     def _open_offset(self, cell: NDArray[Any], t: F64, rim: F64) -> F64:
         """Twin: open_offset in wgsl/lattice.wgsl."""
         _, at = self._cells(np.asarray(cell, np.float64))
+        # Linear where the face is open, the cell's own value where it is closed: no light leaks
+        # through a wall.
         open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
         share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
         within = rim * _smoothstep(0.0, 0.25, share) * _smoothstep(0.5 - BEFORE, 0.5, np.abs(t))

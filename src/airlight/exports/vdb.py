@@ -84,6 +84,7 @@ def vdb_bytes(grids: list[VdbGrid], about: dict[str, str]) -> bytes:
     out += str(uuid.uuid5(uuid.NAMESPACE_OID, named)).encode()
     out += _metadata({"creator": "airlight", **about})
     out += struct.pack("<I", len(grids))
+    # Offsets of a grid's parts stand before it, and are known only behind it.
     for grid in grids:
         kind = "vec3s" if grid.values.ndim == 4 else "float"
         out += _text(grid.name) + _text(f"Tree_{kind}_5_4_3") + _text("")

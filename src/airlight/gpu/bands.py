@@ -45,10 +45,12 @@ def banded(text: str) -> tuple[str, str]:
     Raises ValueError where its entry asks for what bands cannot give, such as the number of all
     workgroups.
     """
+    # A band runs part of the workgroups; it can make up for its offset, not for the number of all.
     found = _MAIN.search(text)
     taken = _PARAMETER.findall(found[2]) if found else []
     if found is None or any(builtin not in _BEFORE for builtin, _, _ in taken):
         raise ValueError("a pass in bands knows its invocation and its workgroup alone")
+    # The entry hands on the builtins, with what lies before the band added.
     plain = re.sub(r"@builtin\(\w+\)\s*", "", found[2])
     given = ", ".join(name + _BEFORE[builtin] for builtin, name, _ in taken)
     entry = (

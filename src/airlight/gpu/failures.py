@@ -55,6 +55,8 @@ class Guarded:
 
 def refused(gpu: Gpu, error: Exception) -> DeviceError | None:
     """The DeviceError that `error` stands for; None where it is about something else."""
+    # Drivers report exhaustion by several types and texts; a person needs one sentence and a
+    # remedy.
     if isinstance(error, MemoryError):
         return DeviceError(f"no memory is left: {error or 'of any size'}", remedy=MEMORY_REMEDY)
     is_memory = isinstance(error, (wgpu.GPUError, RuntimeError)) and _NO_MEMORY.search(str(error))
@@ -66,6 +68,7 @@ def refused(gpu: Gpu, error: Exception) -> DeviceError | None:
             f"{gpu.info.name} has no memory left{what}, beside {held} MiB that airlight holds",
             remedy=MEMORY_REMEDY,
         )
+    # Any error of a device that is gone comes from its loss, whatever it says.
     return None if is_alive(gpu) else lost(gpu)
 
 

@@ -44,6 +44,8 @@ class _Part:
 
     def built(self, first: int) -> str:
         """WGSL that rebuilds the struct from the interpolants from `first` on; the rest is zero."""
+        # Fields follow each other in words of 32 bits, whatever their types; a vertex stage wrote
+        # them so.
         values, at = [], first
         for name, field in self.struct.fields.items():
             if name in self.left_out:

@@ -48,6 +48,7 @@ def _found_row_lanes(gpu: Gpu) -> bool:
     commands.submit()
     numbers = found.read(np.uint32).reshape(groups, LANES, 2)
     found.release()
+    # Both directions are asked for: a driver that runs lanes in another order fails one of them.
     own = np.arange(groups * LANES).reshape(groups, LANES)
     is_before = np.array_equal(numbers[:, 1:, 0], own[:, :-1])
     return is_before and np.array_equal(numbers[:, :-1, 1], own[:, 1:])

@@ -132,6 +132,7 @@ def declarations(slots: tuple[Slot, ...], group: int = 0) -> str:
 
 def bind_group_layout(device: Any, slots: tuple[Slot, ...], *, compute: bool, label: str) -> Any:
     """The WebGPU layout of `slots`."""
+    # WebGPU forbids writes from vertex shaders; whatever else is bound may be read from both.
     stages = (
         wgpu.ShaderStage.COMPUTE if compute else wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
     )

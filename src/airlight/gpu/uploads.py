@@ -91,9 +91,12 @@ class Uploads:
 
         `key` says all that it depends on. The lease ends with `scope`.
         """
+        # Counted under the lock, so that nobody releases it before it is made.
         with self._lock:
             upload = self._uploads.setdefault(key, _Upload(key))
             upload.count += 1
+        # Made outside of that lock: others may upload meanwhile, and only those of the same key
+        # wait.
         lease: Lease[T] = Lease(self, upload)
         try:
             with upload.making:

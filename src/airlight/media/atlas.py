@@ -83,6 +83,8 @@ class DensityAtlas:
         own: dict[int, int] = {}
         self._box_of = [own.setdefault(id(density), len(own)) for density in densities]
         arrays = [densities[self._box_of.index(box)] for box in range(len(own))]
+        # Beside the density lies the distance to the next voxel that is not empty, by which rays
+        # skip; large atlases go without, for memory.
         counts = [(a.shape[2], a.shape[1], a.shape[0]) for a in arrays]
         boxes, size = packed(counts, self._gpu.limits[LIMIT])
         has_distances = size[0] * size[1] * size[2] <= MOST_WITH_DISTANCES

@@ -80,6 +80,8 @@ class _Attenuated(ReflectiveShadowMaps):
 
     def _copy(self, commands: Commands, *, beyond: float = 0.0, **bound: Any) -> None:
         """Attenuate the flux of each texel; `bound`: what the pass reads besides the maps."""
+        # The copy keeps the maps' views and depth, so that it can stand in for them wherever flux
+        # is read.
         if self.layers:
             self._attenuate.dispatch(
                 commands,

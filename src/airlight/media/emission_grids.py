@@ -66,6 +66,8 @@ class EmissionGrids:
             return
         emission = volume.emission
         assert emission and emission.values is not None
+        # Half floats end at 65504, so texels hold shares of the peak, which the medium's row
+        # multiplies.
         texels = np.zeros((*emission.values.shape[:3], 4), np.float16)
         scale = 1.0 / max(emission.peak, 1e-30)
         half_floats(emission.values, scale, out=texels[..., :3])

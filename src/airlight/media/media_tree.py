@@ -26,6 +26,7 @@ def media_nodes(
     rows beyond those of media, come nodes that end a walk. `blocks`: of lists of paths along x, y,
     z, which whoever reads such lists finds in the root's `after`, with its box.
     """
+    # A walk needs no stack: a node that is missed names the node after its whole subtree.
     nodes = np.zeros((2 * count, 2, 4))
     if has_tree(len(rows)):
         tree = box_tree(*_world_boxes(rows))
@@ -35,6 +36,7 @@ def media_nodes(
         filled[:, 0, :3], filled[:, 0, 3] = tree.low, after
         filled[:, 1, :3], filled[:, 1, 3] = tree.high, tree.box
         filled[tree.box < 0, 1, 3] = NO_MEDIUM
+        # After the root comes the end in any case, which leaves its field free for the counts.
         nx, ny, nz = blocks or (0, 0, 0)
         nodes[0, 0, 3] = _ROOT | nx | ny << 6 | nz << 12
     return nodes.reshape(count, 4, 4)

@@ -89,12 +89,14 @@ class PathLists:
         rows: Sequence[dict[str, Any]],
     ) -> None:
         """Make the lists again, if lights or the boxes of media, `rows` of `table`, are others."""
+        # Lists depend on where lights and boxes are, not on how strong or how dense.
         packed = packed_lights(lights)[: len(lights)]
         boxes = np.array([row["volume_from_world"] for row in rows], np.float32)
         made = (boxes.tobytes(), *(packed[name].tobytes() for name in _PLACED))
         if made == self._made or not lights:
             return
         self._made = made
+        # One invocation makes a run of neighbouring lists, which share most of their media.
         self._lights.write(_path_lights(packed))
         nx, ny, nz = self.count
         self._pass.dispatch(

@@ -102,6 +102,7 @@ class StaleCells:
             return
         if len(boxes):
             self._boxes.write(_touched(boxes))
+        # The list begins with its length, which cells count up as they enter.
         commands.encoder.clear_buffer(self.listed.handle, 0, 4)
         self._pass.dispatch(
             commands,

@@ -68,6 +68,8 @@ class IndirectLight:
         self, medium: GridMedium, settings: PopSettings, outer: IndirectLight | None = None
     ) -> None:
         """`outer`: of a finer grid, that of the next larger one."""
+        # The light of the lattice is not solved for itself: a cell receives the share of it that a
+        # uniform sky of radiance 1 sends there.
         self._medium = medium
         self._sky = uniform_sky(settings.ordinates)
         around: DeltaBeams | None = outer._uniform if outer else None

@@ -156,6 +156,7 @@ class PopSolver:
         camera = lit.look.camera if lit.look else None
         look = np.subtract(camera.target, camera.position) if camera else np.zeros(3)
         finer.medium.follow(lit.eye, look)
+        # A moved medium is lit again, and new light is seen again.
         is_moved = finer.begin(commands, lit, self.medium.volumes)
         if is_moved:
             finer.encode_medium(commands, lit)

@@ -94,8 +94,11 @@ class _Growth:
 
     def begin(self, parts: Parts, cuts: Cuts) -> tuple[Parts, Cuts]:
         """Make leaves of the parts that are better not divided; returns the others."""
+        # The surface area heuristic decides: a leaf where testing all items costs no more than a
+        # node and its parts would.
         counts = parts.counts
         is_leaf = (counts <= self.most) & (counts * ITEM_COST <= 1.0 + cuts.cost * ITEM_COST)
+        # A single item cannot be divided, and the last level may not be.
         is_leaf |= (counts == 1) | ((counts <= self.most) & (len(self.axes) == self.most_levels))
         if self.axes:
             self._hang(parts, is_leaf)
@@ -109,8 +112,10 @@ class _Growth:
 
     def _hang(self, parts: Parts, is_leaf: NDArray[np.bool_]) -> None:
         """Tell the level above which nodes and leaves its children are."""
+        # Nodes are numbered level by level, so a part's place among its level is its number.
         above = self.children[-1].ravel()
         above[self.parents[~is_leaf]] = self.levels[-1] + np.arange((~is_leaf).sum())
+        # Leaves store a range of the final order, which they extend by their own items.
         counts = parts.counts[is_leaf]
         first = self.ordered + np.cumsum(counts) - counts
         above[self.parents[is_leaf]] = LEAF | (counts - 1) << COUNT_SHIFT | first
@@ -144,6 +149,7 @@ def child_boxes(tree: Hierarchy, low: F32, high: F32) -> tuple[F32, F32]:
 
     Those of missing children are inside out: infinite low, negative infinite high.
     """
+    # Leaves first, whose boxes come from items: the k-th item of all leaves at once.
     count = len(tree.children)
     lows = np.full((count, 4, 3), np.inf, np.float32)
     highs = np.full((count, 4, 3), -np.inf, np.float32)

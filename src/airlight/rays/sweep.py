@@ -110,6 +110,7 @@ def _order(numbers: Ints, share: F64, count: int) -> Ints:
 
     Both and the place go into one integer: NumPy sorts values several times faster than places.
     """
+    # The share has the bits that part and place leave, enough to tell centres apart.
     place_bits = len(numbers).bit_length()
     share_bits = 62 - place_bits - count.bit_length()
     key = numbers << (place_bits + share_bits)
@@ -121,6 +122,7 @@ def _order(numbers: Ints, share: F64, count: int) -> Ints:
 
 def _areas(items: Ints, parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[F64, F64, F64]:
     """Half the areas of the boxes around the items up to each, behind each, and in each part."""
+    # The box up to an item and the box from the next one on are the two sides of a cut behind it.
     far: F64 = _APART * numbers.astype(np.float64)
     found = [
         _sides(low[items], high[items], far)
@@ -134,6 +136,8 @@ def _areas(items: Ints, parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[F64,
 
 def _sides(low: F64, high: F64, far: F64) -> tuple[F64, F64]:
     """Along one axis: sides of the boxes around the items up to each, and from each on."""
+    # One running extreme serves all parts: each is shifted so far from the last that the extreme
+    # begins again there.
     apart = 2.0 * far
     before = np.maximum.accumulate(high + far)
     before -= np.minimum.accumulate(low - far)

@@ -79,6 +79,7 @@ def hdr_flip_map(reference: F32, image: F32, exposures: tuple[float, float]) -> 
     """
     import flip_evaluator
 
+    # Andersson et al. 2021 take the worst error over exposures one stop apart.
     start, stop = exposures
     parameters = {
         "startExposure": start,

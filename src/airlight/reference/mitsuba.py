@@ -76,6 +76,7 @@ def render(
     mean square of the standard error over the mean), approximations (a list of sentences).
     Raises ReferenceFailure: no Mitsuba, a scene it refuses, a crash, more than `timeout_s`.
     """
+    # The whole image is rendered in any case, and once only where it is asked for by name, too.
     images = render_layers(
         scene,
         tuple(dict.fromkeys(("all", *layers))),
@@ -179,12 +180,15 @@ def _render_channels(scene: Scene, request: _Request, progress: Progress | None)
 
 
 def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> _Part:
+    # Layers of media need an integrator of our own, which takes forever where Python is
+    # interpreted.
     if request.names != ("all",) and has_media(scene) and request.variant == SCALAR_VARIANT:
         raise NoLayers(
             "layers of a scene with media need Mitsuba's compiled variant, and no libLLVM 16 or "
             "newer is found",
             remedy="Install libLLVM 19, or name it in DRJIT_LIBLLVM_PATH.",
         )
+    # Mitsuba runs in a process of its own: a crash there costs an exception here.
     with tempfile.TemporaryDirectory(prefix="airlight-mitsuba-") as name:
         folder = Path(name)
         exported = export(
@@ -198,6 +202,7 @@ def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> 
         )
         job = _job(scene, exported, request, folder)
         arrays = run_job(job, folder, timeout_s=request.timeout_s, progress=progress)
+    # Without media nothing scatters in any, and everything passes: those layers are known.
     missing = [layer for layer in request.names if layer not in arrays]
     shape = (request.size[1], request.size[0], 3)
     for layer in missing:  # a scene without media
@@ -208,12 +213,15 @@ def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> 
 
 
 def _job(scene: Scene, exported: Exported, request: _Request, folder: Path) -> Job:
+    # Mitsuba hides either all emitters or none; to hide the sky and show what glows takes our own
+    # integrator.
     environment = scene.environment
     hide = environment is not None and not environment.visible
     glows = has_glow(scene)
     wants_layers = request.names != ("all",)
     compiled = request.variant != SCALAR_VARIANT
     ours = compiled and (wants_layers or (hide and glows))
+    # Its own integrators tell no layers of media apart.
     names = request.names
     if not ours:
         names = tuple(name for name in names if name not in MEDIA_LAYERS)
@@ -248,6 +256,7 @@ def _image(name: str, parts: list[_Part], scene: Scene) -> Image:
             return np.asarray(parts[0].arrays[key], dtype=np.float32)
         return np.stack([part.arrays[key][..., c] for c, part in enumerate(parts)], axis=-1)
 
+    # Media of one phase function for each channel are rendered channel by channel.
     radiance, variance = gathered(name), gathered(f"{name}.variance")
     first = parts[0]
     mean = float(radiance.mean(dtype=np.float64))

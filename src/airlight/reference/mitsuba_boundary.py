@@ -37,6 +37,7 @@ def ellipsoid(
     world_from_cube: F64, interior: str, exterior: str, files: FileStore, notes: list[str]
 ) -> Element:
     """A sphere where all axes are equal and at right angles, else a fine mesh of one."""
+    # Mitsuba's sphere takes rotations and uniform scales alone: other ellipsoids become meshes.
     linear = world_from_cube[:3, :3]
     radius = float(np.cbrt(abs(np.linalg.det(linear))))
     if np.allclose(linear @ linear.T, radius**2 * np.eye(3), rtol=0.0, atol=1e-6 * radius**2):
@@ -44,6 +45,7 @@ def ellipsoid(
         add_matrix(shape, "to_world", world_from_cube)
         return _with_media(shape, interior, exterior)
     notes.append(f"{interior}: its ellipsoid is a mesh of {ELLIPSOID_STEPS} steps around")
+    # A mirrored placement turns triangles inside out, and a boundary needs its outside.
     positions, indices = _unit_sphere(ELLIPSOID_STEPS)
     placed = (positions @ linear.T + world_from_cube[:3, 3]).astype(np.float32)
     if np.linalg.det(linear) < 0.0:
@@ -110,6 +112,7 @@ def refuse_crossings(volumes: list[Volume], medium_extent: tuple[F64, F64] | Non
     def name(volume: Volume) -> str:
         return volume.source or f"volumes[{volumes.index(volume)}]"
 
+    # Mitsuba's shapes switch media where a path crosses them: it loses track in overlapping ones.
     for first, second in combinations(volumes, 2):
         if _overlap(_corners(first), _corners(second)):
             raise ReferenceFailure(

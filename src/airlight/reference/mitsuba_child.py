@@ -86,6 +86,7 @@ def _follow(
     child: subprocess.Popen[bytes], deadline: float, timeout_s: float, progress: Progress | None
 ) -> bool:
     """Pass progress on until the child closes its output. Whether it got ready."""
+    # Lines are read on a thread, because reading a pipe cannot time out on every system.
     lines: queue.Queue[bytes | None] = queue.Queue()
     threading.Thread(target=_read, args=(child, lines), daemon=True).start()
     is_ready = False
@@ -99,6 +100,8 @@ def _follow(
             ) from None
         if line is None:
             return is_ready
+        # The child says that it is ready only once its compiler has worked: a crash before is one
+        # of LLVM.
         word, _, rest = line.decode(errors="replace").strip().partition(" ")
         is_ready = is_ready or word == "ready"
         if word == "progress" and progress is not None:

@@ -69,6 +69,7 @@ def write_ply(
     names += ["u", "v"] * (uvs is not None) + ["r", "g", "b"] * (colors is not None)
     arrays = [a for a in (positions, normals, uvs, colors) if a is not None]
     vertices = np.ascontiguousarray(np.concatenate(arrays, axis=1), dtype="<f4")
+    # Faces are lists in this format, each with its length before it.
     faces = np.empty(len(indices), dtype=[("count", "u1"), ("index", "<i4", 3)])
     faces["count"], faces["index"] = 3, indices
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]

@@ -33,6 +33,7 @@ class ThinGlass(GltfReflection):
         self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
     ) -> tuple[Any, Any]:
         """Straight on as often as light passes; else a direction of one of the other lobes."""
+        # Either goes on straight, or one of the two reflecting lobes is chosen by its share.
         surface, wi = self._surface(si, active), self._towards(si.wi)
         passed = self.eval_null_transmission(si, active)
         p = dr.mean(passed)
@@ -45,6 +46,7 @@ class ThinGlass(GltfReflection):
         component, reflected = lobe(glossy)
         bs.sampled_type = dr.select(goes_on, mi.UInt32(+mi.BSDFFlags.Null), reflected)
         bs.sampled_component = dr.select(goes_on, mi.UInt32(2), component)
+        # Passing is weighted by colour over chance, a lobe by what all lobes give there.
         value, pdf = self.eval_pdf(ctx, si, bs.wo, active)
         bs.pdf = dr.select(goes_on, p, pdf)
         weight = dr.select(goes_on, passed / p, value / pdf)

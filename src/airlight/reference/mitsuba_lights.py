@@ -97,6 +97,7 @@ def environment_emitter(environment: Environment, files: FileStore) -> Element:
         r, g, b = (environment.scale * c for c in environment.radiance)
         add_rgb(emitter, "radiance", (r, g, b))
         return emitter
+    # Mitsuba filters across the horizon; more rows narrow the strip where ground and sky mix.
     emitter = plugin("emitter", "envmap")
     pixels = environment.map
     key = ("environment", files.identity(pixels), environment.horizon)

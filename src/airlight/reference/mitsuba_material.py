@@ -58,12 +58,14 @@ def _material_bsdf(
     material: Material, geometry: Geometry, files: FileStore, notes: list[str]
 ) -> Element:
     """The BSDF of `material` on `geometry`; what it cannot say exactly goes to `notes`."""
+    # First what Mitsuba has no words for, each with a note.
     material, geometry = _with_constant_colors(material, geometry, notes)
     note_wrapping(material, notes)
     if material.is_unlit:
         notes.append(f"material '{material.name}': unlit, and written as a matt one")
     if material.transmission > 0.0 and material.is_translucent:
         return _covered(_glass(material, geometry, files, notes), material, geometry, files)
+    # From the inside out: the reflection, its normals, then which sides have it.
     if material.specular == 0.0 and material.metallic == 0.0:
         inner = plugin("bsdf", "diffuse")
         _add_base_color(inner, "reflectance", material, geometry, files)
@@ -112,6 +114,7 @@ def _glass(material: Material, geometry: Geometry, files: FileStore, notes: list
     notes.append(
         "glass is Mitsuba's thindielectric: its Fresnel term is exact where ours is Schlick's"
     )
+    # Mitsuba's dielectric is mixed with the opaque rest by the share that passes.
     glass = plugin("bsdf", "thindielectric")
     add_number(glass, "int_ior", _thin_index(0.04 * material.specular))
     add_number(glass, "ext_ior", 1.0)
@@ -149,6 +152,7 @@ def _with_constant_colors(
     """Vertex colours that are one colour, or stand beside a texture, moved into base_color."""
     if geometry.colors is None:
         return material, geometry
+    # Mitsuba reads vertex colours as a texture, so that a mesh cannot have both.
     colors = np.clip(geometry.colors[:, :3], 0.0, 1.0)
     varies = bool(np.ptp(colors, axis=0).max() > 1e-6)
     if varies and (material.base_color_texture is None or geometry.uvs is None):

@@ -59,12 +59,14 @@ def has_media(scene: Scene) -> bool:
 
 def scene_media(scene: Scene, files: FileStore, notes: list[str]) -> Media:
     """All media of the scene. Raises ReferenceFailure where two of them cross."""
+    # Media without extinction scatter nothing, and would only cost boundaries.
     media = Media()
     volumes = [volume for volume in scene.volumes if max(volume.sigma_t) > 0.0]
     air = scene.medium if scene.medium and max(scene.medium.sigma_t) > 0.0 else None
     medium_extent = medium_bounds(scene) if air else None
     refuse_crossings(volumes, medium_extent)
     eye = np.array(scene.camera.position)
+    # A camera inside a medium must be told so: no boundary lies before it.
     if air and medium_extent is not None:
         media.mediums.append(_homogeneous(AIR, _coefficients(air)))
         media.boundaries.append(boundary(world_from_cube(*medium_extent), AIR, ""))
@@ -111,6 +113,7 @@ def _add_volume(
 ) -> None:
     if volume.detail > 0.0:
         notes.append(f"volume {volume.source or name}: its procedural detail is left out")
+    # One medium holds at each point, so a volume in the air has the air's coefficients added.
     own = _coefficients(volume)
     around = _coefficients(air) if air else None
     if volume.density is None:
@@ -119,11 +122,14 @@ def _add_volume(
         medium = _grid_volume(name, volume, own, around, files, notes)
     media.mediums.append(medium)
     exterior = AIR if air else ""
+    # Drawn in a little, because its walls may lie on those of meshes or of other media.
     inset = world_from_volume_cube(volume, 1.0 - 2.0 * EDGE_MARGIN)
     if volume.shape == "sphere":
         media.boundaries.append(ellipsoid(inset, name, exterior, files, notes))
     else:
         media.boundaries.append(boundary(inset, name, exterior))
+    # Colour decides on the integrator: one that samples distances for all channels at once pays
+    # off.
     is_tinted = volume.tint is not None or bool(np.ptp(own.sigma_t) > 0.0)
     media.is_colored = media.is_colored or is_tinted
 
@@ -133,6 +139,8 @@ def _constant_volume(
 ) -> Element:
     if around is None:
         return _homogeneous(name, own)
+    # Two media in one place: extinctions add up, the albedo is weighted by them, phase functions by
+    # scattering.
     sigma_t = own.sigma_t + around.sigma_t
     own_s, around_s = own.sigma_t * own.albedo, around.sigma_t * around.albedo
     albedo = (own_s + around_s) / np.maximum(sigma_t, 1e-30)

@@ -163,6 +163,7 @@ def _layered(job: Job, seed: int, spp: int) -> dict[str, NDArray[np.float32]]:
 
     from . import mitsuba_paths
 
+    # Loading compiles for seconds, so scene and integrator serve all batches.
     if "layered" not in _SCENES:
         mitsuba_paths.register()
         description = {
@@ -175,6 +176,7 @@ def _layered(job: Job, seed: int, spp: int) -> dict[str, NDArray[np.float32]]:
         _SCENES["layered"] = (_load(job, job.xml), mi.load_dict(description))
     scene, integrator = _SCENES["layered"]
     image = np.array(mi.render(scene, integrator=integrator, seed=seed, spp=spp))
+    # The integrator's channels: the image, then each layer's three.
     parts = {"all": image[..., :3]}
     for index, name in enumerate(mitsuba_paths.PATH_LAYERS):
         parts[name] = image[..., 3 + 3 * index : 6 + 3 * index]
@@ -214,6 +216,8 @@ class _Stock:
                     rendered[limit] -= self._render(self._background, job.integrator, 1, seed, spp)
             return rendered[limit]
 
+        # A layer is the difference of two limits on path length; limits that layers share are
+        # rendered once.
         parts = {}
         for name in job.layers:
             first, *rest = _LIMITS[name]

@@ -42,12 +42,16 @@ def mesh_shapes(mesh: Mesh, diagonal: float, files: FileStore, notes: list[str])
     material = mesh.material
     if is_absent(material):
         return []
+    # What glows is split and offset in metres of the world, and a mirrored placement would turn
+    # normals about: both are written as they are placed.
     is_baked = material.is_emissive or np.linalg.det(mesh.world_from_object[:3, :3]) <= 0.0
     geometry = in_world(mesh.geometry, mesh.world_from_object) if is_baked else mesh.geometry
     to_world = np.eye(4) if is_baked else mesh.world_from_object
     if material.is_emissive and is_masked(material, geometry):
         notes.append(f"material '{material.name}': the parts cut away by its alpha still glow")
     shapes = []
+    # A shape has one emitter, hence one for each part; a two-sided one glows by a flipped copy just
+    # behind.
     for part in _emission_parts(material, geometry, notes):
         kept = geometry
         if not part.triangles.all():
@@ -67,6 +71,7 @@ def in_world(geometry: Geometry, world_from_object: F64) -> Geometry:
     """The geometry with its placement applied; mirrored ones keep their front side."""
     if np.array_equal(world_from_object, np.eye(4)):
         return geometry
+    # Normals go by the inverse transpose, which keeps them at right angles to what was stretched.
     linear = world_from_object[:3, :3]
     positions = geometry.positions @ linear.T + world_from_object[:3, 3]
     assert geometry.normals is not None
@@ -76,6 +81,7 @@ def in_world(geometry: Geometry, world_from_object: F64) -> Geometry:
     else:
         normals = geometry.normals @ np.linalg.inv(linear)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    # A mirrored triangle is wound the other way round, or its front would become its back.
     indices = geometry.indices if sign >= 0.0 else geometry.indices[:, ::-1]
     return replace(
         geometry,
@@ -116,6 +122,7 @@ def _shape(
 
 
 def _ply(material: Material, geometry: Geometry, files: FileStore) -> str:
+    # Mitsuba does not multiply vertex colours with a base colour, so they are stored multiplied.
     colors = None
     if geometry.colors is not None:
         colors = np.clip(geometry.colors[:, :3], 0.0, 1.0)
@@ -156,6 +163,7 @@ def _area_emitter(part: _Part, files: FileStore) -> Element:
     if part.texture is None:
         add_rgb(emitter, "radiance", part.radiance)
         return emitter
+    # Emission is written linear and in absolute units, as EXR, because bitmaps of 8 bits end at 1.
     texture, radiance = part.texture, part.radiance
     key = (files.identity(texture.pixels), "emission", texture.is_srgb, radiance)
     filename = files.once(
@@ -170,6 +178,8 @@ def _area_emitter(part: _Part, files: FileStore) -> Element:
 
 def _emission_parts(material: Material, geometry: Geometry, notes: list[str]) -> list[_Part]:
     """The mesh split by what glows. Most meshes are one part."""
+    # A texture on an emitter is sampled by uv, which needs each texel to be on one place of the
+    # surface.
     everything = np.ones(len(geometry.indices), dtype=bool)
     texture = material.emission_texture
     if not material.is_emissive or texture is None or geometry.uvs is None:
@@ -180,6 +190,8 @@ def _emission_parts(material: Material, geometry: Geometry, notes: list[str]) ->
         f"material '{material.name}': its emission texture repeats or overlaps, each triangle "
         "glows in its mean colour"
     )
+    # Otherwise each triangle glows in its mean; similar ones share a shape, as thousands would be
+    # slow.
     means = _triangle_means(texture, geometry) * np.array(material.emission)
     top = float(means.max())
     if top <= 0.0:
@@ -249,6 +261,7 @@ def _triangle_means(texture: Texture, geometry: Geometry) -> F64:
 
 
 def _nearest(pixels: F32, uv: NDArray[np.floating], wrap: tuple[str, str]) -> F32:
+    # As a sampler wraps: repeated, mirrored every other time, or held at the rim.
     cells = []
     for axis, size in ((0, pixels.shape[1]), (1, pixels.shape[0])):
         i = np.floor(uv[:, axis] * size).astype(np.int64)

@@ -35,6 +35,8 @@ def add_bitmap(
         add_truth(node, "raw", True)
     if nearest:
         add_text(node, "filter_type", "nearest")
+    # Mitsuba wraps both axes alike: beside another mode a mirrored axis is unfolded into an image
+    # twice as long, over which uv go half as fast.
     scale, offset = np.array(texture.scale), np.array(texture.offset)
     if "mirror" in texture.wrap and texture.wrap[0] != texture.wrap[1]:
         doubled = np.array([2.0 if mode == "mirror" else 1.0 for mode in texture.wrap])

@@ -152,6 +152,7 @@ def fluence(
     """
     side = float(cells)
     middle = 0.5 * side
+    # Either source gives 1 W, so that results say which share of the power arrives where.
     source: Source
     if kind == "point":
         source = PointSource((middle, middle, middle), 1.0 / (4.0 * math.pi))

@@ -110,6 +110,7 @@ class BoxMedium:
 
     def domain(self) -> Domain:
         """The same for the kernel."""
+        # The peak is the majorant of delta tracking: the tighter, the fewer null collisions.
         kind, density, peak = HOMOGENEOUS, np.zeros((1, 1, 1)), 1.0
         if self.density is not None:
             kind, density = GRID, np.ascontiguousarray(self.density, dtype=np.float64)
@@ -204,12 +205,14 @@ class Emitting:
 
     def emitter(self, bounds: Bounds) -> tuple[Emitter, float]:
         """For the kernel, and the power that the medium emits, W."""
+        # An isotropic emitter of coefficient j radiates 4 pi j per volume.
         nz, ny, nx = self.emission.shape
         size = np.subtract(bounds[1], bounds[0]) / (nx, ny, nz)
         power = 4.0 * math.pi * float(np.prod(size)) * self.emission.astype(np.float64).ravel()
         total = float(power.sum())
         if total <= 0.0:
             raise ReferenceFailure("the medium emits no power")
+        # Voxels are drawn by power: a cumulative distribution over those that emit at all.
         z, y, x = np.unravel_index(np.flatnonzero(power), self.emission.shape)
         low = np.array(bounds[0]) + np.stack([x, y, z], axis=1) * size
         chance = np.cumsum(power[power > 0.0]) / total

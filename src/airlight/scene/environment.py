@@ -63,6 +63,8 @@ class Environment:
         Its halves stay apart but for one of those rows; elsewhere it is read as before.
         """
         assert self.map is not None
+        # Rows of sky and ground are resampled apart: each clamps at the horizon instead of reading
+        # the other half.
         height = self.map.shape[0]
         if not self.horizon or height < 2:
             return self.map

@@ -122,10 +122,13 @@ def _checked_indices(indices: NDArray[np.uint32], vertex_count: int) -> NDArray[
 
 def smooth_normals(positions: F32, indices: NDArray[np.uint32]) -> F32:
     """Area-weighted vertex normals (V, 3); vertices of no area get +Y."""
+    # In parts, because double-precision corners of a large mesh would take more memory than the
+    # mesh.
     sums = np.zeros((3, len(positions)))
     for part in chunks(len(indices)):
         corners = indices[part]
         a, b, c = (positions[corners[:, k]].astype(np.float64) for k in range(3))
+        # Unnormalised, so that each face counts by its area.
         face = np.cross(b - a, c - a)
         for axis in range(3):
             np.add.at(sums[axis], corners.ravel(), np.repeat(face[:, axis], 3))

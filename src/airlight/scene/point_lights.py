@@ -42,6 +42,7 @@ class PointLights:
             raise SceneError(f"intensities: row {_first(intensities < 0.0)} is negative")
         checks.at_most(positions, checks.MOST_M, "positions")
         checks.at_most(intensities, checks.MOST, "intensities")
+        # One intensity for all is spread here, so that readers know one form alone.
         wide = np.broadcast_to(intensities, positions.shape)
         object.__setattr__(self, "positions", positions)
         object.__setattr__(self, "intensities", np.ascontiguousarray(wide))

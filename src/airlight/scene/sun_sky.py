@@ -108,6 +108,7 @@ def sky_at(latitude_deg: float, longitude_deg: float, when: datetime, *, turbidi
 
     Raises SceneError at night, and for what is no place or no time.
     """
+    # The sun's position goes by universal time, so a zone is needed.
     latitude = checks.number(latitude_deg, "latitude", low=-90.0, high=90.0)
     longitude = checks.number(longitude_deg, "longitude", low=-180.0, high=180.0)
     try:

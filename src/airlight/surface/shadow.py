@@ -69,7 +69,6 @@ class ShadowMaps:
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:
         """Draw those `views` that changed."""
         # A map holds as long as its view and the geometry do.
-        # A layer stays while meshes and its view do.
         stale = []
         for layer, view in enumerate(views):
             key = (scene.version, view.clip_from_world.tobytes())

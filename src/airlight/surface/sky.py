@@ -101,9 +101,11 @@ def shrunk_map(environment: Environment) -> F64:
     """
     if environment.map is None:
         return environment_map(environment)
+    # Squares hold whole texels; the rest at the right and the bottom is less than a square.
     height, width = environment.map.shape[:2]
     factor = max(1, height // _ROWS)
     rows, columns = height // factor, width // factor
+    # Sums in double precision: a sun's texels outweigh thousands of others.
     shrunk = np.empty((rows, columns, 3))
     for row in range(rows):
         texels = environment.map[row * factor : (row + 1) * factor, : columns * factor]
@@ -181,6 +183,7 @@ class EnvironmentTexture:
     @property
     def seen(self) -> dict[str, Any]:
         """Beside the texels: the horizon between them and the sun, for `LightingParams`."""
+        # A sharp horizon stops filtering from mixing ground into the lowest row of sky.
         shown = self._shown
         is_sharp = shown is not None and shown.visible and shown.horizon and shown.map is not None
         sky = shown.sky if shown is not None and shown.visible else None

@@ -71,6 +71,8 @@ class TextureStore:
 
         Scenes whose materials have the same maps share it.
         """
+        # Lookups share a buffer where the sets of maps are the same, whatever the factors beside
+        # them.
         keys, sets = packed_sets(materials, self._image)
         most = most_texels(self.gpu)
 
@@ -80,6 +82,7 @@ class TextureStore:
 
         lease = self.gpu.uploads.lease(self.gpu, ("packed maps", most, *sets), make)
         self._packed.append(lease)
+        # Mip chains were held for packing alone.
         self._chains.clear()
         locations, texels = lease.value
         return [None if key is None else locations[key] for key in keys], texels

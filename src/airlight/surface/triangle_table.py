@@ -174,6 +174,7 @@ class TriangleTable:
         """
         if base_vertex not in self.base_vertex:
             return False
+        # A buffer that other scenes show is not written to; this scene gets one of its own.
         is_own = self._lease.claim()
         if not is_own:
             self._lease.release()
@@ -199,6 +200,7 @@ class TriangleTable:
         self.materials.write(self._rows[row : row + 1], row * MATERIAL.itemsize)
 
     def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
+        # A material without a location is drawn by the ordinary path.
         locations, self.texels = store.packed(materials)
         self._is_packed = {
             id(m): at is not None for m, at in zip(materials, locations, strict=True)

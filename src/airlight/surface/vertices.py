@@ -67,6 +67,7 @@ class VertexBuffers:
         Raises SceneError where it has other triangles than before.
         """
         check_same_triangles(self.uploaded[first], geometry)
+        # A buffer that other scenes show is not written to; this scene gets one of its own.
         is_own = self._lease.claim()
         if not is_own:
             self._lease.release()

@@ -158,7 +158,6 @@ class VisibilityBuffer:
 
         Draws that only did not fit into memory are not ordered as `in_draw_order` asks.
         """
-        # The same triangles, by the vertices and indices of the table.
         # What the table holds is drawn from it; all else as ever.
         shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in draws]
         rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]

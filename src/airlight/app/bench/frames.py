@@ -76,6 +76,8 @@ def counted(renderer: Renderer) -> dict[str, dict[str, int]]:
     from ...gpu.tally import Tally
 
     scene, commands, tally = renderer.scene, renderer.commands, Tally()
+    # Recorded passes are replayed by the library and not counted, so recording is off for this
+    # frame.
     with renderer.used():
         commands.tally, commands.is_recordable = tally, False
         try:

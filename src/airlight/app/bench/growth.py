@@ -77,10 +77,12 @@ def _with_ground(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
     from ...scene.mesh import Geometry, Mesh
 
     (x0, y0, z0), (x1, _, z1) = scene.bounds
+    # A lattice of n x n points has about 2 n^2 triangles.
     side = round(math.sqrt(500.0 * value)) + 1
     x, z = np.meshgrid(np.linspace(x0, x1, side), np.linspace(z0, z1, side))
     y = y0 + 0.05 * np.sin(9.0 * x) * np.cos(7.0 * z)
     at = np.arange(side * side, dtype=np.uint32).reshape(side, side)
+    # The four corners of each square, which two triangles fill.
     a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[1:, :-1], at[:-1, 1:], at[1:, 1:]))
     triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([c, b, d], 1)])
     ground = Geometry(np.stack([x, y, z], -1).reshape(-1, 3).astype(np.float32), triangles)

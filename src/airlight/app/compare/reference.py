@@ -108,6 +108,8 @@ class _Job:
 def _cached_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Reference:
     """The reference of the layers `names`, from `file` in the cache as far as it goes."""
     path = env.cache_folder() / "references" / file
+    # Samples add up: what the cache holds is refined by runs with other seeds until the noise is
+    # low enough.
     cached = _read(path, names)
     have = cached
     while (missing := _samples_missing(have, job.spp, job.noise)) > 0:

@@ -38,6 +38,7 @@ class FrameFolder:
 
     def open(self, asked: Mapping[str, Any], *, resume: bool) -> None:
         """Make the folder, or take up the sequence in it, which must be what is `asked` now."""
+        # Frames without a manifest may be anybody's; they are neither taken up nor written over.
         self._make()
         found = sorted(f.name for f in self.path.iterdir() if _FRAME.fullmatch(f.name))
         if (self.path / MANIFEST).exists() and (found or resume):

@@ -147,6 +147,7 @@ class CameraControls:
             self._pan(dx, dy)
 
     def _rotate(self, azimuth_deg: float, elevation_deg: float) -> None:
+        # A drag keeps the point that it began about, also where walls let the eye come nearer.
         camera = self.camera
         if not self.is_flying and self._arm_m is None:
             self._begin_orbit()
@@ -161,10 +162,12 @@ class CameraControls:
 
     def _begin_orbit(self) -> None:
         """The point that this drag orbits about, and how far the eye is from it; inf: no walls."""
+        # Outdoors nothing is in the way, and the camera's own target is the pivot.
         eye, target = np.array(self.camera.position), np.array(self.camera.target)
         if self.free is None or not self.free.is_enclosed(eye):
             self._arm_m = np.inf
             return
+        # Between walls the target may lie behind one; then a point before it is orbited.
         pivot = self.free.pivot(eye, target)
         self.camera = replace(self.camera, target=_vec3(pivot))
         self._arm_m = float(np.linalg.norm(eye - pivot))

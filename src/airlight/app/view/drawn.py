@@ -91,6 +91,7 @@ class Drawn:
 @contextmanager
 def _quickly(r: Renderer) -> Iterator[None]:
     """A context with coarser shadow maps, and no more than QUICK_STEPS steps of propagation."""
+    # While a light is dragged shadows and propagation cost most, and are missed least.
     lights, lattice = r.technique.kit.lights, r.technique.find(LpvSolver)
     steps = lattice.steps if lattice else 0
     lights.coarseness = QUICK_COARSENESS

@@ -159,6 +159,7 @@ class Fine:
 
     def begin(self, make: Callable[[], Renderer], shot: Shot, seen: Seen = Seen()) -> None:
         """Go on towards the finest image of `shot`; `make` makes the renderer for it."""
+        # One task at a time; it goes on where it was while the view is the same.
         if self._task and not self._task.is_done:
             self._task.pause(holds=False)
             return
@@ -166,6 +167,7 @@ class Fine:
             self._take()
         if self.message or (self._shot is shot and self.samples >= SAMPLES):
             return
+        # A new view starts from nothing: its samples cannot be averaged with others.
         self._shot, self.samples, self.plain = shot, 0, 0
         self._from, self._given_up = SHOWN_FROM, seen.samples
         self._task = Task(
@@ -186,6 +188,7 @@ class Fine:
 
     def drop(self) -> None:
         """Give the device's memory back, once what is being made was broken off."""
+        # The task is waited for, because it may be using what is released next.
         self._shot = None
         if self._task:
             self._task.stop()

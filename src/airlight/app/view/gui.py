@@ -235,6 +235,7 @@ def _help(width: float, height: float) -> None:
 
 def _slid(widget: Widget, label: str, value: Any) -> tuple[bool, Any]:
     """A slider where both ends are known (control-click types a number), else a field."""
+    # Typed numbers are clamped, too, as a setting out of range would stop rendering.
     flags = imgui.SliderFlags_.always_clamp
     if widget.is_logarithmic:
         flags |= imgui.SliderFlags_.logarithmic

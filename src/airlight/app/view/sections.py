@@ -115,6 +115,7 @@ def _image(session: Session) -> Iterator[Widget]:
     def meter(is_metered: bool) -> None:
         state.look = replace(state.look, exposure_stops=None if is_metered else 0.0)
 
+    # Another technique may lack the layer that is looked at.
     layers = session.layers
     at = look.layer if look.layer in layers else layers[0]
     is_metered = look.exposure_stops is None
@@ -166,6 +167,7 @@ def _camera(session: Session) -> Iterator[Widget]:
     yield Widget(
         "aperture", "number", "aperture (m)", camera.aperture_m, wide, 0.0, 0.1 * span, True
     )
+    # A camera without a focus of its own is sharp at its target.
     focus = camera.focus_m or float(np.linalg.norm(np.subtract(camera.target, camera.position)))
     yield Widget("focus", "number", "focus (m)", focus, put("focus_m"), 1e-3 * span, span, True)
     yield Widget("steps", "number", "size of steps", span, reach, 1e-2, 1e4, True)

@@ -96,6 +96,7 @@ def coloured(shares: NDArray[Any], colours: str) -> U8:
 
 def density_chart(density: F32, view: Slice) -> U8:
     """The plane, the colours, and how often each density is, with the transfer function over it."""
+    # Rows and columns are repeated or dropped, never blended: the chart shows voxels as they are.
     top = most(density)
     shown = transferred(plane(density, view), view, top) / top
     height, width = shown.shape
@@ -111,6 +112,7 @@ def density_chart(density: F32, view: Slice) -> U8:
 def _curve(density: F32, view: Slice, top: float) -> U8:
     """A histogram of the densities above none, logarithmic, and the transfer function."""
     chart = np.full((_CURVE_HEIGHT, WIDTH, 3), _GROUND, np.uint8)
+    # Empty voxels would dwarf all others, and the logarithm shows rare densities.
     counts, _ = np.histogram(density[density > 0.0], _BINS, (0.0, top))
     bars = np.log1p(counts) / max(np.log1p(counts).max(), 1e-9)
     tall = bars[(np.arange(WIDTH) * _BINS) // WIDTH] * _CURVE_HEIGHT

@@ -73,6 +73,7 @@ class ViewState:
 
     def take(self, before: Scene, after: Scene) -> None:
         """What the scene's file changed from `before` to `after`; what was changed here stays."""
+        # Fields that the file did not change keep what a hand set here.
         scene = reloaded(self.scene, before, after)
         if not same(before.volumes, after.volumes) or not same(
             before.environment, after.environment
@@ -218,6 +219,7 @@ def reloaded(now: Scene, before: Scene, after: Scene) -> Scene:
 
 def same(a: Any, b: Any) -> bool:
     """Whether two scene values mean the same, arrays and parts included."""
+    # Most parts are the same object, which spares comparing arrays of gigabytes.
     if a is b:
         return True
     if type(a) is not type(b):

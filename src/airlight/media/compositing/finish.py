@@ -152,7 +152,6 @@ class Finish(FullscreenPass):
         The single scattering is filled where there is a sky or a `listing`.
         """
         # What is read of single scattering, and the list of pixels that cannot be interpolated.
-        # Whatever was drawn at reduced size, and the list of pixels that it does not do for.
         read = {"skylit": reduced.skylit} if self._has_sky else {}
         read |= {"shafts": reduced.shafts} if self._has_single else {}
         bound = {}

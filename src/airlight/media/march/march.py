@@ -196,6 +196,7 @@ class March:
         return self._lattices.filled([level.params() for level in levels])
 
     def _write(self, sources: Sequence[Source]) -> None:
+        # Steps are counted in cells of the finest source; where only coarser ones lie, they grow.
         finest = min(s.cell_m for s in sources)
         packed = pack_array(
             SourceData,

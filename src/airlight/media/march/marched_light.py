@@ -30,6 +30,7 @@ def variant_of(light: MarchedLight, sharpest: float) -> Variant:
 
     Loops and reads that lattices and media do not need are left out: they would cost.
     """
+    # Sky and lattice have the same nested levels, so either says how many.
     one = light.sky or light.lattice
     return Variant(
         len(light.sources),

@@ -128,6 +128,7 @@ class Emission:
         diffuse: Diffuse,
     ) -> None:
         """Fill `texture` for an eye at `eye` (3,), m in the frame of the medium."""
+        # Diffuse light towards the eye comes first, because the emission adds it to the ordinates'.
         self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._emission.dispatch(
             commands,

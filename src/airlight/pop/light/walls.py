@@ -109,6 +109,8 @@ class Walls:
         key = tuple(constants.items())
         if key not in self._passes:
             self._passes[key] = _Positions(self._medium.gpu, constants=constants)
+        # Rays are a little longer than the step between two centres, so that a surface right at a
+        # centre is met by either neighbour.
         placement = self._medium.placement
         self._passes[key].dispatch(
             commands,
@@ -125,11 +127,13 @@ class Walls:
         meshes = surfaces.meshes.current
         if not (surfaces.meshes.draws and meshes):
             return ()
+        # The medium's box may be turned: compared is the box along the world's axes around it.
         placement = self._medium.placement
         corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).reshape(3, 8).T * placement.extent
         placed = (
             corners @ placement.world_from_medium[:3, :3].T + placement.world_from_medium[:3, 3]
         )
+        # A mesh is named by all that a wall depends on: equal answers mean that no wall moved.
         boxes = world_boxes(meshes)
         meets = (boxes[:, 0] <= placed.max(axis=0)) & (boxes[:, 1] >= placed.min(axis=0))
         return tuple(

@@ -89,6 +89,7 @@ class Density:
 
     def encode(self, commands: Commands, params: MediumParams, voxels: Sequence[Texture]) -> None:
         """Fill `fine`, `fine_parts` and the medium's own part of `cells` from each one's voxels."""
+        # Paths and other media sample the fine densities; the cells' own means follow from them.
         fine_count, cells = self.placement.fine_count, (self.placement.cells,)
         for own, fine in zip(voxels, (self.fine, *self.fine_parts), strict=True):
             self._fine.dispatch(
@@ -105,6 +106,7 @@ class Density:
         self, commands: Commands, params: MediumParams, others: Sequence[Texture]
     ) -> None:
         """Fill the rest of `cells` from the `fine` densities of the `others`, then `reach`."""
+        # Every medium in a cell attenuates its light, so a cell stores the density of each.
         cells = self.placement.cells
         if self._others is not None:
             self._others.dispatch(

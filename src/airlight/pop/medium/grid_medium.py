@@ -171,6 +171,7 @@ class GridMedium:
 
     def take(self, volumes: Sequence[Volume]) -> None:
         """Go on with changed parts. Raises SceneError where their grids' size changed."""
+        # Textures were sized at creation, so only what fits into them is taken.
         made = self._placed(volumes)
         if len(made) != len(self.parts):
             raise SceneError("the volume's colours changed in number", remedy="Make a new Renderer")
@@ -181,6 +182,7 @@ class GridMedium:
                 raise SceneError("the volume changed in size", remedy="Make a new Renderer")
             if self._own_voxels and new.volume.density is not old.volume.density:
                 voxels.write(half_floats(shape_density(new.volume, SPHERE_SIDE)))
+        # The old parts hold on until nothing can be refused any more.
         self.parts = made
 
     def encode(self, commands: Commands) -> bool:

@@ -23,6 +23,8 @@ from .placement import Width, probed_density
 
 def merged_volume(volumes: Sequence[Volume]) -> Volume:
     """A box around all of them; density 1 is their mean extinction, weighted by mass."""
+    # Extinction is averaged by mass, albedo by extinction, g by scattering: then each mean keeps
+    # the total of its coefficient.
     mass = np.array([_mass(volume) for volume in volumes])[:, None]
     sigma_t, albedo, g = (np.array([getattr(v, n) for v in volumes]) for n in _COEFFICIENTS)
     held, scattered = mass * sigma_t, mass * sigma_t * albedo

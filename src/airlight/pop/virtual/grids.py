@@ -46,6 +46,8 @@ class VirtualGrids(ComputePass):
         self, commands: Commands, params: MediumParams, grids: Grids, ordinates: Buffer
     ) -> None:
         """Place the grids, after `VirtualLights` wrote their rows of `ordinates`."""
+        # Grids of virtual point lights follow those of the scene's own lights, which the host
+        # placed.
         shape = VirtualGridParams(
             side=grids.side,
             shells=grids.shells,

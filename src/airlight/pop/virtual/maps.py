@@ -26,6 +26,8 @@ class ReflectedMaps:
 
     def __init__(self, kit: Kit, settings: PopSettings) -> None:
         """`settings` say how many virtual point lights there are, and how large the maps."""
+        # Virtual point lights are sampled from flux that media on the path from the light have
+        # attenuated.
         self._kit = kit
         self._forward = None if settings.scheme == "paper" else ForwardScaled()
         scene = kit.context.scene

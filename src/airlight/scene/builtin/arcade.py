@@ -99,6 +99,8 @@ def groin_vault(half_x_m: float, half_z_m: float, steps: int = 10) -> Geometry:
 
 def _web(positions: F64, normals: F64, uvs: F64, sin_a: F64, sin_b: F64) -> Geometry:
     """The triangles of a vault's lattice on which this web is the higher one."""
+    # Diagonals run along the groins, symmetric in all quarters: else the groins would be saw-
+    # toothed.
     rows, columns = sin_a.shape
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
     corner = (i * columns + j)[..., None]
@@ -106,6 +108,8 @@ def _web(positions: F64, normals: F64, uvs: F64, sin_a: F64, sin_b: F64) -> Geom
     main = corner + np.array([0, 1, columns + 1, 0, columns + 1, columns])
     anti = corner + np.array([0, 1, columns, 1, columns + 1, columns])
     triangles = np.where(same, main, anti).reshape(-1, 3)
+    # A triangle belongs to the web that is higher there, because a groin vault is the upper one of
+    # two barrels.
     own = positions[..., 1].ravel()[triangles].sum(axis=1)
     best = SPRING_M + VAULT_RISE_M * np.maximum(sin_a, sin_b)
     kept = triangles[own >= best.ravel()[triangles].sum(axis=1) - 1e-9]

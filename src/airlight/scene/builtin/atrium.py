@@ -184,6 +184,7 @@ _DRAPED = (1, 3, 4, 6, 14, 12, 11, 9)
 
 
 def _plants(rng: np.random.Generator) -> tuple[Mesh, ...]:
+    # Each plant is turned by chance, and two shapes of bush suffice for them to look different.
     spots = [(x, z) for x in (-6.0, 1.2, 6.0) for z in (-2.55, 2.55)] + [(8.5, -2.3), (8.5, 2.3)]
     places = [placed_at(x, 0.0, z, float(rng.uniform(0, 360))) for x, z in spots]
     lifted = [place @ placed_at(0.0, 0.62, 0.0) for place in places]

@@ -70,6 +70,8 @@ def skirting() -> Geometry:
 
 def string_course() -> Geometry:
     """The moulding around the court under a storey's floor, from the ground floor's level."""
+    # From the bottom: fascia, ovolo, the shelf over the dentils, and the rounded nosing at the
+    # floor.
     t = STOREY_M
     points: Points = [(0.0, t - 0.62), (0.03, t - 0.60), (0.03, t - 0.50)]
     points += [*arc((0.03, t - 0.44), 0.06, -75.0, 0.0, 3), (0.09, t - 0.30)]
@@ -90,6 +92,7 @@ def cornice() -> Geometry:
     points += [*arc((0.04, t - 0.52), 0.08, -75.0, 0.0, 4), (0.12, t - 0.36)]
     points += [(0.34, t - 0.30), (0.34, t - 0.16)]
     points += [*arc((0.30, t - 0.04), 0.12, -65.0, 30.0, 5), (0.42, t + 0.06), (0.06, t + 0.10)]
+    # Above it the parapet, with a bead under its coping.
     points += [(0.06, top - 0.12), *arc((0.06, top - 0.06), 0.05, -80.0, 80.0, 4)]
     points += [(0.08, top), (-0.42, top), (-0.42, t)]
     return merged(

@@ -72,9 +72,11 @@ def _shaft(r: float, low: float, high: float, twist_turns: float) -> Geometry:
 
 def _capital(neck: float, low: float, high: float) -> Geometry:
     """Astragal, and a bell of two tiers of eight curling leaves that widen under the abacus."""
+    # The bell widens upwards by the cube, so that it meets the abacus in a curl.
     angle = np.linspace(0.0, 2.0 * np.pi, 40 + 1)[None, :]
     t = np.linspace(0.0, 1.0, 12)[:, None]
     bell = neck * (1.0 + 0.06 * t) + 0.15 * t**3.0
+    # The second tier stands half a leaf aside and over the first.
     first, second = (_leaf_tier(t, angle, *tier) for tier in ((0.0, 0.52, 0.0), (0.30, 0.95, 0.5)))
     radius = bell + 0.055 * np.maximum(first, 1.15 * second)
     height = np.broadcast_to(low + (high - low) * t, radius.shape)

@@ -106,6 +106,8 @@ def _blocks() -> tuple[Mesh, ...]:
 
 
 def _panel(*, glows: bool) -> Mesh:
+    # A Lambert emitter's intensity on its axis is radiance times area: either light gives the same
+    # there.
     area_m2 = 4.0 * _LAMP_HALF_X * _LAMP_HALF_Z
     r, g, b = _LAMP_INTENSITY
     emission = (r / area_m2, g / area_m2, b / area_m2) if glows else (0.0, 0.0, 0.0)

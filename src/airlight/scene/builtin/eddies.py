@@ -41,6 +41,8 @@ class Eddies:
     def between(self, table: F32, points: F32) -> F32:
         """Between the entries of a periodic (x, y, z) table, linearly."""
         size = np.array(self.cells, np.int32)
+        # Values lie in the middle of cells, hence the half; the table repeats, so that eddies can
+        # be moved on and on.
         at = points * (size / np.array(self.box_m)).astype(np.float32) - np.float32(0.5)
         below = np.floor(at)
         share = (at - below).T
@@ -49,6 +51,8 @@ class Eddies:
         x, y, z = (tuple(pair) for pair in np.stack([first, second]).transpose(2, 0, 1))
         values, row, column = table.ravel(), size[1], size[2]
 
+        # Nested by axis, so that the seven blends of a trilinear lookup go without temporaries for
+        # eight corners.
         def along_z(i: int, j: int) -> F32:
             start = (x[i] * row + y[j]) * column
             low = np.take(values, start + z[0])

@@ -161,6 +161,7 @@ def _hearth(seed: int) -> tuple[Mesh, ...]:
 
 def _leaning(turn_deg: float) -> np.ndarray:
     """(4, 4): a log whose foot stands 0.42 m out, and whose head leans over the middle."""
+    # Tilted about its foot, then turned with it about the fire's axis.
     tilt, turn = np.radians(62.0), np.radians(turn_deg)
     lean = np.eye(4)
     lean[:3, :3] = [

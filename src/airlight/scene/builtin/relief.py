@@ -41,6 +41,7 @@ def _mask(x: F64, y: F64, rho: F64, angle: F64) -> F64:
     def bump(cx: float, cy: float, wx: float, wy: float) -> F64:
         return np.exp(-(((np.abs(x) - cx) / wx) ** 2) - ((y - cy) / wy) ** 2)
 
+    # The mane: a ring of locks whose waves follow both angle and radius.
     locks = np.sin(17.0 * angle + 2.2 * np.sin(3.0 * angle) + 9.0 * rho)
     mane = (
         0.10
@@ -54,6 +55,7 @@ def _mask(x: F64, y: F64, rho: F64, angle: F64) -> F64:
         * 0.03
         * np.sin(23.0 * angle - 12.0 * rho)
     )
+    # The face, from its large forms to its small ones, each a bump mirrored in x.
     skull = 0.20 * np.exp(-((np.hypot(x, y * 0.85) / 0.42) ** 4))
     brow = 0.055 * bump(0.14, 0.16, 0.11, 0.045)
     eyes = -0.075 * bump(0.15, 0.07, 0.065, 0.045) + 0.045 * bump(0.15, 0.07, 0.035, 0.025)

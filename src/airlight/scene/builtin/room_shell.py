@@ -59,6 +59,8 @@ def window_frame() -> Geometry:
     (sill, head), (near, far) = WINDOW_Y_M, WINDOW_Z_M
     x0, x1 = LOW_M[0] - 0.13, LOW_M[0] - 0.07
     middle, third = (near + far) / 2.0, sill + 0.68 * (head - sill)
+    # Outer frame, mullion, then the two halves of the transom, which lie a little deeper so that no
+    # faces coincide.
     bars = [
         ((x0, sill, near), (x1, sill + 0.06, far)),
         ((x0, head - 0.06, near), (x1, head, far)),

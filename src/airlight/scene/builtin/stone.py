@@ -50,6 +50,7 @@ def carved_limestone(rng: np.random.Generator, size_px: int = 512) -> Finish:
     """Smooth, faintly veined limestone for columns and mouldings."""
     tile_m = 1.5
     shape = (size_px, size_px)
+    # Noise that tiles, at three scales; veins are where noise passes zero.
     grain = fractal_noise(shape, (16, 16), rng, octaves=5, gain=0.65)
     cloud = fractal_noise(shape, (3, 3), rng, octaves=4)
     vein = np.exp(-40.0 * np.abs(fractal_noise(shape, (2, 3), rng, octaves=5)))
@@ -146,6 +147,7 @@ def terracotta(rng: np.random.Generator, size_px: int = 512) -> Finish:
     """Fired clay with turning marks and lime bloom."""
     tile_m = 1.0
     shape = (size_px, size_px)
+    # Marks of the wheel run around, so that their noise is stretched along the width.
     grain = fractal_noise(shape, (16, 16), rng, octaves=5)
     marks = fractal_noise(shape, (48, 2), rng, octaves=3)
     bloom = smoothstep(0.4, 2.0, fractal_noise(shape, (4, 4), rng, octaves=5))[..., None]

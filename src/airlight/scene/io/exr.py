@@ -34,6 +34,7 @@ def write(image: Image, path: Path, *, layers: bool, half: bool) -> None:
     if layers:
         for name, pixels in image.layers.items():
             channels.update(_named(pixels, name, half and name not in FLOAT_LAYERS))
+    # OpenEXR keeps attributes that it does not know, so that a reload looks as it was saved.
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,

@@ -213,6 +213,8 @@ def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, camera.up)
     right /= np.linalg.norm(right)
+    # The plane one unit ahead, in the middles of pixels, so that no ray lies on the border of the
+    # view.
     half = math.tan(math.radians(camera.fov_y_deg) / 2.0)
     x = (2.0 * (np.arange(columns) + 0.5) / columns - 1.0) * half * aspect
     y = (1.0 - 2.0 * (np.arange(rows) + 0.5) / rows) * half

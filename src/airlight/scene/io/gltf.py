@@ -84,10 +84,12 @@ class GltfFile:
     def scene(self) -> Scene:
         """Everything the file shows, as its nodes stand; its first animation, where it has one."""
         world = self.world()
+        # Meshes come first, because the rig that moves them refers to their places.
         placed = self._placed(world)
         if not placed:
             raise SceneError("it has no triangles", where=self.document.file)
         camera = self.camera(world)
+        # Skins and morphs are shown at rest only once the rig has applied them.
         rig = self._rig(world, placed, has_camera=camera is not None)
         scene = Scene(
             meshes=tuple(mesh for mesh, _ in placed),
@@ -138,6 +140,7 @@ class GltfFile:
         self, primitive: Item, placed: PlacedMaterial
     ) -> tuple[Primitive, Material] | None:
         """A primitive's triangles and what they wear; None for points and lines."""
+        # Instances share a geometry, and so does a primitive in two materials of the same frame.
         key = (primitive.place, placed.frame.key, id(placed) if placed.apart else 0)
         if key not in self._geometries:
             if primitive.child("extensions").has(DRACO) and not self.buffers.decompress(primitive):
@@ -163,6 +166,8 @@ class GltfFile:
             return None
         if not placed.apart:
             return read, None
+        # The others' images are drawn again in one set, on the triangles of this primitive, hence a
+        # material for it.
         sets = {use.uv_set for use in placed.apart.values()}
         surface = read_surface(primitive, self.buffers, sets)
         brought = brought_together(placed.material, placed.apart, surface)
@@ -175,12 +180,15 @@ class GltfFile:
         self, world: dict[int, F64], placed: list[tuple[Mesh, Part]], *, has_camera: bool
     ) -> Rig:
         """What moves with the file's nodes."""
+        # A joint that no scene node leads to has no place in the world, and its vertices would
+        # collapse.
         parts = tuple(part for _, part in placed)
         for part in parts:
             joints = part.shape.skin.joints if part.shape and part.shape.skin else ()
             for joint in joints:
                 if int(joint) not in world:
                     raise self.nodes[int(joint)].item.error("is a joint outside of the scene")
+        # Clips may animate weights, whose number is not in the clip but in the mesh.
         targets = {part.node: len(part.weights) for part in parts if part.weights is not None}
         rest = dict.fromkeys(world, np.eye(4))
         return Rig(

@@ -65,6 +65,8 @@ def _checked(sampler: Item, kind: str, path: str, times: F64, values: F64) -> Cu
     between = _BETWEEN[kind]
     shape = (len(times), 3, -1) if kind == "CUBICSPLINE" else (len(times), -1)
     values = values.reshape(shape)
+    # Quaternions turn along the sphere; cubic ones are normalised after blending, as their tangents
+    # are no rotations.
     if path == "rotation":
         between = {"linear": "slerp", "cubic": "cubic-rotation"}.get(between, between)
         if kind != "CUBICSPLINE":

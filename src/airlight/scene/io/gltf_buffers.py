@@ -153,12 +153,14 @@ class Buffers:
 
         False where DracoPy is not installed and the file holds the same uncompressed.
         """
+        # The specification lets a file hold the same uncompressed, for readers without the decoder.
         extension = primitive.at("extensions", DRACO)
         attributes = primitive.child("attributes")
         k = attributes.index("POSITION", self.accessors, "accessors")
         if not has_draco() and self.accessors[k].has("bufferView"):
             return False
         triangles, found = decoded_primitive(extension, bytes(self.view(extension)[0]))
+        # The decoded values take the accessors' place, so that all that follows reads them as ever.
         if primitive.has("indices"):
             k = primitive.index("indices", self.accessors, "accessors")
             self._decoded[k] = triangles.reshape(-1, 1)
@@ -204,6 +206,7 @@ class Buffers:
         return values
 
     def _decode(self, accessor: Item) -> NDArray[Any]:
+        # Counts come from the file, and memory is not taken before they are known to be sane.
         dtype = self._dtype(accessor)
         kind = accessor.text("type")
         if kind not in WIDTHS:
@@ -211,6 +214,8 @@ class Buffers:
         count, width = accessor.integer("count", low=1), WIDTHS[kind]
         if count * width > _MAX_VALUES:
             raise accessor.error(f"of {count} elements is too large")
+        # Dense values, or zeros, then those that a sparse accessor replaces, then the coding
+        # undone.
         if accessor.has("bufferView"):
             values = self._strided(accessor, accessor, dtype, count, width)
         else:
@@ -241,6 +246,7 @@ class Buffers:
     def _strided(
         self, accessor: Item, source: Item, dtype: type[np.generic], count: int, width: int
     ) -> NDArray[Any]:
+        # A stride of 0 means tightly packed; the last element need not fill its stride.
         data, stride = self.view(source)
         start, size = source.integer("byteOffset", 0), np.dtype(dtype).itemsize * width
         step = stride or size
@@ -250,6 +256,7 @@ class Buffers:
                 f"{len(data)}",
                 "The file is damaged or truncated.",
             )
+        # A view with strides reads interleaved vertices without a loop.
         rows = np.ndarray((count, size), np.uint8, buffer=data, offset=start, strides=(step, 1))
         values: NDArray[Any] = np.ascontiguousarray(rows).view(np.dtype(dtype).newbyteorder("<"))
         return values.reshape(count, width)

@@ -68,6 +68,7 @@ def decoded_primitive(
     installed.
     """
     mesh = _draco_mesh(extension, packed)
+    # The extension maps names to Draco's own ids, which are no indices.
     found: dict[str, NDArray[Any]] = {}
     attributes = extension.child("attributes")
     by_id = {a["unique_id"]: a["data"] for a in mesh.attributes}

@@ -44,6 +44,8 @@ class Deforms:
         targets = primitive.items("targets")
         if not targets:
             return None
+        # Vertices may have been split at creases; deltas follow them by the rows that they came
+        # from.
         count = int(read.rows.max()) + 1
         positions = [self._deltas(target, "POSITION", count) for target in targets]
         has_normals = any(target.has("NORMAL") for target in targets)

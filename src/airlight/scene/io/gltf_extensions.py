@@ -51,6 +51,7 @@ def check_extensions(document: Item) -> list[str]:
                 where=document.file,
                 remedy="Export it without that extension.",
             )
+    # Some exporters use extensions without listing them, so the whole document is searched.
     used = [str(item.value) for item in document.items("extensionsUsed")]
     used += extensions_held(document.value)
     return [

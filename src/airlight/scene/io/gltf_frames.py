@@ -72,6 +72,8 @@ class _Layout:
 
 def brought_together(material: Material, uses: Mapping[str, ImageUse], surface: Surface) -> Brought:
     """`material` on `surface`, the images of `uses` (by its field) in one set of coordinates."""
+    # Each set of coordinates is tried as the common one, that of the normal map first, whose
+    # directions then need no turn, until one is without overlap.
     best: _Layout | None = None
     for frame, uvs in _candidates(uses, surface):
         found = _layout(uses, surface, frame, uvs)
@@ -80,6 +82,7 @@ def brought_together(material: Material, uses: Mapping[str, ImageUse], surface: 
         if best.is_right:
             break
     assert best is not None
+    # Where none is without, the least wrong is taken, and says how wrong it is.
     problems = [
         f"{slot} overlaps itself in each set of texture coordinates, and is wrong on "
         f"{max(share, 0.01):.0%} of the surface"

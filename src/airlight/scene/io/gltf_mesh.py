@@ -74,12 +74,15 @@ def read_primitive(
 def _geometry(
     positions: F32, triangles: NDArray[np.int64], per_vertex: dict[str, F32 | None]
 ) -> Primitive:
+    # Normals in the file settle the shading; vertices stay as they are.
     if per_vertex["normals"] is not None:
         whole = Geometry(positions, triangles.astype(np.uint32), **per_vertex)
         return Primitive(whole, np.arange(len(positions)), is_flat=False)
+    # Without them the specification asks for flat shading: each corner gets its face's normal.
     flat = np.ones(len(triangles), dtype=bool)
     table, index = creased_normals(positions.astype(np.float64), triangles, flat)
     rows, indices = compact(np.stack([triangles, index], axis=-1))
+    # A vertex for each pair of position and normal, the other attributes taken along.
     others = {
         name: values[rows[:, 0]]
         for name, values in per_vertex.items()

@@ -45,6 +45,7 @@ def _node(item: Item, items: Sequence[Item]) -> Node:
     if item.has("matrix"):
         values = item.floats("matrix", 16, ())
         matrix = np.array(values).reshape(4, 4).T  # stored by columns
+    # Exporters round quaternions, and a length other than 1 would scale.
     rotation = np.array(item.floats("rotation", 4, (0.0, 0.0, 0.0, 1.0)))
     length = float(np.linalg.norm(rotation))
     return Node(
@@ -88,6 +89,8 @@ def world_matrices(
 
 def skeleton(nodes: Sequence[Node], roots: Sequence[int]) -> Skeleton:
     """The nodes at rest, for animations. The tree has been walked by `world_matrices`."""
+    # Parents before children, so that one pass over the order places all; a stack, as trees may be
+    # deep.
     order: list[tuple[int, int]] = []
     pending = [(root, -1) for root in reversed(roots)]
     while pending:

@@ -46,6 +46,7 @@ def write_gltf(scene: Scene, path: Path) -> list[str]:
     document = GlbDocument()
     for mesh in LightMeshes().of(scene).meshes:
         document.add_mesh(mesh)
+    # A group of point lights has no word in glTF: each becomes a light of its own.
     for light in scene.lights:
         document.add_light(light)
     for group in scene.light_groups:
@@ -53,6 +54,7 @@ def write_gltf(scene: Scene, path: Path) -> list[str]:
         for position, intensity in zip(group.positions, intensities, strict=True):
             document.add_light(PointLight(_triple(position), _triple(intensity)))
     document.add_camera(scene.camera)
+    # The file appears when it is complete, so that a reader never sees half of it.
     with whole_file(Path(path)) as part:
         part.write_bytes(document.packed())
     return [*dict.fromkeys(document.notes), *_left_out(scene)]
@@ -146,6 +148,7 @@ class GlbDocument:
             self._json["buffers"] = [{"byteLength": len(self._binary)}]
         if self._extensions:
             self._json["extensionsUsed"] = sorted(self._extensions)
+        # Chunks are padded to four bytes: JSON by spaces, binary by zeros.
         text = json.dumps(self._json, separators=(",", ":"), ensure_ascii=False).encode()
         chunks = [(_JSON_CHUNK, text + b" " * (-len(text) % 4))]
         if self._binary:

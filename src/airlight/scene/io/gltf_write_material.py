@@ -79,6 +79,7 @@ class _Textures:
         """`item[key]` for a texture; False without one. Colours are sRGB, everything else not."""
         if texture is None:
             return False
+        # glTF fixes the coding by the slot, so an image of the other coding is converted.
         pixels = texture.pixels
         if texture.is_srgb != is_colour:
             pixels = _recoded(pixels, is_srgb=is_colour)

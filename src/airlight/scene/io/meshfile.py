@@ -89,6 +89,7 @@ def _of_strips(points: Any, path: Path) -> Any:
     """The mesh of a PLY file that has triangle strips instead of faces; else `points` itself."""
     import trimesh
 
+    # trimesh drops strips and shows their points alone.
     data, vertices = _ply_data(points, "tristrips"), _ply_data(points, "vertex")
     names = [name for name in _names(data) if name in _INDEX_NAMES]
     if not names:
@@ -96,6 +97,7 @@ def _of_strips(points: Any, path: Path) -> Any:
     listed = data[names[0]]
     if getattr(listed, "dtype", None) is not None and listed.dtype.names:
         listed = listed["f1"]  # of a binary file: count and corners
+    # Restarts (-1) are gone from the triangles: whatever is out of range now is damage.
     triangles = strip_triangles([np.asarray(strip, dtype=np.int64).ravel() for strip in listed])
     if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(points.vertices)):
         raise SceneError(
@@ -103,6 +105,7 @@ def _of_strips(points: Any, path: Path) -> Any:
             f"the file has {len(points.vertices)} vertices",
             where=path,
         )
+    # What trimesh read of the vertices itself is taken along.
     own: dict[str, Any] = {}
     if {"nx", "ny", "nz"} <= {*_names(vertices)}:
         own["vertex_normals"] = np.stack([vertices[name] for name in ("nx", "ny", "nz")], axis=1)
@@ -153,6 +156,7 @@ def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32
 def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
     """Corners one after the other and their number per face of a PLY file that has others than
     triangles; None where it has not. (trimesh cuts them into fans, concave ones wrongly.)"""
+    # trimesh's own lists, from before it cut them.
     data = _ply_data(mesh, "face")
     names = [name for name in _names(data) if name in _INDEX_NAMES]
     if not names:
@@ -160,6 +164,7 @@ def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
     listed = data[names[0]]
     if getattr(listed, "dtype", None) is not None and listed.dtype.names:
         listed = listed["f1"]  # of a binary file: count and corners
+    # Faces of one size come as a matrix, others as a list of lists.
     if getattr(listed, "ndim", 1) == 2:
         sizes = np.full(len(listed), listed.shape[1], dtype=np.int64)
         corners = listed.reshape(-1)

@@ -198,6 +198,7 @@ def decode_indices(data: bytes, count: int) -> NDArray[np.uint32]:
     if len(data) < 5 or data[0] & ~1 != INDICES:
         raise MeshoptError(_unknown(data, "INDICES"))
     stream = _Stream(data, 1, len(data) - 4)
+    # Zigzag differences to the last index of either run, which the lowest bit chooses.
     last = [0, 0]
     out = np.empty(count, np.int64)
     for k in range(count):
@@ -213,6 +214,8 @@ def unfiltered(rows: U8, name: str) -> U8:
     stride = rows.shape[1]
     if name == "NONE":
         return rows
+    # The filters of EXT_meshopt_compression: unit vectors, quaternions, and floats as mantissa and
+    # exponent.
     if name == "OCTAHEDRAL" and stride in (4, 8):
         return _octahedral(rows.view(np.int8 if stride == 4 else "<i2")).view(np.uint8)
     if name == "QUATERNION" and stride == 8:

@@ -133,6 +133,8 @@ def _with_filling_medium(scene: Scene) -> Scene:
     medium = scene.medium
     if medium is None or medium.bounds is None or not (scene.meshes or scene.volumes):
         return scene
+    # Either kind is given a box by a rule: bounds that follow the rule are the writer's, others an
+    # author's.
     filling = replace(medium, bounds=None)
     endless = replace(filling, endless=True, top=medium.bounds[1][1])
     for unbound in (filling, endless):
@@ -162,6 +164,7 @@ def _read_instance(node: Node, found: _Found, source: Source) -> None:
     group = node.first("shape")
     if group is None or group.kind != "shapegroup":
         raise SceneError(f"{node} has no shapegroup inside")
+    # The group's meshes are read once, and placed once for each instance.
     key = id(group.children)  # which all references to a group share
     if key not in found.groups:
         own = _Found()

@@ -128,6 +128,8 @@ def _envmap(node: Node, source: Source) -> Environment:
 
 def _turned_map(pixels: F32, turn: F64) -> F32:
     """The latitude-longitude map seen through `turn` (world from map), bilinear."""
+    # Backwards: for each texel of the turned map, the direction that it shows, and where the old
+    # map has that.
     height, width = pixels.shape[:2]
     u, v = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
     theta, phi = np.meshgrid(np.pi * v, 2 * np.pi * u, indexing="ij")
@@ -135,6 +137,7 @@ def _turned_map(pixels: F32, turn: F64) -> F32:
         [np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)], axis=-1
     )
     x, y, z = np.moveaxis(world @ np.linalg.inv(turn).T, -1, 0)
+    # Bilinear: columns go round, rows end at the poles.
     column = np.arctan2(x, -z) / (2 * np.pi) % 1.0 * width - 0.5
     row = np.arccos(np.clip(y, -1, 1)) / np.pi * height - 0.5
     i, j = np.floor(column).astype(np.int64), np.floor(row).astype(np.int64)

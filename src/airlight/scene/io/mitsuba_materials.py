@@ -170,6 +170,8 @@ def _plastic(node: Node, source: Source) -> Material:
     source.note(f"{node.kind}: read as Lambert plus GGX, without scattering inside its coat")
     color, texture = color_input(node, "diffuse_reflectance", 0.5, source)
     node.get("nonlinear")
+    # At normal incidence a dielectric reflects ((n - 1) / (n + 1))^2, all of specular that our
+    # material knows.
     index = _index(node, "int_ior", 1.49) / _index(node, "ext_ior", INDICES["air"])
     tint = sum(color_input(node, "specular_reflectance", 1.0, source)[0]) / 3.0
     return Material(
@@ -186,6 +188,7 @@ def _glass(node: Node, source: Source) -> Material:
     is_thin = node.kind == "thindielectric"
     if not is_thin:
         source.note(f"{node}: its glass does not bend light, one sees straight through it")
+    # Fresnel's reflectance at normal incidence, over the one that a specular of 1 stands for.
     index = _index(node, "int_ior", DEFAULT_INDEX) / _index(node, "ext_ior", INDICES["air"])
     mirrored = ((index - 1.0) / (index + 1.0)) ** 2
     if is_thin:  # what goes to and fro between its two sides included
@@ -210,6 +213,7 @@ def _roughness(node: Node, source: Source) -> float:
         return 0.0
     if node.get("distribution", "beckmann") != "ggx":
         source.note(f"{node}: its Beckmann lobe is read as GGX of the same alpha")
+    # The geometric mean of both widths keeps the area of the lobe.
     if "alpha_u" in node.values or "alpha_v" in node.values:
         source.note(f"{node}: its anisotropic roughness is read as its geometric mean")
         u, v = (float(node.get(key, 0.1)) for key in ("alpha_u", "alpha_v"))

@@ -152,11 +152,13 @@ def _without_medium(
         if air is not None and _lies_inside(held, air):
             source.note(f"{held.node} lies in the medium of the scene, whose extinction it adds to")
         return held.sigma_t, held.albedo, held.g
+    # The medium around is in the file's coefficients; the rest is the volume's own.
     inner, outer = (np.asarray(h.sigma_t, dtype=np.float64) for h in (held, air))
     rest: F64 = inner - outer
     if rest.min() < -1e-4 * float(outer.max()):
         source.note(f"{held.node} is thinner than the medium around it, which cannot be said")
     sigma_t: F64 = np.maximum(rest, 0.0)
+    # The albedo follows from the scattering of that rest, per voxel where it varies.
     scattered = inner * held.albedo - outer * air.albedo
     parts = (scattered, sigma_t)
     if held.albedo.ndim < 4:
@@ -244,6 +246,7 @@ def _grid(node: Node, source: Source) -> tuple[F32, Bounds, F64]:
         if node.get(name, usual) != usual:
             source.note(f"{node}: its {name} is read as {usual}")
     node.get("raw")
+    # A grid of one channel stands for grey.
     count = _channel_count(path)
     channels = ("r", "g", "b") if count >= 3 else ("r",)
     grids = [read_volume(path, channels=c) for c in channels]

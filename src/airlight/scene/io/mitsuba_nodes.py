@@ -80,6 +80,7 @@ class Folders:
             if found.exists():
                 return found
         beside = inside(self.root, name, where, start=self.own)
+        # A path outside was left out on purpose; if the file may be there, the error says so.
         if self.skipped and not beside.exists():
             raise SceneError(
                 f"'{name}' is not in its folder, and its search path '{self.skipped[0]}' leads "

@@ -113,6 +113,7 @@ def _geometry(vertices: NDArray[np.void], faces: NDArray[Any]) -> Geometry:
     uvs = columns("u", "v")
     if uvs is None:
         uvs = columns("s", "t")
+    # Only float colours are taken for reflectances.
     colors = columns("r", "g", "b")
     if colors is not None and vertices.dtype["r"].kind == "f":
         colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)

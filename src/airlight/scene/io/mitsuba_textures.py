@@ -105,6 +105,7 @@ def bitmap(
     """
     path = source.file(node)
     raw = bool(node.get("raw", False))
+    # The same file may be a colour here and data there, which decode differently.
     key = (path, raw, is_color)
     if key not in source.textures:
         try:

@@ -79,6 +79,8 @@ def _numbers(text: str, label: str, where: Path) -> list[float]:
 
 
 def _color(text: str, tag: str, label: str, where: Path) -> Rgb:
+    # Hexadecimal colours are sRGB-encoded by definition, plain numbers linear unless the tag says
+    # sRGB.
     match = re.fullmatch(r"#([0-9a-fA-F]{6})", text.strip())
     if match:
         values = [int(match.group(1)[k : k + 2], 16) / 255.0 for k in (0, 2, 4)]
@@ -101,6 +103,8 @@ def _spectrum(element: Element, label: str, where: Path) -> Rgb:
         raise SceneError(f"{label}: spectra in files are not read", where=where)
     if ":" not in text:
         return _color(text, "rgb", label, where)
+    # Each band's mean over equal steps: crude beside colour matching, and enough for smooth
+    # spectra.
     pairs = [part.partition(":") for part in re.split(r"[\s,]+", text.strip()) if part]
     wavelengths = [_number(low, label, where) for low, _, _ in pairs]
     values = [_number(high, label, where) for _, _, high in pairs]

@@ -124,6 +124,7 @@ def _object(child: ElementTree.Element, reader: _Reader, path: Path, depth: int)
     )
     if not made.kind:
         raise SceneError(f"<{child.tag}> without a type", where=path)
+    # Ids are known only behind an element, so that none can refer to itself.
     _fill(made, child, reader, path, depth + 1)
     if made.id:
         if made.id in reader.nodes:

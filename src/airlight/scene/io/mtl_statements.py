@@ -56,6 +56,7 @@ class Block:
         if key not in self.statements:
             return None
         text, line = self.statements[key]
+        # Spectra and CIE colours have no numbers that red, green and blue could take.
         words = text.split()
         if words and words[0] in ("spectral", "xyz", "-halo"):
             words = words[1:] if words[0] == "-halo" else []

@@ -73,12 +73,14 @@ def read_nanovdb(path: Path, wanted: str) -> SparseGrid:
     content = read_bytes(path)
     if len(content) < _FILE.size or content[:8] not in _MAGICS:
         raise SceneError("is not a NanoVDB file")
+    # The major version says how nodes are laid out in memory, which is what the file holds.
     _, version, count, _ = _FILE.unpack_from(content)
     if version >> 21 != _MAJOR:
         raise SceneError(
             f"is of NanoVDB version {version >> 21}, only {_MAJOR} is read",
             remedy="Convert it with a newer nanovdb_convert.",
         )
+    # Damage shows as any of these errors: offsets lead outside, or packed bytes do not unpack.
     try:
         record, buffer = _chosen(content, count, wanted)
         return _dense(record, buffer, len(content))
@@ -120,6 +122,7 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
 def _unpacked(packed: bytes, size: int, codec: int) -> bytes:
     if codec not in (_UNPACKED, _ZIP, _BLOSC):
         raise SceneError(f"is packed by a codec that is not known, {codec}")
+    # Sizes are checked before anything is unpacked: a few bytes can claim gigabytes.
     if size > MOST_UNPACKED * len(packed) + _TREE_OFFSET:
         raise SceneError(f"is damaged: {len(packed):,} bytes cannot hold a grid of {size:,}")
     if codec == _ZIP:

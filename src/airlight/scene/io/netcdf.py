@@ -59,6 +59,7 @@ def read_xarray(path: Path, wanted: str) -> DenseGrid:
     Of several times the first is read. Raises SceneError for what is damaged or has no such
     variable, and where the extra is not installed.
     """
+    # All is read while the file is open: xarray loads values when they are asked for.
     with _opened(path) as dataset:
         names = _names(dataset)
         name = chosen_name(wanted, names, _LIKELY)
@@ -67,6 +68,8 @@ def read_xarray(path: Path, wanted: str) -> DenseGrid:
         made = placed(values, axes, path.name)
         units = str(dataset[name].attrs.get("units", "")).strip()
         told = (*warned, *told, *made.warnings)
+    # The units decide how values become extinction: mixing ratios need the air's density at their
+    # height.
     density, optics = _optical(made.values, made.heights_m, units)
     density, mended = _mended(density, path.name)
     return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics)

@@ -202,6 +202,7 @@ def _sorted_rows(flat: Ints) -> tuple[Ints, I64, I64]:
     """Distinct rows (V, K) of `flat` (N, K), sorted; the first at which each is; (N,) into them."""
     if len(flat) == 0:
         return flat, np.zeros(0, np.int64), np.zeros(0, np.int64)
+    # Columns pack into one 64-bit key where they fit: sorting keys is many times faster than rows.
     spans = [int(s) for s in flat.max(axis=0).astype(np.int64) + 2]
     if math.prod(spans) < 2**62:
         key = flat[:, 0].astype(np.int64) + 1

@@ -40,6 +40,7 @@ def load_obj(path: Path) -> Scene:
     for keyword in data.absent:
         said = f"{path}: its faces name '{keyword}' indices, and it has no '{keyword}'"
         textures.warnings.append(f"{said}: they go without")
+    # Polygons are cut only now, with all positions known: concave ones need them.
     materials = _materials(data, path, textures)
     triangles = _triangles(data)
     if len(triangles.corners) == 0:
@@ -76,6 +77,7 @@ def _triangles(data: ObjData) -> _Triangles:
 
 
 def _meshes(data: ObjData, triangles: _Triangles, materials: list[Material]) -> tuple[Mesh, ...]:
+    # Triangles are sorted by material, stably, so that each mesh keeps the file's order.
     material = data.material[triangles.polygon]
     order = np.argsort(material, kind="stable")
     used, starts = np.unique(material[order], return_index=True)

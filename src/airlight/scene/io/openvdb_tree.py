@@ -143,6 +143,8 @@ class _Values:
         """`size` bytes, behind their packed length where they are packed."""
         if not self.compression & (_ZIP | _BLOSC):
             return self.stream.take(size)
+        # Negative lengths mark what was stored as it is. Unpacking stops one byte late, which shows
+        # a file that lies about its size.
         (packed,) = self.stream.unpack("<q")
         if packed <= 0:  # the negative length of what would not shrink
             raw = self.stream.take(-packed)

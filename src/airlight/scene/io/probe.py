@@ -75,6 +75,7 @@ class Probe:
 
         Source: Moeller1997, the ray-triangle test in barycentric coordinates.
         """
+        # Rays in batches: the table of rays times triangles stays within memory.
         count = max(1, _TESTS_AT_ONCE // max(1, len(self.corners)))
         parts = [
             self._cast(origins[k : k + count], directions[k : k + count])
@@ -143,6 +144,7 @@ class Probe:
     def _any_hit(self, points: F64, towards: F64, part: slice) -> NDArray[np.bool_]:
         """In the plane across the direction a ray is a point: only triangles whose flat box
         holds it are tested."""
+        # Parallel rays: in the plane across them only boxes that hold the point can be hit.
         corners = self.corners[part]
         across = _plane(towards)
         near = np.ones((len(points), len(corners)), dtype=bool)
@@ -158,6 +160,7 @@ class Probe:
 
 def _pairs_hit(origins: F64, towards: F64, corners: F64) -> NDArray[np.bool_]:
     """Whether each origin's ray hits the triangle of the same row, (N, 3) and (N, 3, 3)."""
+    # Moeller and Trumbore 1997; parallel rays divide by zero and fail the comparisons.
     a, b, c = corners.transpose(1, 0, 2)
     edge1, edge2, to_origin = b - a, c - a, origins - a
     p = np.cross(towards, edge2)

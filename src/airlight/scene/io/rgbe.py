@@ -83,9 +83,12 @@ def _radiance(quads: NDArray[np.uint8]) -> F32:
 
 def _quads(body: bytes, height: int, width: int) -> NDArray[np.uint8]:
     """RGBE bytes (height, width, 4)."""
+    # Old files are flat; the marker of run-length coding is no normalised colour, so that none
+    # begins with it.
     if not 8 <= width < 32768 or body[:2] != b"\x02\x02" or body[2] & 0x80:
         flat = np.frombuffer(body, dtype=np.uint8, count=height * width * 4)
         return flat.reshape(height, width, 4)
+    # Each line stores its four channels one after the other, packed for themselves.
     rows = np.empty((height, 4, width), dtype=np.uint8)
     at = 0
     for y in range(height):

@@ -51,6 +51,7 @@ def packed_roughness_metallic(
     given = roughness or metallic
     if given is None:
         return None
+    # The larger of both sizes, so that neither image loses detail.
     shape = given.pixels.shape[:2]
     if roughness is not None and metallic is not None:
         shape = _larger(shape, metallic.pixels.shape[:2])

@@ -87,6 +87,7 @@ def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:
                 remedy="Use matrix alone, or translate, rotate_deg and scale.",
             )
         return cast(F64, values["matrix"])
+    # Scale first: it acts along the mesh's own axes, before those are turned.
     matrix = np.eye(4)
     rotation = rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0)))
     matrix[:3, :3] = rotation * np.array(values.get("scale", (1.0, 1.0, 1.0)))

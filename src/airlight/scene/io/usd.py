@@ -122,9 +122,11 @@ class _Reader:
         """A mesh, a light, a camera or a volume."""
         from pxr import UsdGeom, UsdLux, UsdVol
 
+        # USD multiplies row vectors, hence the transposed matrix.
         world = root @ np.array(self._places.GetLocalToWorldTransform(prim)).T
         if not np.isfinite(world).all():
             raise SceneError(f"'{prim.GetPath()}': its place is no finite number")
+        # A volume is a gprim, too, and a light is told by its API, whatever its type.
         if prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdVol.Volume):
             self._gprim(prim, world)
         elif prim.IsA(UsdVol.Volume):

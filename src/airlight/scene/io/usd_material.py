@@ -194,6 +194,7 @@ class UsdMaterials:
     def _image(self, source: Any, place: str, *, is_color: bool) -> Texture:
         value = self._value(source, "file")
         asset = str(value.path) if value is not None else ""
+        # "auto" leaves the coding to what the image is used for.
         space = str(self._value(source, "sourceColorSpace") or "auto")
         is_srgb = space == "sRGB" or (space == "auto" and is_color)
         key = (f"{source.GetPath()} {asset}", is_srgb)
@@ -219,6 +220,7 @@ class UsdMaterials:
 
         if "<UDIM>" in asset:
             raise SceneError(f"'{asset}' is tiled, which is not read")
+        # A path is relative to the layer that wrote it, which need not be the stage's own.
         stack = source.GetInput("file").GetAttr().GetPropertyStack(self._time)
         producers = source.GetInput("file").GetValueProducingAttributes()
         stack = producers[0].GetPropertyStack(self._time) if producers else stack

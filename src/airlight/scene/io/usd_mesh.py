@@ -84,6 +84,7 @@ class _Faces:
         self.positions = positions
         self.sizes = _numbers(mesh.GetFaceVertexCountsAttr().Get(time), where)
         self.corners = _numbers(mesh.GetFaceVertexIndicesAttr().Get(time), where)
+        # Damage is refused here, because later steps index by these numbers unchecked.
         if (self.sizes < 0).any() or int(self.sizes.sum()) != len(self.corners):
             raise SceneError(f"'{where}': its faces and their corners do not fit together")
         if len(self.corners) and not 0 <= self.corners.min() <= self.corners.max() < len(
@@ -152,6 +153,7 @@ class _Faces:
         """Values of a primvar, and the row of each corner; None where it has none that fits."""
         from pxr import UsdGeom
 
+        # Values are looked up along the tree, because a parent's constant primvar holds below it.
         none = np.full(points.shape, -1, np.int64)
         primvar = UsdGeom.PrimvarsAPI(self._mesh).FindPrimvarWithInheritance(name)
         values = primvar.Get(self._time) if primvar and primvar.HasValue() else None
@@ -173,6 +175,7 @@ def _rows(kind: str, count: int, index: Any, points: I64, at: I64, face: I64) ->
         "uniform": np.repeat(face[:, None], 3, axis=1),
         "constant": np.zeros(points.shape, np.int64),
     }
+    # The interpolation says which number of a corner counts its values.
     rows = given.get(kind)
     if rows is None:
         return None

@@ -42,6 +42,7 @@ def load_volume_scene(file: Path) -> Scene:
 
 def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
     """A grid as a medium of what its units say, or else as smoke, and what was chosen for it."""
+    # Units settle the optics; where there are none smoke is assumed, and said.
     colours, said = _colours(grid, file)
     optics = grid.optics or _chosen_optics(grid)
     volume = Volume(

@@ -136,6 +136,7 @@ def _arrays(image: ElementTree.Element) -> tuple[dict[str, _Array], list[str]]:
     """Arrays of numbers by name, those of points first, and the names of active scalars."""
     found: dict[str, _Array] = {}
     active = []
+    # Points are read before cells, because a name in both is taken from points.
     for kind in ("PointData", "CellData"):
         for piece in image.findall("Piece"):
             extent = _numbers(piece, "Extent", 6, int)
@@ -220,6 +221,8 @@ def _values(file: _File, element: ElementTree.Element, count: int) -> NDArray[An
         if len(values) != count:
             raise ValueError(f"it has {len(values):,} values, its extent asks for {count:,}")
         return values.astype(dtype)
+    # Appended data lie behind all elements, binary ones within them; either is packed in the same
+    # blocks.
     if form == "appended":
         stored = file.appended[int(element.get("offset", "0")) :]
         stored = stored if file.is_raw else _from_base64(stored)

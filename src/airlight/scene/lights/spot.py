@@ -89,6 +89,7 @@ class SpotLight(LightType):
         """
         if self.radius > 0.0:
             notes.append("a spot light's radius: Mitsuba's spots are points, its shadows are hard")
+        # The projected texture multiplies a cone without a fall-off; a hard cone needs none.
         inner, outer = self.inner_deg, self.outer_deg
         image = ImageFile(("spot", inner, outer), "spot", lambda: spot_pixels(inner, outer))
         texture = Emitter(
