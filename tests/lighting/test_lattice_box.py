@@ -11,6 +11,7 @@ import pytest
 import airlight
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
+from airlight.lattice.nested import Box, nested
 from airlight.lattice.placement import STRAIGHT, fitted
 from airlight.lighting.lattice_box import (
     MEDIUM_BEYOND,
@@ -84,22 +85,31 @@ def test_fog_for_miles_does_not_take_all_cells():
     np.testing.assert_allclose([low, high], [[-0.5 - MEDIUM_BEYOND] * 3, [0.5 + MEDIUM_BEYOND] * 3])
 
 
+def around(scene: Scene, bounds: tuple[float, ...] = (), turn_rad: float = 0.0) -> Box | None:
+    """What is covered beside the lattice of the scene's surfaces, of 16 cells a side."""
+    c, s = np.cos(turn_rad), np.sin(turn_rad)
+    axes = ((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c))
+    low, high, resolution = lattice_extent(scene, (), 16, in_medium=True, axes=axes)
+    return medium_around(scene, bounds, nested(low, high, resolution, axes=axes))
+
+
+@pytest.mark.parametrize("turn_rad", [0.0, 0.3, 0.6])
+def test_fog_up_to_the_camera_needs_no_lattice_more(turn_rad):
+    """In lattices that are turned with the walls neither."""
+    for eye in (OUTSIDE, Camera((0.1, 0.1, 0.1), (0.0, 0.0, 0.0))):
+        assert around(replace(CUBE, medium=FOG, camera=eye), turn_rad=turn_rad) is None
+
+
 def test_fog_around_the_surfaces_lattice_is_covered_as_far_as_it_is_seen():
-    box = lattice_box(replace(CUBE, medium=FOG), in_medium=True)
-    assert medium_around(replace(CUBE, medium=FOG), (), box, STRAIGHT) is None
     wide = replace(FOG, bounds=((-9.0, -8.0, -7.0), (1000.0, 8.0, 7.0)))
     scene = replace(CUBE, medium=wide)
-    box = lattice_box(scene, in_medium=True)
     # As far as ten optical depths from the surfaces and from the eye.
     far = OUTSIDE.position[0] + 10.0 / 0.3
-    np.testing.assert_allclose(
-        medium_around(scene, (), box, STRAIGHT), [[-9.0, -8.0, -7.0], [far, 8.0, 7.0]]
-    )
+    np.testing.assert_allclose(around(scene), [[-9.0, -8.0, -7.0], [far, 8.0, 7.0]])
     # An eye beside the fog looks into it where it is near.
-    scene = replace(scene, camera=Camera((300.0, 20.0, 0.0), (0.0, 0.0, 0.0)))
-    _, high = medium_around(scene, (), box, STRAIGHT)
-    assert high[0] == pytest.approx(300.0 + 10.0 / 0.3)
-    assert medium_around(scene, (-1, -1, -1, 1, 1, 1), box, STRAIGHT) is None
+    beside = replace(scene, camera=Camera((300.0, 20.0, 0.0), (0.0, 0.0, 0.0)))
+    assert around(beside)[1][0] == pytest.approx(300.0 + 10.0 / 0.3)
+    assert around(scene, (-1, -1, -1, 1, 1, 1)) is None
 
 
 def test_the_fog_is_covered_wherever_the_camera_goes():

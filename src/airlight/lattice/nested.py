@@ -106,8 +106,8 @@ def surrounded(nest: Nest, around: Box, resolution: int) -> Nest:
     outer = fitted(*around, resolution, whole.axes)
     outer = replace(outer, first_row=whole.first_row + whole.count[1])
     made = Nest(*around, (*nest.levels, outer), inner=(nest.low, nest.high))
-    # It takes over at the borders of the largest of the others. What is finer stays inside of those
-    # borders, where at most two lattices have light at one point.
+    # It takes over at the borders of the largest of the others. Finer ones stay inside of those, so
+    # that not too many lattices fade into each other at one point.
     low, high = whole.bounds
     whole = _with_borders(made, whole, 0.5 * (low + high))
     fade = whole.borders

@@ -60,9 +60,6 @@ def cascades_nest(
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
-    around = None
-    if in_medium and has_outer:
-        around = medium_around(scene, settings.bounds, (low, high), axes)
     # As many as it takes for a cell to fit the narrowest gap.
     count, ratio = settings.cascades, settings.cascade_ratio
     if count == 0:
@@ -77,4 +74,7 @@ def cascades_nest(
         ratio=ratio,
         finest_m=settings.cascade_extent,
     )
+    # Where the medium goes on, one more.
+    has_more = in_medium and has_outer
+    around = medium_around(scene, settings.bounds, nest) if has_more else None
     return nest if around is None else surrounded(nest, around, resolution)

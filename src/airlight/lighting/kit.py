@@ -270,6 +270,6 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
-    around = medium_around(scene, settings.bounds, (low, high), axes) if in_medium else None
     nest = nested(low, high, resolution, axes=axes)
+    around = medium_around(scene, settings.bounds, nest) if in_medium else None
     return nest if around is None else surrounded(nest, around, resolution)

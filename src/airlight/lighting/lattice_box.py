@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..lattice.facing import wall_axes
-from ..lattice.nested import Box
+from ..lattice.nested import Box, Nest
 from ..lattice.placement import STRAIGHT, Axes, fitted, triple
 from ..maths.transforms import box_along
 from ..scene.along import whole_bounds_along
@@ -21,6 +21,8 @@ from ..scene.scene import Scene
 MEDIUM_BEYOND = 2.0
 """Of the surfaces' longest side: how far their lattices reach into the medium. A camera that
 frames an object stands about so far away, in a medium that fills the scene up to its camera."""
+_PART = 0.5
+"""Of a cell: a medium that ends so close to a lattice has no other one."""
 _HIDDEN = 10.0
 """Optical depths behind which nothing of a medium is seen: as far a lattice of its own reaches."""
 MOST_CELLS = 256
@@ -111,21 +113,20 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
     return _reached(low, high, boxes)
 
 
-def medium_around(
-    scene: Scene, bounds: Sequence[float], box: tuple[F64, F64], axes: Axes
-) -> Box | None:
-    """What a medium fills around the `box` of the surfaces' lattices, as far as it is seen.
+def medium_around(scene: Scene, bounds: Sequence[float], nest: Nest) -> Box | None:
+    """The box of a `nest` with what a medium fills around it, as far as it is seen.
 
-    In metres along `axes`. None where that is nothing, or settings have `bounds` of their own.
+    In metres along its axes. None where its largest lattice has the medium but for a part of a
+    cell, or settings have `bounds` of their own.
     """
     medium = scene.medium
     if bounds or medium is None or medium.endless or not any(medium.sigma_t):
         return None
-    turn, seen = np.array(axes), whole_bounds_along(scene, np.eye(3))
+    whole = nest.levels[-1]
+    turn, seen = np.array(whole.axes), whole_bounds_along(scene, np.eye(3))
     surfaces = whole_bounds_along(furnished(scene), np.eye(3))
     reach = _HIDDEN / min(c for c in medium.sigma_t if c > 0.0)
-    low, high = (np.array(corner) for corner in box)
-    longest = float((high - low).max())
+    low, high = np.array(nest.low), np.array(nest.high)
     for eye in _eyes(scene):
         # Around surfaces, and around the eye or where it looks into the medium.
         least, most = medium_box(medium, *seen, eye)
@@ -133,8 +134,10 @@ def medium_around(
         first, last = np.minimum(surfaces[0], near) - reach, np.maximum(surfaces[1], near) + reach
         filled = box_along(turn, np.maximum(least, first), np.minimum(most, last))
         low, high = np.minimum(low, filled[0]), np.maximum(high, filled[1])
-    beyond = max(float((box[0] - low).max()), float((high - box[1]).max()))
-    return (triple(low), triple(high)) if beyond > _HAIR * longest else None
+    # A lattice that is turned with the walls covers the corners of an upright box all but.
+    first, last = whole.bounds
+    beyond = max(float((first - low).max()), float((high - last).max()))
+    return (triple(low), triple(high)) if beyond > _PART * whole.cell else None
 
 
 def _eyes(scene: Scene) -> Sequence[Any]:
