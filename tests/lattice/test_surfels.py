@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.lattice.bodies import _unmatched_edges, outer_side
-from airlight.lattice.surfels import surfels
+from airlight.lattice.surfels import mean_reflectances, surfels
 from airlight.scene import Geometry, Material, Mesh, Texture, shapes
 
 UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
@@ -98,6 +98,17 @@ def test_colour_is_linear_and_takes_the_factor():
     paint = Material(base_color=(0.5, 1.0, 0.25), base_color_texture=Texture(pixels), specular=0.0)
     made = surfels((placed(shapes.quad(), np.eye(3), material=paint),), [0], 4)
     np.testing.assert_allclose(made["reflectance"][0], [0.2515, 0.0, 0.25], atol=2e-3)
+
+
+def test_the_mean_reflectance_of_an_instance_is_that_of_its_texture():
+    """A board half black and half white, in the mean of a colour; and a plain one."""
+    pixels = np.zeros((4, 4, 4), np.uint8)
+    pixels[:, :2], pixels[..., 3] = 255, 255
+    half = Material(base_color=(0.9, 0.6, 0.3), base_color_texture=Texture(pixels), specular=0.0)
+    plain = Material(base_color=(0.2, 0.2, 0.2), specular=0.0)
+    meshes = (Mesh(shapes.quad(), half), Mesh(shapes.quad(), plain))
+    made = surfels(meshes, [1, 0], 4000)
+    np.testing.assert_allclose(mean_reflectances(made, 3), [0.2, 0.3, 0.0], atol=0.01)
 
 
 def test_no_meshes_still_make_a_buffer():

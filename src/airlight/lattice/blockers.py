@@ -27,7 +27,7 @@ from ..surface.geometry import GpuScene
 from ..surface.instances import InstanceData
 from .placement import LatticeParams, Placement
 from .rooms import Rooms
-from .surfels import SurfelData, follow, sealed, surfels, turned
+from .surfels import SurfelData, follow, mean_reflectances, sealed, surfels, turned
 
 _CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
 UNITS = 2.0**16
@@ -127,6 +127,11 @@ class Blockers:
         self._sum = _SumSurfels(gpu)
         self._open = _FaceVisibility(gpu)
         self._made: tuple[int, int, Placement] | None = None
+
+    @property
+    def reflectances(self) -> NDArray[np.float32]:
+        """The bihemispherical albedo of each instance: the mean of its surfels and channels."""
+        return mean_reflectances(self._owner._samples, len(self.meshes.order))
 
     def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
         # A body that the camera enters on its way is a room from the beginning.

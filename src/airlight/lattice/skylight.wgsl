@@ -1,6 +1,7 @@
 // The environment's direct light in cells, as the irradiance of six faces. A sky light comes from a disc: how
 // much of it a cell sees is asked by taps as far beside the cell as the disc is wide from where its shadow
 // is cast, on this side of walls (Fernando2005, percentage-closer soft shadows).
+//! use map_visibility
 //! use open_line
 
 // Offsets inside a cell, in cells from its centre.
@@ -24,14 +25,7 @@ fn turned(turn: vec2f) -> vec2f {
 // Where a point lies in a view: u, v, depth; m along the lattice's axes, as all points here.
 fn in_view(point: vec3f, view: LightViewData) -> vec3f {
     let clip = view.clip_from_world * vec4f(world_from_lattice(lattice, point), 1.0);
-    return vec3f(clip.xy * vec2f(0.5, -0.5) + 0.5, clip.z);
-}
-
-// Whether a light reaches a point of its view, filtered; beyond the map nothing shades.
-fn lit(coordinates: vec3f, layer: u32) -> f32 {
-    let is_outside = any(coordinates.xy < vec2f(0.0)) || any(coordinates.xy > vec2f(1.0)) || coordinates.z >= 1.0;
-    return select(
-        textureSampleCompareLevel(depth, compare, coordinates.xy, layer, coordinates.z), 1.0, is_outside);
+    return map_coordinates(clip.xyz);
 }
 
 fn depth_at(uv: vec2f, layer: u32) -> f32 {
@@ -103,7 +97,7 @@ fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     loop {
         let aside = radius * at * sqrt((f32(k) + 0.5) / f32(taps));
         let tap = (*cell).samples[k & 3u] + aside.x * right + aside.y * down;
-        share += lit(in_view(clamp(tap, (*cell).low, (*cell).high), view), i);
+        share += map_visibility(depth, compare, i, in_view(clamp(tap, (*cell).low, (*cell).high), view));
         at = turned(at);
         k++;
         if (k >= taps) {

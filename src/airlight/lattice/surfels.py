@@ -148,6 +148,14 @@ def sealed(
     return found
 
 
+def mean_reflectances(made: NDArray[np.void], instances: int) -> NDArray[np.float32]:
+    """Of each of so many `instances` the reflectance of its surfels, in the mean of channels."""
+    rows = made["instance"]
+    sums = np.bincount(rows, made["reflectance"].mean(axis=1), minlength=instances)
+    counts = np.bincount(rows, minlength=instances)
+    return np.asarray(sums / np.maximum(counts, 1), np.float32)
+
+
 def follow(
     made: NDArray[np.void], order: list[int], original: tuple[Mesh, ...], now: tuple[Mesh, ...]
 ) -> NDArray[np.void]:

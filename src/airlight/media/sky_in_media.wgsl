@@ -1,4 +1,5 @@
 //! use lattice_space
+//! use map_visibility
 //! use media_light
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store(texel: vec3u, light: SkyLight)
@@ -12,12 +13,7 @@ fn offset_in_cell(i: u32, k: u32) -> vec3f {
 
 fn visibility(world: vec3f, i: u32) -> f32 {
     let clip = views[i].clip_from_world * vec4f(world, 1.0);
-    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    // Nothing shades a point beside the map or beyond it.
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || clip.z >= 1.0) {
-        return 1.0;
-    }
-    return textureSampleCompareLevel(depth, compare, uv, i, clip.z);
+    return map_visibility(depth, compare, i, map_coordinates(clip.xyz));
 }
 
 // The irradiance of light i of the sky in the cell, through media, W m^-2.

@@ -1,5 +1,6 @@
 // Cells with a point that light of the sky reaches through a box whose medium changed, or with one in such a box.
 //! use lattice_space
+//! use map_visibility
 //! use wider_box
 
 const FAR = 3.0e38;
@@ -8,11 +9,7 @@ const MARGIN = 1e-3;    // cells, whatever rounding makes of a path along the si
 // Whether any part of light i arrives at p.
 fn is_lit(world: vec3f, i: u32) -> bool {
     let clip = views[i].clip_from_world * vec4f(world, 1.0);
-    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || clip.z >= 1.0) {
-        return true;
-    }
-    return textureSampleCompareLevel(depth, compare, uv, i, clip.z) > 0.0;
+    return map_visibility(depth, compare, i, map_coordinates(clip.xyz)) > 0.0;
 }
 
 // Whether the path from anywhere in a ball about p meets a box; `towards` 0: whether the ball does.

@@ -71,7 +71,7 @@ class PopMedia(Solver):
         self._surfaces: Surfaces | None = None
         if self._scene.meshes:
             self._surfaces = Surfaces(
-                kit.meshes, kit.lights, kit.sky, kit.rays, reflected, kit.blockers
+                kit.meshes, kit.lights, kit.sky, kit.rays, kit.blockers, reflected
             )
         self._merged: MergedMedium | None = None
         if len(volumes) > MOST_ALONE:

@@ -1,6 +1,7 @@
 // What a light brings into a cell. The including pass binds the lights' shadow maps (parallel_views,
 // parallel_shadows, local_views, local_shadows, shadow_compare) and what `lights` needs.
 //! use lights
+//! use map_visibility
 //! use sized_light
 
 // The mean of 1/|x|^2 over a ball of radius R whose centre is D away from the light, m^-2: finite
@@ -38,13 +39,9 @@ fn lit_point(light: LightData, to_light: vec3f, p: vec3f) -> f32 {
     if (clip.w <= 0.0) {
         return 1.0;
     }
-    let ndc = clip.xyz / clip.w;
-    let uv = ndc.xy * vec2f(0.5, -0.5) + 0.5;
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || ndc.z >= 1.0) {
-        return 1.0;
-    }
+    let coordinates = map_coordinates(clip.xyz / clip.w);
     if (is_parallel) {
-        return textureSampleCompareLevel(parallel_shadows, shadow_compare, uv, index, ndc.z);
+        return map_visibility(parallel_shadows, shadow_compare, index, coordinates);
     }
-    return textureSampleCompareLevel(local_shadows, shadow_compare, uv, index, ndc.z);
+    return map_visibility(local_shadows, shadow_compare, index, coordinates);
 }

@@ -112,7 +112,7 @@ class InterMediumLight:
         for index in range(len(self._receiver.others)):
             self._gather_blocks(commands, table, index, is_lit=is_lit)
         # Surfaces between the blocks and the cells, once they are positioned.
-        if surfaces is not None and surfaces.blockers is not None and not is_lit:
+        if surfaces is not None and not is_lit:
             self._visibility.encode(
                 commands, surfaces.blockers, surfaces.meshes.version, table.rows, self._blocks
             )

@@ -37,16 +37,16 @@ from ..virtual.reflected import ReflectedLights
 class Surfaces:
     """The surfaces around media: their shadow maps, and what they reflect.
 
-    `rays`: what rays meet of them. `reflected`: where virtual point lights are sampled from;
-    `blockers`: cells between media.
+    `rays`: what rays meet of them. `blockers`: cells between media, and how much surfaces reflect.
+    `reflected`: where virtual point lights are sampled from.
     """
 
     meshes: GpuScene
     lights: Lights
     sky: Sky
     rays: SceneRays
+    blockers: Blockers
     reflected: ReflectedLights | None = None
-    blockers: Blockers | None = None
 
     @property
     def version(self) -> tuple[int, ...]:

@@ -1,6 +1,7 @@
 // Visibility of an ordinate's light from a cell: the mean of four samples.
 //! use medium_grid
 //! use lights
+//! use map_visibility
 //! use shadow
 
 // Offsets of the samples from the cell's centre, in cells: corners of a tetrahedron.
@@ -22,12 +23,7 @@ fn light_visibility(light: LightData, p: vec3f) -> f32 {
 
 fn sky_visibility(layer: u32, p: vec3f) -> f32 {
     let clip = sky_views[layer].clip_from_world * vec4f(p, 1.0);
-    let uv = clip.xy * vec2f(0.5, -0.5) + 0.5;
-    // Nothing shades a point beside the map or beyond it.
-    if (any(uv < vec2f(0.0)) || any(uv > vec2f(1.0)) || clip.z >= 1.0) {
-        return 1.0;
-    }
-    return textureSampleCompareLevel(sky_depth, shadow_compare, uv, layer, clip.z);
+    return map_visibility(sky_depth, shadow_compare, layer, map_coordinates(clip.xyz));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

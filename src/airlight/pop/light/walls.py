@@ -12,14 +12,10 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f
 from ...gpu.memory import Buffer, buffer_of
 from ...gpu.slots import storage, uniform
-from ...maths.colour import srgb_decode
-from ...maths.reflection import bihemispherical_albedo
 from ...rays.rays import RAY_SLOTS, RayScene
-from ...scene.material import Material
 from ...scene.mesh import world_boxes
 from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
@@ -90,7 +86,9 @@ class Walls:
         if not crossing:
             return self._clear(walls)
         with commands.stage("pop walls"):
-            self._reflectances = self._reflectances or _reflectances(self._medium.gpu, surfaces)
+            self._reflectances = self._reflectances or buffer_of(
+                self._medium.gpu, "reflectance of instances", surfaces.blockers.reflectances
+            )
             self._trace(commands, params, surfaces.rays.of_frame(commands))
             self._faces.dispatch(
                 commands,
@@ -147,21 +145,3 @@ class Walls:
         if not was_clear:
             walls.write(np.zeros(2 * self._medium.cells, np.uint32))
         return not was_clear
-
-
-def _reflectances(gpu: Gpu, surfaces: Surfaces) -> Buffer:
-    """The diffuse reflectance of each instance: the mean of its material's channels."""
-    meshes = surfaces.meshes
-    found = {id(m.material): _mean_albedo(m.material) for m in meshes.original}
-    rows = [found[id(meshes.original[index].material)] for index in meshes.order]
-    return buffer_of(gpu, "reflectance of instances", np.array(rows, np.float32))
-
-
-def _mean_albedo(material: Material) -> float:
-    colour, texture = np.array([material.base_color]), material.base_color_texture
-    if texture is not None:
-        mean = texture.pixels[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
-        colour = colour * (srgb_decode(mean) if texture.is_srgb else mean)
-    metallic, roughness = np.array([material.metallic]), np.array([material.roughness])
-    specular = np.array([material.specular])
-    return float(bihemispherical_albedo(colour, metallic, roughness, specular).mean())
