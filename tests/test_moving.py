@@ -175,7 +175,7 @@ def test_moving_things_allocate_nothing(gpu, moving):
         for time in (0.0, 0.1, *TIMES):
             renderer.frame(time=time, read=False)
         held = gpu.allocated_bytes
-        for time in TIMES:
+        for time in (0.3, 1.1, 1.4):
             renderer.frame(time=time, read=False)
         assert gpu.allocated_bytes == held
 
@@ -241,4 +241,4 @@ def test_frames_leave_nothing_behind(gpu, moving):
         before = resident_mb()
         for time in np.linspace(0.0, 2.0, 12):
             renderer.frame(time=float(time))
-        assert resident_mb() - before < 30.0
+        assert resident_mb() - before < (30.0 if gpu.paths.name == "gpu" else 8.0)

@@ -27,7 +27,7 @@ def test_all_cells_that_surfaces_read_are_near_them(gpu):
         is_near = near.cells.read().view(np.uint32).reshape(place.count[::-1])
     normals = rng.normal(size=(2000, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    radius = 0.5 * np.abs(sphere().positions).max() * 1.0
+    radius = 0.5 * np.abs(sphere().positions).max()
     on_floor = np.column_stack(
         [rng.uniform(-1.5, 1.5, 500), np.zeros(500), rng.uniform(-1.5, 1.5, 500)]
     )

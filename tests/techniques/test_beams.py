@@ -47,8 +47,7 @@ def test_a_floor_under_lit_smoke_gathers_what_a_tracer_counts(technique, g):
     Measured 1.10, 1.13, 1.02 for g 0, .6, .85; without beams, and with what smoke sends towards the
     eye in place of the reduced medium's light, 1.10, .16, .03.
     """
-    settings = {k: v for k, v in SETTINGS.items() if technique == "auto" or k != "map_resolution"}
-    layers = render(smoke_on_a_floor(g), technique, (24, 24), samples=4, settings=settings).layers
+    layers = render(smoke_on_a_floor(g), technique, (24, 24), samples=4, settings=SETTINGS).layers
     found = (layers["indirect"] / layers["transmittance"] * np.pi / 0.02).mean()
     box = BoxMedium(sigma_t=2.0, albedo=0.9, g=g)
     truth = trace(box, Beam((0, 0, 1)), photons=100_000).exits[1:, 5].sum()

@@ -49,15 +49,15 @@ def scattered(scene: Scene, **settings: object) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("light", "way_m"), [(SUN, 2.0), (PointLight((0.0, 0.9, 0.0), (1.0, 1.0, 1.0)), 0.9)]
+    ("light", "path_m"), [(SUN, 2.0), (PointLight((0.0, 0.9, 0.0), (1.0, 1.0, 1.0)), 0.9)]
 )
-def test_black_fog_attenuates_light_on_its_way_to_a_volume(light, way_m):
+def test_black_fog_attenuates_light_on_its_way_to_a_volume(light, path_m):
     """By the light's and the eye's way through the fog, which without it is nothing."""
     sigma = np.array([0.2, 0.5, 0.9])
     fog = Medium(tuple(sigma), (0.0,) * 3, (0.0,) * 3, BOUNDS)
     clear = Scene((), (light,), camera=CAMERA, volumes=(puff(1.0, 0.1, 0.1, 30.0),))
     ratio = scattered(replace(clear, medium=fog)) / scattered(clear)
-    np.testing.assert_allclose(ratio, np.exp(-sigma * (way_m + 1.5)), rtol=0.03)
+    np.testing.assert_allclose(ratio, np.exp(-sigma * (path_m + 1.5)), rtol=0.03)
 
 
 def with_black_cube(scene: Scene) -> Scene:

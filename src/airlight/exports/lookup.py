@@ -78,7 +78,8 @@ class Lookup:
 
     def _lifted(self, coordinates: F64, n: F64) -> F64:
         """Twin: lifted in wgsl/lattice.wgsl."""
-        # Asked is the cell in front of the surface, and on which side of its middle the point lies.
+        # Asked is the cell in front of the surface, and which of its faces, if any, lies within
+        # BEFORE of the point.
         is_facing = np.abs(n) > 0.5
         before = coordinates + np.where(is_facing, 0.5 * np.sign(n), 0.0)
         cell = np.floor(before)

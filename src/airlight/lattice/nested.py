@@ -150,7 +150,7 @@ def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Pl
         now = np.round((np.array(before.origin) - base) / placement.cell)
         if (np.abs(now - ideal) <= SLACK).all():
             return replace(before, fade=None)
-    # Moves are of whole cells: light of cells that stay can be copied.
+    # Moves are of whole cells: what is injected into a cell does not depend on the camera.
     origin = base + placement.cell * np.round(ideal)
     return replace(placement, origin=triple(origin))
 

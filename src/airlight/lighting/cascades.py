@@ -24,7 +24,7 @@ class CascadeSettings(SurfaceSettings):
 
     cascades: int = setting(
         0,
-        "nested lattices, which but for the largest follow the camera; "
+        "nested lattices, which but for the largest over surfaces follow the camera; "
         "0: as many as give four cells to gaps between surfaces, where one gives less than two; "
         "a medium that reaches far beyond the surfaces has one more",
         low=0,

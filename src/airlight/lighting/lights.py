@@ -106,7 +106,8 @@ class Lights:
         local_lights = [x for x in own if not isinstance(x, DirectionalLight)]
         low, high = np.asarray(low), np.asarray(high)
         views = light_views(directional, low, high, self.parallel.resolution)
-        # While a light is dragged its views are widened: they fill only a part of the map.
+        # While a light is dragged, maps of all directional lights are coarse: wider views fill a
+        # part of them.
         if self.coarseness != 1.0:
             views = [widened(view, self.coarseness) for view in views]
         self.parallel.encode(commands, meshes, views)

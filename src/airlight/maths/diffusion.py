@@ -155,7 +155,11 @@ class Diffusion:
         return upper, lower
 
     def _onto(self, phi: F64, source: F64 | None, axis: int, side: int) -> F64:
-        """J outwards from every cell onto a surface: that of `_outer`, which reflects."""
+        """J outwards from every cell onto a surface: that of `_outer`, which reflects.
+
+        Source: Marshak's condition with a reflecting boundary, phi = 2 (1 + rho)/(1 - rho) J there
+        (Haskell1994).
+        """
         half = 0.5 * float(self.cell[axis]) / self.d
         carried = 0.0 if source is None else (1.0 if side else -1.0) * source[axis]
         rho = 0.0 if self.reflectance is None else self.reflectance[axis, side][..., None]

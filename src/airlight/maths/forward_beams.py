@@ -15,7 +15,7 @@ F64 = NDArray[np.float64]
 
 SPREAD, BACK = 0.29, 0.58
 """Of a path in a medium, m: the deviation across it over sqrt(2 (1 - g)), and how far back light is
-deflected (the root mean square)."""
+deflected: the root mean square, 1/sqrt(3) of a path that deflects alike everywhere."""
 INSIDE = 0.8
 """Of the sides of a medium's box: where light comes from to paths that pass the medium by."""
 

@@ -31,7 +31,8 @@ def bihemispherical_albedo(
     """
     base = np.asarray(base_color, dtype=np.float64)
     m, r, s = (np.asarray(x, dtype=np.float64)[..., None] for x in (metallic, roughness, specular))
-    # Reflectance at normal incidence and at grazing (Schlick1994).
+    # At normal incidence, and at grazing, where less than 2 % at normal incidence falls with it
+    # (Lagarde2014).
     f0 = 0.04 * s * (1.0 - m) + base * m
     f90 = np.clip(50.0 * f0.max(axis=-1, keepdims=True), 0.0, 1.0)
     # The base reflects what the coat, in the mean over all directions, does not.

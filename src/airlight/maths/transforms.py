@@ -33,7 +33,7 @@ def view_from_world(eye: Vector, forward: Vector, up: Vector) -> F64:
     """(4, 4): the eye at the origin looking down -Z, +Y as near to `up` as it can be."""
     z = -unit(forward)
     x = _cross(up, z)
-    # Straight up or down, `up` says nothing: another axis takes its place.
+    # Along `up` that says nothing: another axis takes its place.
     if np.linalg.norm(x) < 1e-9:
         x = _cross((0.0, 0.0, 1.0) if abs(z[1]) > 0.5 else (0.0, 1.0, 0.0), z)
     x = unit(x)

@@ -112,7 +112,8 @@ class _Growth:
 
     def _hang(self, parts: Parts, is_leaf: NDArray[np.bool_]) -> None:
         """Tell the level above which nodes and leaves its children are."""
-        # Nodes are numbered level by level, so a part's place among its level is its number.
+        # Nodes are numbered level by level: a part's number is its place in its level, behind all
+        # nodes above.
         above = self.children[-1].ravel()
         above[self.parents[~is_leaf]] = self.levels[-1] + np.arange((~is_leaf).sum())
         # Leaves store a range of the final order, which they extend by their own items.

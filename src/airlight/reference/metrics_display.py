@@ -79,7 +79,8 @@ def hdr_flip_map(reference: F32, image: F32, exposures: tuple[float, float]) -> 
     """
     import flip_evaluator
 
-    # Andersson et al. 2021 take the worst error over exposures one stop apart.
+    # The worst error over as many exposures, ends included, as the range has stops
+    # (Andersson et al. 2021, HDR-FLIP).
     start, stop = exposures
     parameters = {
         "startExposure": start,

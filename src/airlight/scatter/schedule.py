@@ -70,7 +70,7 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
         coarser += 1
     if acceleration == "none" or coarser == 0:
         return Schedule((iterations - 1,), (0,), iterations=iterations)
-    # All steps are of the given lattice; one or two coarser ones finish what is under way then.
+    # The given lattice has all iterations; one or two coarser ones then finish what is under way.
     if acceleration == "finish":
         depth = min(coarser, 2)
         before, after = (iterations - 1, 8, 16)[: depth + 1], (1, 0, 0)[: depth + 1]

@@ -29,7 +29,6 @@ def denoised(image: Image) -> Image:
     guides = {name: image.layers[name] for name in ("albedo", "normal") if name in image.layers}
     if "albedo" not in guides:
         guides = {}  # the filter takes normals beside albedo alone
-    # Only gathered light is noisy; the filter would blur direct light for nothing.
     light = {name: image.layers[name] for name in GATHERED if name in image.layers}
     if not light and "direct" in image.layers:
         return image  # nothing was gathered

@@ -175,14 +175,15 @@ class GridMedium:
         made = self._placed(volumes)
         if len(made) != len(self.parts):
             raise SceneError("the volume's colours changed in number", remedy="Make a new Renderer")
-        for new, old, voxels in zip(made, self.parts, self.voxels, strict=True):
+        for new, old in zip(made, self.parts, strict=True):
             same_voxels = voxel_count(new.volume) == voxel_count(old.volume)
             same_grid = new.placement.count == old.placement.count
             if not (same_voxels and same_grid and new.volume.shape == old.volume.shape):
                 raise SceneError("the volume changed in size", remedy="Make a new Renderer")
+        # Nothing changes where any part is refused.
+        for new, old, voxels in zip(made, self.parts, self.voxels, strict=True):
             if self._own_voxels and new.volume.density is not old.volume.density:
                 voxels.write(half_floats(shape_density(new.volume, SPHERE_SIDE)))
-        # The old parts hold on until nothing can be refused any more.
         self.parts = made
 
     def encode(self, commands: Commands) -> bool:
