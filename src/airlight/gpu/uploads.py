@@ -63,6 +63,14 @@ class Lease(Generic[T]):
         """
         return self._uploads.forget(self._upload)
 
+    def owned(self, scope: Gpu, make: Callable[[Gpu], T]) -> Lease[T]:
+        """This lease, of what may then be changed; or, where others use the upload, one in its
+        place of another that `make` makes and nobody finds."""
+        if self.claim():
+            return self
+        self.release()
+        return self._uploads.lease(scope, object(), make)
+
     def release(self) -> None:
         """End the use; once more it does nothing."""
         if self._is_held:

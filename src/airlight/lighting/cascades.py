@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..lattice.gaps import narrow_gap, nested_count
-from ..lattice.nested import Nest, nested, surrounded
+from ..lattice.nested import Nest, nested
 from ..lattice.placement import fitted
 from ..scene.light_shapes import furnished
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .kit import SurfaceSettings
-from .lattice_box import lattice_axes, lattice_extent, medium_around
+from .lattice_box import lattice_axes, lattice_extent, with_medium_around
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,6 @@ def cascades_nest(
         finest_m=settings.cascade_extent,
     )
     # Where the medium goes on, one more.
-    has_more = in_medium and has_outer
-    around = medium_around(scene, settings.bounds, nest) if has_more else None
-    return nest if around is None else surrounded(nest, around, resolution)
+    if not (in_medium and has_outer):
+        return nest
+    return with_medium_around(nest, scene, settings.bounds, resolution)

@@ -21,13 +21,13 @@ from ..lattice.blockers import Blockers
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
 from ..lattice.lookup import LatticeTextures
-from ..lattice.nested import Nest, nested, surrounded
+from ..lattice.nested import Nest, nested
 from ..lattice.placement import STRAIGHT, Hull, Placement, triple
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
-from .lattice_box import lattice_axes, lattice_extent, medium_around
+from .lattice_box import lattice_axes, lattice_extent, with_medium_around
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
 from .sky import Sky
@@ -271,5 +271,4 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
     nest = nested(low, high, resolution, axes=axes)
-    around = medium_around(scene, settings.bounds, nest) if in_medium else None
-    return nest if around is None else surrounded(nest, around, resolution)
+    return with_medium_around(nest, scene, settings.bounds, resolution) if in_medium else nest

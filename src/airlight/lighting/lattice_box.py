@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..lattice.facing import wall_axes
-from ..lattice.nested import Box, Nest
+from ..lattice.nested import Box, Nest, surrounded
 from ..lattice.placement import STRAIGHT, Axes, fitted, triple
 from ..maths.transforms import box_along
 from ..scene.along import whole_bounds_along
@@ -111,6 +111,12 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
     seen = whole_bounds_along(scene, np.eye(3))
     boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in _eyes(scene)]
     return _reached(low, high, boxes)
+
+
+def with_medium_around(nest: Nest, scene: Scene, bounds: Sequence[float], resolution: int) -> Nest:
+    """The `nest`, with one lattice more where the medium goes on far beyond it."""
+    around = medium_around(scene, bounds, nest)
+    return nest if around is None else surrounded(nest, around, resolution)
 
 
 def medium_around(scene: Scene, bounds: Sequence[float], nest: Nest) -> Box | None:

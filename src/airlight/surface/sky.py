@@ -7,7 +7,6 @@ noise and no seed, so a turning map does not flicker.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -134,7 +133,10 @@ class EnvironmentTexture:
 
     def __init__(self, gpu: Gpu, environment: Environment | None) -> None:
         self._gpu = gpu
-        self._lease(_texels_of(environment), environment)
+        self._leased = gpu.uploads.lease(
+            gpu, _texels_of(environment), lambda scope: _made(scope, environment)
+        )
+        self.texture = self._leased.value
         self.sampler = Sampler(
             gpu,
             "environment",
@@ -155,30 +157,18 @@ class EnvironmentTexture:
         if not is_same:
             if _background_map(environment)[0].shape[1::-1] != self.texture.size[:2]:
                 return False
-            if self._leased.claim():
+            # One of its own, which nobody finds: the next map is written into it.
+            before = self.texture
+            self._leased = self._leased.owned(self._gpu, lambda scope: _made(scope, environment))
+            self.texture = self._leased.value
+            if self.texture is before:
                 _upload(self.texture, environment)
-            else:
-                # One of its own, which nobody finds: the next map is written into it.
-                self._leased.release()
-                self._lease(object(), environment)
         self._turn(environment)
         return True
 
     def release(self) -> None:
         """Give the texture back, unless other scenes show it."""
         self._leased.release()
-
-    def _lease(self, key: Hashable, environment: Environment | None) -> None:
-        """Take the texture of a `key`, or make and fill it."""
-
-        def make(scope: Gpu) -> Texture:
-            height, width = _background_map(environment)[0].shape[:2]
-            made = Texture(scope, "environment", (width, height), "rgba16float")
-            _upload(made, environment)
-            return made
-
-        self._leased = self._gpu.uploads.lease(self._gpu, key, make)
-        self.texture: Texture = self._leased.value
 
     @property
     def seen(self) -> dict[str, Any]:
@@ -211,6 +201,14 @@ def _upload(texture: Texture, environment: Environment | None) -> None:
             texture.gpu.wait()
         texels = _half_pixels(radiance[rows], None if suns is None else suns[rows], scale)
         texture.write(texels, row=rows.start)
+
+
+def _made(scope: Gpu, environment: Environment | None) -> Texture:
+    """A texture with the map of the background."""
+    height, width = _background_map(environment)[0].shape[:2]
+    texture = Texture(scope, "environment", (width, height), "rgba16float")
+    _upload(texture, environment)
+    return texture
 
 
 def _texels_of(environment: Environment | None) -> tuple[object, ...]:

@@ -175,17 +175,13 @@ class TriangleTable:
         if base_vertex not in self.base_vertex:
             return False
         # A buffer that other scenes show is not written to; this scene gets one of its own.
-        is_own = self._lease.claim()
-        if not is_own:
-            self._lease.release()
-            self._lease = self.gpu.uploads.lease(
-                self.gpu, object(), lambda scope: _Triangles(scope, self._last)
-            )
-            self.shared = self._lease.value
+        before = self.shared
+        self._lease = self._lease.owned(self.gpu, lambda scope: _Triangles(scope, self._last))
+        self.shared = self._lease.value
         has_other_uvs = geometry.uvs is not self._last[base_vertex].uvs
         self.shared.write(base_vertex, geometry, has_other_uvs=has_other_uvs)
         self._last[base_vertex] = geometry
-        return not is_own
+        return self.shared is not before
 
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
         packed = np.zeros(max(1, len(instances)), InstanceIds.dtype)

@@ -23,8 +23,12 @@ _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np
 
 
 def geometry_digest(g: Geometry) -> bytes:
-    """Equal for geometries of the same vertices and triangles."""
-    return digest(g.positions, g.indices, g.normals, g.uvs, g.colors)
+    """Equal for geometries of the same vertices and triangles; cached on the (immutable) one."""
+    known: bytes | None = g.__dict__.get("_digest")
+    if known is None:
+        known = digest(g.positions, g.indices, g.normals, g.uvs, g.colors)
+        object.__setattr__(g, "_digest", known)
+    return known
 
 
 class _Buffers:
@@ -68,17 +72,15 @@ class VertexBuffers:
         """
         check_same_triangles(self.uploaded[first], geometry)
         # A buffer that other scenes show is not written to; this scene gets one of its own.
-        is_own = self._lease.claim()
-        if not is_own:
-            self._lease.release()
-            self._lease = self.gpu.uploads.lease(
-                self.gpu, object(), lambda scope: _Buffers(scope, list(self.uploaded.values()))
-            )
-            self.buffers = self._lease.value
+        before = self.buffers
+        self._lease = self._lease.owned(
+            self.gpu, lambda scope: _Buffers(scope, list(self.uploaded.values()))
+        )
+        self.buffers = self._lease.value
         self.buffers.positions.write(geometry.positions, 12 * first)
         self.buffers.vertices.write(_vertex_data(geometry), _VERTEX.itemsize * first)
         self.uploaded[first] = geometry
-        return not is_own
+        return self.buffers is not before
 
 
 def check_same_triangles(old: Geometry, new: Geometry) -> None:
