@@ -1,6 +1,7 @@
 // Cells with a point that light of the sky reaches through a box whose medium changed, or with one in such a box.
 //! use lattice_space
 //! use map_visibility
+//! use octants
 //! use wider_box
 
 const FAR = 3.0e38;
@@ -28,7 +29,7 @@ fn comes_near(away: vec3f, towards: vec3f, reach: f32) -> bool {
 
 // One of the eight points of a cell at which passes look for light.
 fn point_of(span: CellSpan, k: u32) -> vec3f {
-    return point_in_span(lattice, span, 0.5 * vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) + 0.25);
+    return point_in_span(lattice, span, octant_middle(k));
 }
 
 // Whether one of them is in a box, lit or not: light is averaged over those that are in media.

@@ -6,15 +6,12 @@
 //! use forward_beams
 //! use forward_depths
 //! use free_path
+//! use octants
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 //! needs fn is_read(cell: u32) -> bool
 
 const BLUR_CELLS = 6.0;         // that light spreads across its direction at most
-
-fn part_middle(k: u32) -> vec3f {
-    return vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
-}
 
 // The light that reaches p through the reduced medium beyond the true one: it was deflected once.
 fn gained_at(light: LightData, p: vec3f, lit: f32, depths: Depths) -> vec3f {
@@ -89,7 +86,7 @@ fn slanted_alone(light: LightData, i: u32, id: vec3u, span: CellSpan) -> vec3f {
     }
     var sum = vec3f(0.0);
     for (var n = 0u; n < 8u * params.taps; n++) {
-        let start = vec3f(id) + part_middle(n & 7u);
+        let start = vec3f(id) + octant_middle(n & 7u);
         sum += slanted(light, i, start, slant_aside(n & 7u, n >> 3u), depths);
     }
     return sum / f32(8u * params.taps);
@@ -97,7 +94,7 @@ fn slanted_alone(light: LightData, i: u32, id: vec3u, span: CellSpan) -> vec3f {
 
 // Of light i at part k of a cell.
 fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> Part {
-    let half = part_middle(k);
+    let half = octant_middle(k);
     // What shines straight onto the part, as the true medium attenuates it.
     let p = point_in_span(lattice, span, half);
     if (FOR_SURFACES) {

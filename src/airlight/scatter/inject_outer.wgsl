@@ -4,6 +4,7 @@
 //! use open_line
 //! use outer_cells
 //! use channel_cells
+//! use octants
 
 const DEPTH = 3;        // cells from the border that are asked whether light could leave
 
@@ -34,7 +35,7 @@ fn outer_state(place: vec3f, channel: u32) -> vec4f {
     let t = at - vec3f(first);
     var sum = vec4f(0.0);
     for (var k = 0u; k < 8u; k++) {
-        let corner = vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);
+        let corner = octant(k);
         let share = select(1.0 - t, t, corner == vec3u(1u));
         sum += share.x * share.y * share.z * outer_sum[index_in(outer.count, first + corner, channel)];
     }

@@ -3,6 +3,7 @@
 //! use media_light
 //! use cell_light
 //! use lights_in_media
+//! use octants
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn keep_light(cell: u32, fluence: vec3f)
 
@@ -86,8 +87,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     var power = vec3f(0.0);
     var scattering = vec3f(0.0);
     for (var k = 0u; k < 8u; k++) {
-        let inside = vec3f(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)) * 0.5 + 0.25;
-        let p = unwarped_point(lattice, id, inside);
+        let p = unwarped_point(lattice, id, octant_middle(k));
         let held = media_coefficients(p);
         if (any(held.scattering > vec3f(0.0))) {
             power += held.scattering * arriving(p, size, held.extinction);

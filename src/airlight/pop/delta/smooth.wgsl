@@ -2,6 +2,7 @@
 // than the eight around it. See maths/halved_cells.py.
 //! use medium_grid
 //! use walls
+//! use octants
 
 // Catmull and Rom's weights of four cells, t beyond the second one.
 fn spline(t: f32) -> vec4f {
@@ -61,7 +62,7 @@ fn walled_light(id: vec3u) -> vec3f {
     var sum = vec3f(0.0);
     var total = 0.0;
     for (var k = 0u; k < 8u; k++) {
-        let corner = vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);
+        let corner = octant(k);
         let cell = vec3u(clamp(first + vec3i(corner), vec3i(0), last));
         let is_open = is_open_along(home, cell, vec3u(0u, 1u, 2u)) || is_open_along(home, cell, vec3u(2u, 1u, 0u));
         if (reach[cell_index(cell)] == 0u || !is_open) {

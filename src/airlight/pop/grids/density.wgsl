@@ -1,5 +1,6 @@
 // The medium's density in a cell of a grid, and the list of cells that light may propagate from.
 //! use hop_grid
+//! use octants
 
 // List a cell, and dispatch one more group where it is the first of a group.
 fn list_cell(entry: u32) {
@@ -27,8 +28,7 @@ fn list_cell(entry: u32) {
     // The mean of eight samples.
     let samples = select(8u, 0u, is_far);
     for (var k = 0u; k < samples; k++) {
-        let offset = vec3f(vec3u(k, k >> 1u, k >> 2u) & vec3u(1u)) * 0.5 + 0.25;
-        let uvw = hop_point(n, vec3f(cell) + offset) / params.extent;
+        let uvw = hop_point(n, vec3f(cell) + octant_middle(k)) / params.extent;
         if (all(uvw >= vec3f(0.0)) && all(uvw <= vec3f(1.0))) {
             sum += textureSampleLevel(fine, linear_clamp, uvw, 0.0).x;
             inside += 1u;

@@ -1,6 +1,7 @@
 // The light of all grids in a cell of the medium (Elek2014 section 5.3), and the residuum there.
 //! use hop_grid
 //! use medium_grid
+//! use octants
 
 // What a grid holds at a point, weighted.
 struct GridLight {
@@ -33,7 +34,7 @@ fn read_grid(n: u32, coordinates: vec3f) -> GridLight {
     let low = floor(at);
     let part = at - low;
     for (var k = 0u; k < 8u; k++) {
-        let upper = vec3u(k, k >> 1u, k >> 2u) & vec3u(1u);
+        let upper = octant(k);
         let share = select(1.0 - part, part, upper == vec3u(1u));
         var cell = vec3u(min(vec3f(low) + vec3f(upper), top));
         if (is_radial) {

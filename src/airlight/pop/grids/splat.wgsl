@@ -1,6 +1,7 @@
 // The residuum around a local light, whose cells are smaller than the medium's where it matters,
 // added to the medium's cells in fixed point.
 //! use hop_grid
+//! use octants
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     // A cell of a grid of shells.
@@ -21,7 +22,7 @@
     let low = floor(at);
     let part = at - low;
     for (var k = 0u; k < 8u; k++) {
-        let upper = vec3u(k, k >> 1u, k >> 2u) & vec3u(1u);
+        let upper = octant(k);
         let share = select(1.0 - part, part, upper == vec3u(1u));
         let cell = vec3u(min(low + vec3f(upper), top));
         let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
