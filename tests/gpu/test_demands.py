@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import importlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
 import pytest
 import wgpu
 
+import airlight
 from airlight.errors import DeviceError
 from airlight.gpu.asked import DEFAULT_LIMITS
+from airlight.gpu.bands import BAND
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.demands import compiled, fits, slot_demands, target_bytes
 from airlight.gpu.device import open_gpu
 from airlight.gpu.fullscreen import FullscreenPass
 from airlight.gpu.layout import Struct, f32
+from airlight.gpu.raster import RasterPipeline
 from airlight.gpu.slots import image, sampler, storage, texture, uniform
 
 
@@ -99,3 +107,39 @@ def test_a_drivers_refusal_names_the_pass(plain):
 
     with pytest.raises(DeviceError, match="refuses the pass 'march': too much of it"):
         compiled(plain, "march", refuse)
+
+
+def passes(kind: type) -> Iterator[type]:
+    """The classes of the package that derive from a kind of pass."""
+    for derived in kind.__subclasses__():
+        if derived.__module__.startswith("airlight."):
+            yield derived
+        yield from passes(derived)
+
+
+def too_many(made: type) -> list[str]:
+    """The limits of WebGPU that a pass's slots exceed; of a pass of no slots yet, none."""
+    slots = (*getattr(made, "slots", ()), *getattr(made, "second_slots", ()))
+    slots += (BAND,) if getattr(made, "in_bands", False) else ()
+    counts = slot_demands(slots)
+    return [f"{name} = {n}" for name, n in counts.items() if n > DEFAULT_LIMITS[name]]
+
+
+def test_every_pass_fits_webgpus_default_limits():
+    """Those whose slots depend on a scene's media: `tests/techniques/test_default_limits.py`."""
+    source = Path(airlight.__file__).parent
+    for path in source.rglob("*.py"):
+        if re.search(r"\((ComputePass|FullscreenPass|RasterPipeline)\)", path.read_text("utf-8")):
+            parts = path.relative_to(source.parent).with_suffix("").parts
+            importlib.import_module(".".join(parts))
+    found = {*passes(ComputePass), *passes(RasterPipeline)}
+    assert len(found) > 150
+    over = {made.__name__: limits for made in found if (limits := too_many(made))}
+    assert not over, over
+
+
+def test_a_pass_of_nine_storage_buffers_is_found():
+    class Nine(ComputePass):
+        slots = (uniform("params", Params), *(storage(f"s{i}", "f32") for i in range(9)))
+
+    assert too_many(Nine) == ["max-storage-buffers-per-shader-stage = 9"]
