@@ -464,21 +464,62 @@ def test_the_rule_of_opening_catches_what_it_forbids(text, opens):
     assert opens_for_reading(call) == opens
 
 
-_CITATION = re.compile(r"\b[A-Z][a-z]+(?:19|20)\d\d[a-z]?\b")
-_NOT_A_CITATION = {"Rec2020"}
+_CITATION = re.compile(r"\b[A-Z][A-Za-z]+(?:18|19|20)\d\d[a-z]?\b")
+_IN_PROSE = re.compile(
+    r"\b((?:Van )?[A-Z][a-zé]+)"
+    r"( et al\.|(?:, [A-Z]\w+)* and [A-Z]\w+|(?:, [A-Z]\w+){2,})? \(?((?:18|19|20)\d\d)\b(?!-\d)"
+)
+"""First author, others, year: Chen et al. 2011, Max 1995, Kaplanyan and Dachsbacher (2010)."""
+_NOT_A_CITATION = {"Rec2020", "Below1900", "October2026"}
+
+
+def known_works() -> set[str]:
+    """The keys of the bibliography."""
+    text = (REPOSITORY / "docs" / "references.bib").read_text(encoding="utf-8")
+    keys: list[str] = re.findall(r"^@\w+\{([^,]+),", text, re.MULTILINE)
+    assert len(set(keys)) == len(keys)
+    return set(keys)
+
+
+def cited_in_prose(text: str) -> set[str]:
+    """The keys of works that a text names by author and year, over the ends of lines, too."""
+    flat = re.sub(r"\s*\n[\s/#]*", " ", text)
+    keys = {first.replace(" ", "") + year for first, _, year in _IN_PROSE.findall(flat)}
+    return keys - _NOT_A_CITATION
 
 
 def test_every_citation_is_known():
-    text = (REPOSITORY / "docs" / "references.bib").read_text(encoding="utf-8")
-    known = set(re.findall(r"^@\w+\{([^,]+),", text, re.MULTILINE))
+    known = known_works() | _NOT_A_CITATION
     assert known >= {"Kaplanyan2010", "Billeter2012", "Elek2014"}
     unknown = [
         f"{relative(path)}: {key}"
-        for path in [*modules(), *shaders()]
+        for path in [*modules(), *shaders(), *sorted(TESTS.rglob("test_*.py"))]
+        if path != Path(__file__)
         for key in sorted(set(_CITATION.findall(path.read_text(encoding="utf-8"))))
-        if key not in known | _NOT_A_CITATION
+        if key not in known
     ]
+    for page in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "docs").rglob("*.md")]:
+        cited = cited_in_prose(page.read_text(encoding="utf-8"))
+        unknown += [f"{relative(page)}: {key}" for key in sorted(cited - known)]
     assert not unknown, "\n".join(unknown)
+
+
+def test_code_cites_by_keys():
+    prose = [
+        f"{relative(path)}: {key}"
+        for path in [*modules(), *shaders()]
+        if path.relative_to(SOURCE).as_posix() != "figures/gallery.py"  # its headings
+        for key in sorted(cited_in_prose(path.read_text(encoding="utf-8")))
+    ]
+    assert not prose, "cite these by the keys of docs/references.bib:\n" + "\n".join(prose)
+
+
+def test_citations_in_prose_are_found():
+    text = (
+        "after Chen et\n    // al. 2011, (Max 1995), Kay and Kajiya 1986; Lee, Moon and Sun (2001)"
+    )
+    assert cited_in_prose(text) == {"Chen2011", "Max1995", "Kay1986", "Lee2001"}
+    assert not cited_in_prose("on 2026-11-21, at 1900 K, CIE 1931, of Chen2011")
 
 
 def is_public(name: str) -> bool:

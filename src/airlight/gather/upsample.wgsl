@@ -1,5 +1,5 @@
 // Irradiance of pixels from the gather points around them that lie on about the same plane (joint bilateral
-// upsampling, Kopf et al. 2007), turned to each pixel's own normal and near occluders.
+// upsampling, Kopf2007), turned to each pixel's own normal and near occluders.
 //! use pixel_point
 //! use gather
 //! use flat_normal

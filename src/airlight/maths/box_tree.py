@@ -1,6 +1,6 @@
 """A tree of boxes that is walked without a stack: what a ray or a point does not meet is skipped.
 
-Boxes are ordered along a Morton curve (Morton 1966); a node holds a run of them, its halves are its
+Boxes are ordered along a Morton curve (Morton1966); a node holds a run of them, its halves are its
 children. Nodes lie in preorder, so the next one is the first child, or what follows a skipped node;
 which run a node holds depends on the number of boxes alone. `wgsl/media_tree.wgsl` walks it.
 """

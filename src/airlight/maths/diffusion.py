@@ -209,7 +209,7 @@ def _edge(array: F64, axis: int, side: int) -> F64:
 def solve(system: Diffusion, rhs: F64, steps: int) -> tuple[F64, F64]:
     """(Phi, residual): `steps` of conjugate gradients, preconditioned by the diagonal.
 
-    The residual (channel,) is |b - A Phi|/|b|, 0 where b is 0. Source: Hestenes and Stiefel 1952.
+    The residual (channel,) is |b - A Phi|/|b|, 0 where b is 0. Source: Hestenes1952.
     """
     # The residual of phi = 0, preconditioned, is the first direction of search.
     inverse = 1.0 / system.diagonal()

@@ -14,7 +14,7 @@ from .sampling import orthonormal_frame, pcg_hash, uniform_from_hash
 F64 = NDArray[np.float64]
 
 RAY_STEPS: tuple[int, int] = (3242174889, 2447445413)
-"""2^32 over powers of the plastic number: R2 (Roberts 2018) along a point's rays."""
+"""2^32 over powers of the plastic number: R2 (Roberts2018) along a point's rays."""
 POINT_STEPS: tuple[int, int, int, int] = (3679390609, 3152041523, 2700274807, 2313257605)
 """2^32 over powers of the root of x^5 = x + 1: the same in four dimensions, across the image."""
 SECOND_STEPS: tuple[tuple[int, int], ...] = (

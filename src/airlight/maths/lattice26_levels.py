@@ -2,7 +2,7 @@
 
 With M one iteration and I the injected state, the sum of all states obeys Q = I + M Q. Stepping
 Q converges by one hop an iteration; what is missing, r = I + M Q - Q, can be solved for on a
-lattice of half the resolution, whose hops are twice as long, and added (multigrid, Brandt 1977).
+lattice of half the resolution, whose hops are twice as long, and added (multigrid, Brandt1977).
 Source: ours; the coarse deposit keeps the fine walk's diffusion.
 """
 

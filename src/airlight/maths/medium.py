@@ -58,7 +58,7 @@ def ray_box_interval(
     """Ray parameters (t0, t1) (...) between which origin + t direction is inside a box.
 
     (..., 3) each, t in units of |direction|; t0 may be negative; t0 > t1 where the ray misses.
-    Source: Kay and Kajiya 1986 (slabs); a component 0 leaves its slab out or misses.
+    Source: Kay1986 (slabs); a component 0 leaves its slab out or misses.
     """
     o, d = np.asarray(origin, dtype=np.float64), np.asarray(direction, dtype=np.float64)
     still = d == 0.0
@@ -78,7 +78,7 @@ def ray_sphere_interval(
     """Distances (t0, t1) (...), metres, between which a ray of unit direction is inside a sphere.
 
     t0 > t1 where it misses. The half chord is computed from the ray's distance to the centre, so
-    that far spheres keep their digits. Source: Haines et al. 2019 (Ray Tracing Gems, chapter 7).
+    that far spheres keep their digits. Source: Haines2019 (Ray Tracing Gems, chapter 7).
     """
     o, d = np.asarray(origin, dtype=np.float64), np.asarray(direction, dtype=np.float64)
     to_centre = np.asarray(centre, dtype=np.float64) - o

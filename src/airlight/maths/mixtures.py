@@ -1,8 +1,8 @@
 """Rows of many numbers as mixtures of a few: voxels whose coefficients are few materials' mixed.
 
 Where the rows are non-negative mixtures of a few of themselves (smoke of three colours, dust in
-fog), those few are found by successive projection (Araujo et al. 2001; Gillis and Vavasis 2014);
-else every number is a material of its own, which is always exact.
+fog), those few are found by successive projection (Araujo2001; Gillis2014); else every
+number is a material of its own, which is always exact.
 """
 
 from __future__ import annotations

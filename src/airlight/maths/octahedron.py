@@ -1,8 +1,7 @@
 """Directions on a square: the octahedral map of the full sphere.
 
 (x, y, z) goes to a point of [-1, 1]^2; the upper half (z > 0) fills the diamond |u| + |v| < 1,
-the lower half is folded out into the corners. Source: Engelhardt and Dachsbacher 2008;
-Cigolle et al. 2014.
+the lower half is folded out into the corners. Source: Engelhardt2008, Cigolle2014.
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 A local light is an ordinate whose direction and strength differ from cell to cell. Diffusion alone
 loses a quarter of its light, most of it close by, where light that has scattered once still flies
 straight. That part is added in closed form, from an infinite homogeneous medium, in which the
-fluence of a point source is known (Case et al. 1953, Introduction to the Theory of Neutron
-Diffusion).
+fluence of a point source is known (Case1953).
 
 differs: Elek2014 section 6 propagates in a radial grid around each light.
 """

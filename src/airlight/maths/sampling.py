@@ -16,7 +16,7 @@ PLASTIC_NUMBER = 1.324717957244746
 def fibonacci_sphere(count: int) -> F64:
     """`count` nearly equally spread unit directions (count, 3), from +z to -z.
 
-    Source: Gonzalez 2010, with the points half a step off the poles.
+    Source: Gonzalez2010, with the points half a step off the poles.
     """
     i = np.arange(count)
     z = 1.0 - (2.0 * i + 1.0) / count
@@ -28,7 +28,7 @@ def fibonacci_sphere(count: int) -> F64:
 def r2_sequence(count: int, start: int = 0) -> F64:
     """Points start .. start + count - 1 of the R2 sequence, (count, 2) in [0, 1).
 
-    Source: Roberts 2018, the generalised golden ratio in two dimensions.
+    Source: Roberts2018, the generalised golden ratio in two dimensions.
     """
     i = np.arange(start, start + count)[:, None]
     step = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
@@ -77,7 +77,7 @@ def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
     """Blue-noise-like dither in [0, 1) by whole pixel and frame.
 
     Frames fill in by the golden ratio. Exact in u32 arithmetic, so that large coordinates lose
-    nothing. Source: Roberts 2018.
+    nothing. Source: Roberts2018.
     """
     x, y, f = (np.asarray(v, dtype=np.uint32) for v in (x_px, y_px, frame))
     with np.errstate(over="ignore"):
@@ -88,7 +88,7 @@ def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
 def pcg_hash(value: ArrayLike) -> U32:
     """A u32 (...) scrambled to a u32, the same bits as in WGSL.
 
-    Source: Jarzynski and Olano 2020, pcg (RXS-M-XS).
+    Source: Jarzynski2020, pcg (RXS-M-XS).
     """
     v = np.asarray(value, dtype=np.uint32)
     with np.errstate(over="ignore"):
@@ -106,7 +106,7 @@ def uniform_from_hash(hashed: ArrayLike) -> F64:
 def orthonormal_frame(normal: ArrayLike) -> tuple[F64, F64]:
     """Two unit vectors (..., 3) that make a right-handed frame with unit normals (..., 3).
 
-    Source: Duff et al. 2017, Building an Orthonormal Basis, Revisited.
+    Source: Duff2017.
     """
     n = np.asarray(normal, dtype=np.float64)
     x, y, z = n[..., 0], n[..., 1], n[..., 2]

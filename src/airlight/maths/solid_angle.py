@@ -11,7 +11,7 @@ F64 = NDArray[np.float64]
 def triangle_solid_angle(corners: ArrayLike) -> F64:
     """Solid angle (...) in sr of triangles (..., 3, 3) seen from the origin; lengths cancel.
 
-    Source: Van Oosterom and Strackee 1983, eq. 8.
+    Source: VanOosterom1983, eq. 8.
     """
     p = np.asarray(corners, dtype=np.float64)
     a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]

@@ -92,7 +92,7 @@ ACES_EXPOSURE = 1.0 / 0.6
 def aces(radiance: ArrayLike) -> F64:
     """ACES RRT + sRGB ODT, fitted; (..., 3) exposed radiance to (..., 3) display-linear.
 
-    Source: Hill 2017, the ACES fit in Baking Lab (ACES.hlsl); the exposure as in three.js.
+    Source: Hill2017, the ACES fit in Baking Lab (ACES.hlsl); the exposure as in three.js.
     """
     c = np.maximum(np.asarray(radiance, dtype=np.float64), 0.0) * ACES_EXPOSURE
     v = c @ ACES_INPUT.T
@@ -195,7 +195,7 @@ def auto_exposure(radiance: ArrayLike, key: float = MIDDLE_GREY) -> float:
 
     Black and non-finite pixels are left out, as are the darkest 5% and the brightest 2% of the
     rest: the sky's black or a light source must not decide. A black image gets 0.
-    Source: Reinhard et al. 2002, eq. 1, with percentile clipping.
+    Source: Reinhard2002, eq. 1, with percentile clipping.
     """
     y = luminance(radiance).ravel()
     y = y[np.isfinite(y) & (y > 0.0)]

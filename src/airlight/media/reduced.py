@@ -2,7 +2,7 @@
 
 After many scatterings light depends on sigma_s (1 - g) alone. The lattice solves an isotropic
 medium of that coefficient; light scattered once is drawn with the true phase function.
-Source: similarity theory (Wyman et al. 1989), order one.
+Source: similarity theory (Wyman1989), order one.
 """
 
 from __future__ import annotations

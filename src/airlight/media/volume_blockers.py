@@ -2,7 +2,7 @@
 
 Light that propagates to the next cell collides with the reduced extinction of both cells. Scattered
 light leaves to both sides alike, so half of it is reflected and half goes on; the rest is absorbed.
-This is the two-stream model (Schuster 1905, of light in fog), as shares that a face reflects and
+This is the two-stream model (Schuster1905, of light in fog), as shares that a face reflects and
 stops.
 """
 

@@ -1,5 +1,5 @@
 // Volumes as blockers of a lattice: what they reflect and stop on each hop, on top of its walls (two-stream
-// model, Schuster 1905).
+// model, Schuster1905).
 
 // What a hop between two cells meets: rgb reflected, a blocked.
 fn met(one: vec4f, other: vec4f) -> vec4f {

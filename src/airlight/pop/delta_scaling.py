@@ -3,7 +3,7 @@
 Light that such a medium scatters hardly leaves its direction, while an ordinate spreads it over a
 part of the sky: a surface behind the medium would be hidden by that blur. The forward peak of the
 phase function therefore counts as unscattered, which keeps absorption and the transport coefficient
-sigma_s (1 - g) (delta scaling; Joseph, Wiscombe and Weinman 1976).
+sigma_s (1 - g) (delta scaling; Joseph1976).
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from ..maths.colour import luminance, srgb_encode
 from ..scene.checks import F32, F64
 
 # FLIP's ACES fit, (a x^2 + b x)/(d x^2 + e x + f), and the level it exposes for
-# (Andersson et al. 2021, section 3.1).
+# (Andersson2021, section 3.1).
 ACES_FIT = (0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14)
 ACES_LEVEL = 0.85
 SSIM_SIGMA_PX, SSIM_RADIUS_PX = 1.5, 5
@@ -32,7 +32,7 @@ def psnr_db(reference: F32, image: F32, stops: float) -> float:
 
 
 def ssim(reference: F32, image: F32, stops: float) -> float:
-    """Mean structural similarity of displayed luminance, in [-1, 1] (Wang et al. 2004, eq. 13).
+    """Mean structural similarity of displayed luminance, in [-1, 1] (Wang2004, eq. 13).
 
     Gaussian window of 11 pixels, deviation 1.5, K = (.01, .03), borders left out. An image
     smaller than the window is one window of equal weights.
@@ -60,7 +60,7 @@ def _windowed(a: F64) -> F64:
 
 
 def flip_map(reference: F32, image: F32, stops: float) -> F32:
-    """FLIP's error map (H, W) in [0, 1] of displayed images (Andersson et al. 2020).
+    """FLIP's error map (H, W) in [0, 1] of displayed images (Andersson2020).
 
     67 pixels per degree. Raises ImportError without flip-evaluator.
     """
@@ -80,7 +80,7 @@ def hdr_flip_map(reference: F32, image: F32, exposures: tuple[float, float]) -> 
     import flip_evaluator
 
     # The worst error over as many exposures, ends included, as the range has stops
-    # (Andersson et al. 2021, HDR-FLIP).
+    # (Andersson2021, HDR-FLIP).
     start, stop = exposures
     parameters = {
         "startExposure": start,

@@ -6,7 +6,7 @@ elsewhere `principled` stands in for it.
 
 f = (1 - F) (1 - metallic) base_color / pi + F D V: F is Schlick's, with F0 = 0.04 specular or
 the metal's colour, D is GGX with alpha = roughness^2, V is Smith's height-correlated masking
-and shadowing (Heitz 2014).
+and shadowing (Heitz2014).
 """
 
 from __future__ import annotations

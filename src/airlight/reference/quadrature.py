@@ -122,7 +122,7 @@ def point_single_scatter(
 
     The ray and the light lie in one homogeneous medium. With `axis` the light is a spot with
     inner and outer half angles `cone_deg` (smoothstep of the cosine between). Equi-angular:
-    t = h tan X, dX = h dt/(h^2 + t^2) removes the light's pole (Kulla and Fajardo 2012).
+    t = h tan X, dX = h dt/(h^2 + t^2) removes the light's pole (Kulla2012).
     """
     p, d = np.asarray(origin, float), np.asarray(direction, float)
     to_light = np.asarray(position) - p

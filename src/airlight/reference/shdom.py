@@ -1,6 +1,6 @@
 """Light in scattering air by discrete ordinates and spherical harmonics: a baseline.
 
-Evans 1998, The Spherical Harmonics Discrete Ordinate Method, in its plain form: every cell's
+Evans1998, The Spherical Harmonics Discrete Ordinate Method, in its plain form: every cell's
 radiance is a series of `bands` harmonics; in-scattering multiplies band l by g^l; light is carried
 along discrete ordinates from layer to layer, bilinear in between. What Elek2014 Fig. 11 compares
 with: bilinear steps blur beams (false scattering), the series rings unless it is smoothed.

@@ -1,7 +1,7 @@
 """Photons through a box of scattering air: the compiled inner loop of `tracer`.
 
 Importing this module needs Numba; `tracer` imports it when a trace is asked for.
-A photon carries power (W). It flies by delta tracking (Woodcock 1965): exponential steps at the
+A photon carries power (W). It flies by delta tracking (Woodcock1965): exponential steps at the
 majorant extinction, each end a real collision with probability sigma_t density / majorant.
 Absorption lowers the weight; below a thousandth of it, Russian roulette ends the walk unbiased.
 
@@ -108,7 +108,7 @@ def _look(
 
 @compiled
 def _transmittance(domain: Domain, p: Vector, d: Vector) -> float:
-    """To the wall along d: exact in homogeneous air, else ratio tracking (Novak et al. 2014)."""
+    """To the wall along d: exact in homogeneous air, else ratio tracking (Novak2014)."""
     wall, _ = _exit(domain, p, d)
     if domain.kind == HOMOGENEOUS:
         return math.exp(-domain.sigma_t * wall)
@@ -185,7 +185,7 @@ def _deposit(
     order: int,
     tally: Tally,
 ) -> None:
-    """Share a flight of `length` m among the cells it crosses (Amanatides and Woo 1987)."""
+    """Share a flight of `length` m among the cells it crosses (Amanatides1987)."""
     # The first cell, and where the flight leaves it on each axis.
     counts = (tally.track.shape[3], tally.track.shape[2], tally.track.shape[1])
     i, next_x, per_x, step_x = _first_cell(domain, p, d, 0, counts[0])
@@ -284,7 +284,7 @@ def _scatter(d: Vector, g: float) -> Vector:
 
 @compiled
 def _turned(axis: Vector, cosine: float) -> Vector:
-    """A unit vector at `cosine` to the axis, azimuth uniform (frame: Duff et al. 2017)."""
+    """A unit vector at `cosine` to the axis, azimuth uniform (frame: Duff2017)."""
     # A frame about the axis, then the direction in it, normalised against rounding.
     azimuth = 2.0 * math.pi * np.random.random()  # noqa: NPY002
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))

@@ -3,7 +3,7 @@
 Of Q = I + M Q a sum Q has lost the power of Q - M Q to media, walls and the world outside; in the
 end that is all of I. What is under way after a few cycles is a smooth global mode, which a scale
 per channel corrects. Another step costs nothing more: I + s M Q.
-Source: the coarsest correction of iterative aggregation (Koury, McAllister and Stewart 1984).
+Source: the coarsest correction of iterative aggregation (Koury1984).
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, seen: SeenLig
     return seen.gain * media[m].sigma_t * media[m].albedo * phase * exp(-depth);
 }
 
-// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).
+// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla2012).
 fn local_node(
     light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t_near: f32, h: f32,
     x: f32,

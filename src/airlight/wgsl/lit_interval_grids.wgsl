@@ -122,7 +122,7 @@ fn sent_by(seen: SeenLight, t: f32) -> vec3f {
     return seen.gain * sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
 }
 
-// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla and Fajardo 2012).
+// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla2012).
 fn local_node(
     light: LightData, origin: vec3f, direction: vec3f, t_near: f32, h: f32, x: f32,
 ) -> vec3f {

@@ -1,4 +1,4 @@
-// The normal map's normal, its frame made of screen derivatives (Schueler 2013): no tangents.
+// The normal map's normal, its frame made of screen derivatives (Schueler2013): no tangents.
 
 // `dp1`, `duv1`: what the point and its uv change by from a pixel to the next one to the right; `dp2`,
 // `duv2`: to the next one above. The screen's y runs down: who takes differences turns them over.

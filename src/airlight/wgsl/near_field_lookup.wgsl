@@ -6,7 +6,7 @@
 // Occlusion of depths farther off than this share does not count.
 const OCCLUSION_DEPTH_TOLERANCE = 0.05;
 
-// Bilinear among texels of about the pixel's own depth (m along the view axis). Source: Kopf et al. 2007
+// Bilinear among texels of about the pixel's own depth (m along the view axis). Source: Kopf2007
 // (joint bilateral upsampling).
 fn near_field_at(position: vec2f, own: f32) -> NearField {
     if (!HAS_OCCLUSION) {

@@ -1,7 +1,7 @@
 // A 2D digital differential analyser over a shadow map with bounds on its squares: descends where a
 // ray passes between a square's nearest and farthest depth, ascends where it leaves a parent.
 // The including pass declares fn shadow_word(entry: u32) -> u32, of the bounds of the map's squares.
-// Source: Chen et al. 2011 (1D min-max mipmaps), in two dimensions.
+// Source: Chen2011 (1D min-max mipmaps), in two dimensions.
 //! use shadow_levels
 //! needs fn shadow_word(entry: u32) -> u32
 

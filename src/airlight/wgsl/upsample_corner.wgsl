@@ -1,6 +1,6 @@
 //! use eye_ray
 
-// Weights of joint bilateral upsampling by depth (Kopf et al. 2007). The including pass binds rays
+// Weights of joint bilateral upsampling by depth (Kopf2007). The including pass binds rays
 // (RayParams) and depth.
 
 // Texels farther off than this share of the depth lose their weight.

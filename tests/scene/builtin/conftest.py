@@ -29,7 +29,7 @@ def world_triangles(scene: Scene, without: tuple[str, ...] = ()) -> np.ndarray:
 def make_caster(triangles: np.ndarray) -> Caster:
     """Distance (N,) to the first triangle along each ray; infinite where none is hit.
 
-    Moeller and Trumbore 1997, all triangles against each ray.
+    Moeller1997, all triangles against each ray.
     """
     middle = triangles.mean(axis=1)
     reach2 = np.square(triangles - middle[:, None]).sum(axis=2).max(axis=1) * 1.01 + 1e-9

@@ -3,7 +3,7 @@
 Where the transmittances of neighbouring texels differ, the ray of the pixel is marched through the
 density alone, with the steps of the march itself, and the light is scaled to its opacity: thin
 wisps and edges are as sharp as at full resolution. Source: Elek2014 section 4.4, which guides a
-joint bilateral upsampling (Kopf et al. 2007) of its grids by the density. differs: the same for the
+joint bilateral upsampling (Kopf2007) of its grids by the density. differs: the same for the
 marched image; the grids are marched with the full density anyway.
 """
 

@@ -1,6 +1,6 @@
 """A reduced image at full size: bilinear among texels of about the depth of the pixel.
 
-Source: Kopf et al. 2007 (joint bilateral upsampling), with depth as the guide.
+Source: Kopf2007 (joint bilateral upsampling), with depth as the guide.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-// A reduced image at full size, by joint bilateral interpolation with depth as the guide (Kopf et al. 2007).
+// A reduced image at full size, by joint bilateral interpolation with depth as the guide (Kopf2007).
 //! use upsample_weight
 //! needs fn base_at(pixel: vec2i) -> vec4f
 

@@ -1,7 +1,7 @@
 """March eye rays through solved in-scattered radiance, front to back.
 
 Source and extinction are constant within a step, the integral over it is exact (Billeter2012
-section 4.3; the volume rendering equation of Max 1995). Steps end at the borders of media and
+section 4.3; the volume rendering equation of Max1995). Steps end at the borders of media and
 are no longer than the voxels of a grid inside it.
 
 Sources come in two forms: a texture of emission J (W m^-3 sr^-1; or, times the scattering

@@ -1,7 +1,7 @@
 """The nearest and farthest depth of every square of 2^k texels of shadow maps.
 
-The min/max mipmap of Tevs et al. 2008 (maximum mipmaps for rays over height fields) and Chen et
-al. 2011; level 0 is the shadow map itself, so only the levels above are stored.
+The min/max mipmap of Tevs2008 (maximum mipmaps for rays over height fields) and Chen2011; level 0
+is the shadow map itself, so only the levels above are stored.
 """
 
 from __future__ import annotations
@@ -72,8 +72,7 @@ class DepthBounds:
         self._recorded.encode(commands, (self.buffer,), partial(self._make_levels, commands))
 
     def _make_levels(self, commands: Commands) -> None:
-        # Each level joins 2 x 2 squares of the one below (Chen et al. 2011); level 1 reads the map
-        # itself.
+        # Each level joins 2 x 2 squares of the one below (Chen2011); level 1 reads the map itself.
         for level in range(1, self.top + 1):
             params = BoundsParams(
                 side=self.side,

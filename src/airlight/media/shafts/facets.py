@@ -5,9 +5,9 @@ texels with steps between them. Squares beside each other differ by one level at
 facets share their corners and the surface has no cracks: a facet whose neighbour is finer is a fan.
 Between facets stand walls along the light, which run to infinity where the map is empty or ends.
 All of it is made on the device: planes from the texels up, triangle counts from the leaves up
-(Ziegler et al. 2006), positions in the list from the root down. The order is the same in every run.
-Source: Billeter et al. 2010 tessellate a shadow map where its depths are uneven. differs: they
-interpolate across depth edges; here those are steps.
+(Ziegler2006), positions in the list from the root down. The order is the same in every run.
+Source: Billeter2010 tessellates a shadow map where its depths are uneven. differs: that
+interpolates across depth edges; here those are steps.
 """
 
 from __future__ import annotations

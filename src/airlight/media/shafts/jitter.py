@@ -2,7 +2,7 @@
 
 Rays are cut into equal steps (of at least a voxel inside grids). Each step takes one sample per
 light, at an offset that differs over every 4 x 4 pixels, and `blur` removes the pattern. 1/r^2 is
-integrated exactly over each step (Kulla and Fajardo 2012).
+integrated exactly over each step (Kulla2012).
 """
 
 from __future__ import annotations

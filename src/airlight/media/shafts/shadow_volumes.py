@@ -4,10 +4,9 @@ F(t), the radiance at the eye from the first t metres of its ray without shadows
 The boundary of what each shadow map shadows is drawn as triangles. The radiance is F(surface), plus
 F where the ray enters a shadow and minus F where it leaves one, summed in a 32-bit float target.
 F(0) = 0, so nothing behind the eye needs a cap; F stops at the visible surface, so nothing is
-tested against its depth. Source: Billeter et al. 2010, "Real time volumetric shadows using
-polygonal light volumes"; the scheme of Billeter2012 section 3. differs: the closed forms are those
-of `lit_interval`, without tables; shadow volumes are rasterised instead of lit ones, so that the
-borders of a map need no lids.
+tested against its depth. Source: Billeter2010; the scheme of Billeter2012 section 3. differs: the
+closed forms are those of `lit_interval`, without tables; shadow volumes are rasterised instead of
+lit ones, so that the borders of a map need no lids.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ depths it crosses wholly lit or dark squares at once, as a 2D digital differenti
 descends and ascends. Adjacent lit stretches are one interval, which is integrated in closed form
 (parallel light) or with equi-angular Gauss-Legendre nodes (local lights). In density grids
 intervals are cut into steps of at least a voxel, in each of which the medium counts as homogeneous.
-Source: the hierarchy after Chen et al. 2011. differs: Billeter2012 section 3 renders the light
-volumes of Billeter et al. 2010, whose integral along the ray is the same.
+Source: the hierarchy after Chen2011. differs: Billeter2012 section 3 renders the light
+volumes of Billeter2010, whose integral along the ray is the same.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ class Eddies:
     def fields(self, seed: int) -> tuple[F32, F32]:
         """Periodic, divergence-free velocity (x, y, z, 3) of unit rms, and a noise (x, y, z).
 
-        Velocity is the curl of a fractal vector potential: Bridson, Houriham, Nordenstam 2007.
+        Velocity is the curl of a fractal vector potential: Bridson2007.
         """
         return _fields(self, seed)
 

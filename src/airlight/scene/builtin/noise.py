@@ -46,7 +46,7 @@ def smoothstep(low: float, high: float, x: NDArray[np.floating[Any]]) -> F32:
 
 
 def _halved(coefficients: F32) -> F32:
-    """The same periodic cubic B-spline on a lattice twice as fine: Lane and Riesenfeld 1980."""
+    """The same periodic cubic B-spline on a lattice twice as fine: Lane1980."""
     for axis in range(coefficients.ndim):
         before, after = np.roll(coefficients, 1, axis), np.roll(coefficients, -1, axis)
         even = (before + 6.0 * coefficients + after) / 8.0

@@ -122,7 +122,7 @@ def _carried(eddies: F32, ride: F32) -> F32:
 
 
 def _finer(carried: F32) -> F32:
-    """The same at the cells of the grid, by cubics without kinks (Catmull and Rom 1974)."""
+    """The same at the cells of the grid, by cubics without kinks (Catmull1974)."""
     for fine, coarse in zip(SHAPE, _TRACED, strict=True):
         at = (np.arange(fine) + 0.5) * coarse / fine - 0.5
         cell = np.floor(at).astype(np.intp)

@@ -160,7 +160,7 @@ class Probe:
 
 def _pairs_hit(origins: F64, towards: F64, corners: F64) -> NDArray[np.bool_]:
     """Whether each origin's ray hits the triangle of the same row, (N, 3) and (N, 3, 3)."""
-    # Moeller and Trumbore 1997; parallel rays divide by zero and fail the comparisons.
+    # Moeller1997; parallel rays divide by zero and fail the comparisons.
     a, b, c = corners.transpose(1, 0, 2)
     edge1, edge2, to_origin = b - a, c - a, origins - a
     p = np.cross(towards, edge2)

@@ -1,6 +1,6 @@
 """Radiance .hdr: 8-bit mantissas with a shared exponent, run-length encoded by scanline.
 
-Source: Ward, "Real Pixels", Graphics Gems II (1991), and the Radiance file format reference.
+Source: Ward1991, and the Radiance file format reference.
 """
 
 from __future__ import annotations
