@@ -20,9 +20,9 @@
                 fields.irradiance       fields.scattered, fields.reflected
 
 `solver` runs all of it for each of `cascades`. `entering_light` is what these share of lights, and
-`cell_lights` what their cells gather; `settings` says what can be told, `map_blockers` takes walls
-from six shadow maps. `propagate` has the
-stencil, `level` a lattice of the stack. `forward_textures` and `light_in_air` are what marching and
+`cell_lights` what their cells gather, of the sky from a `sky_table`; `settings` says what can be
+told, `map_blockers` takes walls from six shadow maps. `propagate` has the stencil, `level` a
+lattice of the stack. `forward_textures` and `light_in_air` are what marching and
 the final gather read; `surface_beams` what surfaces read of `forward`, `forward_beams` the same of
 all media of a scene, in the cells that `near_surfaces` finds.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..fields import Frame
 from ..gpu.commands import Commands
-from ..gpu.memory import Buffer, buffer_of
+from ..gpu.memory import buffer_of
 from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux_bound
 from ..lattice.lobes import InjectionTarget, Lobe
 from ..lattice.point_lights import InjectPoints
@@ -19,12 +19,12 @@ from ..maths.lattice26_walls import returned_sharpness
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..surface.light_maps import BLOCK, LightMaps
-from ..surface.light_table import LightData, packed_lights
 from .forward_textures import ForwardTextures
 from .inject_rays import InjectRays, Sampling, owner_rows
 from .inject_single import InjectSingle
-from .reduced_media import ReducedMedia, sky_capacity
+from .reduced_media import ReducedMedia
 from .settings import ScatterSettings
+from .sky_table import SkyTable
 
 _RETURNED = Lobe(returned_sharpness())
 
@@ -53,11 +53,9 @@ class EnteringLight:
             MapLights(kit.lights.table, buffer_of(gpu, "map owners", owner_rows(owners)))
             for owners in self.maps.owners
         ]
-        most = max(1, sky_capacity(kit))
-        self._sky_lights = MapLights(
-            Buffer(gpu, "sky lights", LightData.dtype.itemsize * most),
-            buffer_of(gpu, "sky owners", owner_rows([*range(most)])),
-        )
+        self.sky = SkyTable(kit)
+        owners = owner_rows([*range(self.sky.capacity)])
+        self._sky_lights = MapLights(self.sky.buffer, buffer_of(gpu, "sky owners", owners))
         # Passes for the lights and for the sky, which media attenuate differently.
         self._reflected, self._rays = Inject(gpu, media.lights), InjectRays(gpu, media.lights)
         self.single = InjectSingle(gpu, media.lights, keeps_light=keeps_light)
@@ -69,8 +67,8 @@ class EnteringLight:
         self._points, self.resolve = InjectPoints(gpu), Resolve(gpu)
         self.flux, self.scale = 0.0, 1.0
         """W, an upper bound of what enters a lattice; fixed-point units per W sr^-1."""
-        self.sky_rows = self.sky_key = b""
-        """Equal as long as the sky's lights are; as long as these and the scale are."""
+        self.sky_key = b""
+        """Equal as long as the sky's lights and the scale are."""
 
     def _box(self, frame: Frame) -> tuple[F64, F64]:
         """What light comes into: the surfaces' box, with a medium far beyond them the lattice's."""
@@ -88,26 +86,12 @@ class EnteringLight:
         self.flux += self._points.take(scene.light_groups)
         self.scale = fixed_point_scale(self.flux, returned_sharpness())
         self.forward.set_scale(scene.lights)
-        table = packed_lights(tuple(sky.lights))
-        self.sky_rows = table.tobytes()
-        # Lights of the sky are uploaded, and later injected, when they or the scale change.
-        key = self.sky_rows + repr(self.scale).encode()
-        if key != self.sky_key and self.has_sky:
-            self._sky_lights.table.write(table)
-        self.sky_key = key
+        # Lights of the sky are injected again where they or the scale change.
+        self.sky.update()
+        self.sky_key = self.sky.rows + repr(self.scale).encode()
         # Light that surfaces reflect, of lights and of the sky, as virtual point lights.
         with commands.stage("reflective shadow maps"):
             self.maps.encode(commands, self.kit.meshes, scene.lights, *frame.bounds)
-
-    @property
-    def has_sky(self) -> bool:
-        """Whether lights stand for the sky, with maps."""
-        return bool(self.kit.sky.lights and self.kit.sky.maps.layers)
-
-    @property
-    def sky_table(self) -> Buffer:
-        """The rows of the sky's lights."""
-        return self._sky_lights.table
 
     def inject_sky(self, commands: Commands, target: InjectionTarget) -> None:
         """Add what surfaces reflect of the sky to a lattice's sums."""

@@ -22,11 +22,11 @@ from ..media.reduced import is_forward
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from ..surface.light_table import LightData, packed_lights
 from .cell_lights import CellLights
 from .forward import ForwardLight
 from .near_surfaces import NearSurfaces
-from .reduced_media import ReducedMedia, sky_capacity
+from .reduced_media import ReducedMedia
+from .sky_table import SkyTable
 from .surface_beams import SurfaceBeams
 
 _FRAME_STEP = 2  # of the sky's lights moving frames take one in each cell, neighbours others
@@ -79,21 +79,20 @@ class _Made:
         self.surfaces = SurfaceBeams(gpu, kit)
         largest = max(level.placement.cells for level in kit.lattices.levels)
         self._black = Buffer(gpu, "no forward light", 3 * largest * 16)
-        nbytes = LightData.dtype.itemsize * max(1, sky_capacity(kit))
-        self._sky_table = Buffer(gpu, "forward sky lights", nbytes)
-        self._sky_rows = b""
+        self._sky_table = SkyTable(kit)
 
     def encode(self, commands: Commands, frame: Frame, *, has_sky: bool) -> None:
         """Find the beams of a frame whose volumes scatter forwards; of its sky if `has_sky`."""
         kit, sky, scene = self._kit, self._kit.sky, frame.scene
         with commands.stage("air"):
             self._media.update(commands, frame)
-        has_sky = has_sky and bool(sky.lights and sky.maps.layers)
+        self._sky_table.update()
+        has_sky = has_sky and self._sky_table.has_any
         # Beams of the sky stay cached while its lights, its maps and its media are the same.
         sky_key: tuple[Any, ...] = ()
         step = 1 if frame.is_still else _FRAME_STEP
         if has_sky:
-            sky_key = (self._packed_sky(), sky.version, self._media.sky.version)
+            sky_key = (self._sky_table.rows, sky.version, self._media.sky.version)
         # Irradiance is stored over the most power that may come in: the key holds that, too.
         flux = flux_bound([*scene.lights, *sky.lights], *frame.bounds)
         key = (scene.lights, self._media.lights.version, flux)
@@ -102,32 +101,13 @@ class _Made:
                 level.near.encode(commands)
                 # The sky's lights stay the same for long, the scene's move.
                 if has_sky:
-                    lights = self._sky_lights(level.of)
+                    lights = self._sky_table.cell_lights(level.of.blockers.walls)
                     level.encode_sky(commands, kit, lights, self._black, sky_key, step)
                 base = level.forward.sky if has_sky else self._black
                 lights = CellLights(kit.lights.bound, len(scene.lights), level.of.blockers.walls)
                 if level.encode(commands, kit, lights, base, (*key, step, sky_key)):
                     beams, placement = level.forward.all, level.of.placement
                     self.surfaces.encode(commands, beams, self._black, flux, placement)
-
-    def _packed_sky(self) -> bytes:
-        """The rows of the lights that stand for the sky, which are on the device."""
-        table = packed_lights(tuple(self._kit.sky.lights))
-        rows = table.tobytes()
-        if rows != self._sky_rows:
-            self._sky_table.write(table)
-            self._sky_rows = rows
-        return rows
-
-    def _sky_lights(self, level: Level) -> CellLights:
-        maps = self._kit.sky.maps
-        resources = {
-            **self._kit.lights.bound,
-            "lights": self._sky_table,
-            "parallel_views": maps.views,
-            "parallel_shadows": maps.depth,
-        }
-        return CellLights(resources, len(self._kit.sky.lights), level.blockers.walls)
 
 
 class _Level:

@@ -99,7 +99,7 @@ class Injection:
         none, sky, light = self._fluences
         if is_sky:
             return CellFluence(None, sky)
-        return CellFluence(sky if self.light.has_sky else none, light)
+        return CellFluence(sky if self.light.sky.has_any else none, light)
 
     @property
     def light_in_cells(self) -> Buffer:
@@ -129,7 +129,7 @@ class Injection:
 
     @property
     def _sky_forward(self) -> Buffer:
-        has_any = self._has_forward and self.light.has_sky
+        has_any = self._has_forward and self.light.sky.has_any
         return self.forward.sky if has_any else self.black
 
     def _cell_lights(self, count: int) -> CellLights:
@@ -143,7 +143,7 @@ class Injection:
         self._static_key = light.sky_key
         # What media scatter once is what light that surfaces reflect is added to.
         base = self.black
-        if light.has_sky:
+        if light.sky.has_any:
             base = self._single_of_sky(commands)
             light.inject_sky(commands, self._target())
         self._sum_up(commands, base, self.static)
@@ -151,22 +151,14 @@ class Injection:
     def _single_of_sky(self, commands: Commands) -> Buffer:
         """The sky's light that media scatter once; and forwards, in `forward.sky`."""
         light, sky, walls = self.light, self.kit.sky, self.cells.blockers.walls
-        # The sky's lights with their maps, bound as if they were the scene's.
-        resources = {
-            **self.kit.lights.bound,
-            "lights": light.sky_table,
-            "parallel_views": sky.maps.views,
-            "parallel_shadows": sky.maps.depth,
-        }
-        count = len(sky.lights) if light.settings.single != "off" else 0
-        lights = CellLights(resources, count, walls)
+        lights = light.sky.cell_lights(walls, are_lit=light.settings.single != "off")
         # Where only media changed, only in cells that light reaches through those.
         versions = (sky.version, self.cells.blockers.version, self._has_forward)
-        made = (light.sky_rows, replace(self.placement, fade=None), *versions)
+        made = (light.sky.rows, replace(self.placement, fade=None), *versions)
         media = light.media.sky
         touched = media.touched_since(self._sky_media) if made == self._sky_made else None
         self._sky_made, self._sky_media = made, media.version
-        shining = SkyLights(light.sky_table, count, sky.maps, walls)
+        shining = SkyLights(light.sky.buffer, lights.count, sky.maps, walls)
         self._stale.find(commands, touched, self.placement, shining)
         # Once, as isotropic power in each cell; then forwards, for what stays a beam.
         light.sky_single.encode(
