@@ -15,7 +15,7 @@ from airlight.scene.animation import Animation, Curve
 from airlight.scene.animation.density import FileSequence, MadeDensity, VolumeTrack
 from airlight.scene.animation.tracks import CameraTrack
 from airlight.scene.builtin.smoke import plume_density
-from airlight.scene.fingerprint import fingerprint
+from airlight.scene.fingerprint import array_digest, fingerprint
 
 
 def make_scene():
@@ -89,3 +89,11 @@ def test_files_count_by_what_is_in_them(tmp_path):
 def test_what_has_no_fixed_content_is_refused():
     with pytest.raises(TypeError, match="object has no fixed content"):
         fingerprint(object())
+
+
+def test_a_digest_tells_types_shapes_and_values_apart():
+    a = np.arange(6, dtype=np.float32)
+    assert array_digest(a) == array_digest(a.copy()) == array_digest(np.repeat(a, 2)[::2])
+    others = [a.reshape(2, 3), a.view(np.uint32), a + 1, a.astype(np.float16), a[:0]]
+    digests = {array_digest(x) for x in (a, None, *others)}
+    assert len(digests | {array_digest(a, None), array_digest(a, a)}) == 9

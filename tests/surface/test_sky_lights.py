@@ -130,7 +130,7 @@ def test_a_sky_that_changes_in_two_scenes_gets_a_texture_of_its_own_once(gpu, mo
         assert seen.take(Environment(map=2.0 * MAP))
     own = [seen.texture for seen in both]
     assert own[0] is not own[1]
-    monkeypatch.setattr(sky, "digest", None)
+    monkeypatch.setattr(sky, "array_digest", None)
     monkeypatch.setattr(sky, "Texture", None)
     for k, seen in enumerate(both):
         assert seen.take(Environment(map=(3.0 + k) * MAP))

@@ -1,4 +1,4 @@
-"""Uploads that all renderers of a device share, found by a digest of their sources.
+"""Uploads that all renderers of a device share, found by keys that say what they are made of.
 
 uploads  of one device; an upload is released with the last lease of it
 lease    what one user of an upload holds; it ends with the scope of that user
@@ -6,31 +6,15 @@ lease    what one user of an upload holds; it ends with the scope of that user
 
 from __future__ import annotations
 
-import hashlib
 import threading
 from collections import deque
 from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 if TYPE_CHECKING:
     from .device import Gpu
 
 T = TypeVar("T")
-
-
-def digest(*arrays: NDArray[Any] | None) -> bytes:
-    """Equal for arrays of the same types, shapes and values; a gigabyte takes about a second."""
-    told = hashlib.blake2b(digest_size=16)
-    for array in arrays:
-        if array is None:
-            told.update(b"none;")
-            continue
-        told.update(f"{array.dtype.str}{array.shape};".encode())
-        told.update(np.ascontiguousarray(array).reshape(-1).view(np.uint8).data)
-    return told.digest()
 
 
 class _Upload:

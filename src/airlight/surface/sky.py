@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Sampler, Texture
-from ..gpu.uploads import digest
 from ..maths.chunks import chunks
 from ..maths.half import half_floats
 from ..maths.latlong import (
@@ -26,6 +25,7 @@ from ..maths.latlong import (
 from ..maths.sampling import fibonacci_sphere
 from ..maths.sunlight import SUN_RADIUS_DEG
 from ..scene.environment import Environment
+from ..scene.fingerprint import array_digest
 from ..scene.lights import DirectionalLight
 from ..scene.map_suns import SunlessEnvironment
 
@@ -214,7 +214,7 @@ def _made(scope: Gpu, environment: Environment | None) -> Texture:
 def _texels_of(environment: Environment | None) -> tuple[object, ...]:
     """What is equal for environments whose texels on the device are the same."""
     radiance, scale = _background_map(environment)
-    return ("environment", digest(radiance, _sun_luminance(environment)), scale)
+    return ("environment", array_digest(radiance, _sun_luminance(environment)), scale)
 
 
 def _background_map(environment: Environment | None) -> tuple[NDArray[Any], float]:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Sampler, Texture, buffer_of
-from ..gpu.uploads import Lease, digest
+from ..gpu.uploads import Lease
 from ..maths.colour import srgb_decode, srgb_encode
+from ..scene.fingerprint import array_digest
 from ..scene.material import Material, Wrap
 from ..scene.material import Texture as SceneTexture
 from .packed_maps import (
@@ -91,7 +92,7 @@ class TextureStore:
         """A key that textures of the same texels share, of whatever scene."""
         found = self._images.get(image_of(texture))
         if found is None:
-            found = (texture, (digest(texture.pixels), texture.is_srgb))
+            found = (texture, (array_digest(texture.pixels), texture.is_srgb))
             self._images[image_of(texture)] = found
         return found[1]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, buffer_of
-from ..gpu.uploads import digest
+from ..scene.fingerprint import array_digest
 from ..scene.mesh import Geometry
 
 _VERTEX = np.dtype([("normal", np.int16, 4), ("uv", np.float32, 2), ("color", np.float16, 4)])
@@ -26,7 +26,7 @@ def geometry_digest(g: Geometry) -> bytes:
     """Equal for geometries of the same vertices and triangles; cached on the (immutable) one."""
     known: bytes | None = g.__dict__.get("_digest")
     if known is None:
-        known = digest(g.positions, g.indices, g.normals, g.uvs, g.colors)
+        known = array_digest(g.positions, g.indices, g.normals, g.uvs, g.colors)
         object.__setattr__(g, "_digest", known)
     return known
 
