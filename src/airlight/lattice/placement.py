@@ -38,6 +38,12 @@ class LatticeParams(Struct):
     fade_high_width = vec3f("m")
 
 
+class LatticeSize(Struct):
+    """The size of a lattice, for passes that need not know where it is."""
+
+    count = vec3u("cells")
+
+
 Triple = tuple[float, float, float]
 Axes = tuple[Triple, Triple, Triple]
 """Unit vectors of the world, at right angles, along which a lattice's cells lie."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
+from ..lattice.placement import LatticeSize
 
 PACKS = 4
 """vec4u per cell. Two hold the open shares of the hops that neighbours send it, a byte each, by the
@@ -19,15 +19,9 @@ number of the hop to the neighbour (wgsl/hops26); two those of its own hops. The
 fourth is the walls' reflectance, rgb unorm8."""
 
 
-class VisibilityParams(Struct):
-    """The lattice's size."""
-
-    count = vec3u("cells")
-
-
 class _Leaving(ComputePass):
     slots = (
-        uniform("params", VisibilityParams),
+        uniform("params", LatticeSize),
         storage("face_visibility", "vec2u"),
         storage("reflectance", "u32"),
         storage("packs", "vec4u", "read_write"),
@@ -38,7 +32,7 @@ class _Leaving(ComputePass):
 
 class _Entering(ComputePass):
     slots = (
-        uniform("params", VisibilityParams),
+        uniform("params", LatticeSize),
         storage("packs", "vec4u", "read_write"),
     )
     workgroup = (32, 8, 1)
@@ -49,7 +43,7 @@ class CellReflectance(ComputePass):
     """Mean colour of the walls in and around each cell, rgb unorm8 in a u32."""
 
     slots = (
-        uniform("params", VisibilityParams),
+        uniform("params", LatticeSize),
         storage("faces", "vec4u"),
         storage("reflectance", "u32", "read_write"),
     )
@@ -63,7 +57,7 @@ class CellReflectance(ComputePass):
         self.dispatch(
             commands,
             count,
-            params=VisibilityParams(count=count),
+            params=LatticeSize(count=count),
             faces=faces,
             reflectance=reflectance,
         )
@@ -85,7 +79,7 @@ class HopVisibility:
         packs: Buffer,
     ) -> None:
         """`face_visibility` as lattice.blockers; `reflectance` one u32 (rgb unorm8) per cell."""
-        params = VisibilityParams(count=count)
+        params = LatticeSize(count=count)
         self._leaving.dispatch(
             commands,
             count,

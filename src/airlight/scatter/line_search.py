@@ -13,6 +13,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
+from ..lattice.placement import LatticeSize
 from .coefficients import CHANNELS
 from .level import Level
 
@@ -31,12 +32,6 @@ class LengthParams(Struct):
     """What is asked of a length."""
 
     most = f32("of the length that leaves the least residual; beyond 2 it grows")
-
-
-class ApplyParams(Struct):
-    """The lattice's size."""
-
-    count = vec3u("cells")
 
 
 class _Sum(ComputePass):
@@ -64,7 +59,7 @@ class _Length(ComputePass):
 
 class _Apply(ComputePass):
     slots = (
-        uniform("params", ApplyParams),
+        uniform("params", LatticeSize),
         storage("stepped", "vec4f"),
         storage("answer", "vec4f"),
         storage("lengths", "f32"),
@@ -120,7 +115,7 @@ class LineSearch:
         self._apply.dispatch(
             commands,
             level.grid,
-            params=ApplyParams.of(count=level.count),
+            params=LatticeSize.of(count=level.count),
             stepped=stepped,
             answer=level.answer,
             lengths=self._lengths,

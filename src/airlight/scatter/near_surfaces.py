@@ -9,22 +9,15 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..lattice.lattices import Level
-
-
-class NearParams(Struct):
-    """The lattice's size."""
-
-    count = vec3u("cells")
-    pad = u32()
+from ..lattice.placement import LatticeSize
 
 
 class _Near(ComputePass):
     slots = (
-        uniform("params", NearParams),
+        uniform("params", LatticeSize),
         storage("sums", "i32"),
         storage("near", "u32", "read_write"),
     )
@@ -48,7 +41,7 @@ class NearSurfaces:
             self._pass.dispatch(
                 commands,
                 count,
-                params=NearParams(count=count, pad=0),
+                params=LatticeSize(count=count),
                 sums=blockers.sums,
                 near=self.cells,
             )

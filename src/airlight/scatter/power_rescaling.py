@@ -11,9 +11,9 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, vec3u
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
+from ..lattice.placement import LatticeSize
 from .coefficients import CHANNELS
 from .level import Level
 
@@ -21,13 +21,7 @@ _PARTS = 512  # partial sums of a channel
 _MOST = 2.0  # a scale beyond which a sum knows too little of where light goes
 
 
-class RescalingParams(Struct):
-    """The lattice's size."""
-
-    count = vec3u("cells")
-
-
-_PARAMS = uniform("params", RescalingParams)
+_PARAMS = uniform("params", LatticeSize)
 
 
 class _Sum(ComputePass):
@@ -72,7 +66,7 @@ class PowerRescaling:
 
     def encode(self, commands: Commands, level: Level, *, current: Buffer, stepped: Buffer) -> None:
         """`current` becomes source + s (stepped - source); `stepped` = source + M current."""
-        params = RescalingParams(count=level.count)
+        params = LatticeSize(count=level.count)
         # What came in, and what of it is still under way.
         self._sum.dispatch(
             commands,
