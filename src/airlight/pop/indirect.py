@@ -13,7 +13,7 @@ from ..fields import ReflectedLight
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
+from ..gpu.layout import Struct, f32, u32, vec3f
 from ..gpu.memory import Buffer, linear_sampler
 from ..gpu.slots import sampler, storage, uniform
 from ..lattice.blockers import BLOCKER_SLOTS
@@ -34,7 +34,6 @@ _WHITE = 0.999
 class IndirectParams(Struct):
     """The eye, and how the lattice is read."""
 
-    world_from_medium = mat4x4f()
     eye = vec3f("m, in the frame of the medium")
     scale = f32("radiance per stored unit, in units of the emission's scale")
     direct = f32("share of the states' direction that the phase function keeps, per g")
@@ -109,7 +108,6 @@ class IndirectLight:
             (medium.cells,),
             params=params,
             reflected=IndirectParams(
-                world_from_medium=medium.placement.world_from_medium,
                 eye=eye,
                 scale=source.scale / scale,
                 direct=source.direct,

@@ -28,9 +28,9 @@ fn scattered_radiance(state: vec4f, travel: vec3f, g: f32) -> f32 {
     }
     // The cell, and the direction to the eye, in the world.
     let centre = cell_centre(cell_of(id.x));
-    let p = (reflected.world_from_medium * vec4f(centre, 1.0)).xyz;
+    let p = (params.world_from_medium * vec4f(centre, 1.0)).xyz;
     let to_eye = normalize(reflected.eye - centre + vec3f(1e-12));
-    let towards = (reflected.world_from_medium * vec4f(to_eye, 0.0)).xyz;
+    let towards = (params.world_from_medium * vec4f(to_eye, 0.0)).xyz;
     // Of nested lattices each takes over from the finer ones where those end.
     let last = arrayLength(&lattices) - 1u;
     var light = vec3f(0.0);

@@ -28,7 +28,7 @@ from ..medium.mixture import (
     fine_wgsl,
 )
 from ..medium.placement import MediumParams
-from .visibility import BlockVisibility
+from .visibility import BlockVisibility, InterMediumParams
 
 
 class BlockParams(Struct):
@@ -39,12 +39,6 @@ class BlockParams(Struct):
     first_row = u32("of the receiver's ordinates")
     first = u32("of the receiver's blocks")
     scale = f32("the receiver's units per the sender's; 0: dark")
-
-
-class InterMediumParams(Struct):
-    """How many blocks there are."""
-
-    blocks = u32()
 
 
 class _Blocks(ComputePass):

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.layout import Struct, mat4x4f, u32
+from ...gpu.layout import Struct, u32
 from ...gpu.memory import Buffer, buffer_of
 from ...gpu.slots import storage, uniform
 from ...lattice.blockers import BLOCKER_SLOTS, Blockers
@@ -22,10 +22,9 @@ from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 
 
-class BlockVisibilityParams(Struct):
-    """Where the medium is, and how many blocks there are."""
+class InterMediumParams(Struct):
+    """How many blocks the others have."""
 
-    world_from_medium = mat4x4f()
     blocks = u32()
 
 
@@ -34,7 +33,7 @@ class BlockVisibility(ComputePass):
 
     slots = (
         uniform("params", MediumParams),
-        uniform("exchange", BlockVisibilityParams),
+        uniform("exchange", InterMediumParams),
         uniform("lattice", LatticeParams),
         *BLOCKER_SLOTS,
         storage("ordinates", OrdinateData),
@@ -70,14 +69,11 @@ class BlockVisibility(ComputePass):
         self._made = made
         # From every cell to four samples of every block.
         medium = self._receiver
-        params = BlockVisibilityParams(
-            world_from_medium=medium.placement.world_from_medium, blocks=self._blocks
-        )
         self.dispatch(
             commands,
             (medium.cells, self._blocks),
             params=medium.params,
-            exchange=params,
+            exchange=InterMediumParams(blocks=self._blocks),
             lattice=blockers.placement.params(),
             **blockers.bound,
             ordinates=ordinates,

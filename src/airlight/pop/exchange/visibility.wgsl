@@ -10,7 +10,7 @@ const OFFSETS = array<vec3f, 4>(
 
 // Lattice coordinates of a point in the medium's frame.
 fn lattice_place(point: vec3f) -> vec3f {
-    return warped_coordinates(lattice, (exchange.world_from_medium * vec4f(point, 1.0)).xyz);
+    return warped_coordinates(lattice, (params.world_from_medium * vec4f(point, 1.0)).xyz);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.layout import Struct, f32, mat4x4f, u32
+from ...gpu.layout import Struct, f32, u32
 from ...gpu.memory import Buffer
 from ...gpu.slots import storage, texture, uniform
 from ...lattice.blockers import Blockers
@@ -60,12 +60,6 @@ class Surfaces:
         return 0 if self.reflected is None else self.reflected.count
 
 
-class VisibilityParams(Struct):
-    """Where the medium is."""
-
-    world_from_medium = mat4x4f()
-
-
 class ShadowsData(Struct):
     """The shadow maps of one ordinate."""
 
@@ -87,7 +81,6 @@ class Visibility(ComputePass):
 
     slots = (
         uniform("params", MediumParams),
-        uniform("placement", VisibilityParams),
         storage("shadows", ShadowsData),
         storage("sky_shares", SkyViewData),
         storage("reach", "u32"),
@@ -136,7 +129,6 @@ class Visibility(ComputePass):
             commands,
             (self._medium.cells, max(1, count - self._unshaded)),
             params=params,
-            placement=VisibilityParams(world_from_medium=self._medium.placement.world_from_medium),
             shadows=self._shadows,
             sky_shares=self._shares,
             reach=self._medium.density.reach,

@@ -37,7 +37,7 @@ fn sky_visibility(layer: u32, p: vec3f) -> f32 {
     var share = 0.0;
     for (var k = 0u; k < 4u; k++) {
         let local = (vec3f(cell_of(id.x)) + 0.5 + OFFSETS[k]) * params.cell;
-        let p = (placement.world_from_medium * vec4f(local, 1.0)).xyz;
+        let p = (params.world_from_medium * vec4f(local, 1.0)).xyz;
         // A light of the scene has a map, or a cube of them.
         if (s.light != 0u) {
             share += light_visibility(lights[s.light - 1u], p);

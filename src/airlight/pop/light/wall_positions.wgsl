@@ -5,6 +5,10 @@
 //! use rays
 //! use walls
 
+// Rays are longer at both ends than the step between two centres, by this share of it: a surface right at a centre is
+// met by either neighbour.
+const WIDER = 1e-3;
+
 fn reflectance_code(instance: u32) -> u32 {
     return min(u32(round(reflectances[instance] * REFLECTING_STEPS)), 31u);
 }
@@ -14,19 +18,19 @@ fn reflectance_code(instance: u32) -> u32 {
         return;
     }
     let cell = cell_of(id.x);
-    let origin = (placement.world_from_medium * vec4f(cell_centre(cell), 1.0)).xyz;
+    let origin = (params.world_from_medium * vec4f(cell_centre(cell), 1.0)).xyz;
     var found = 0u;
     var reflecting = 0u;
     for (var axis = 0u; axis < 3u; axis++) {
         var position = WALL_FREE;
         if (cell[axis] + 1u < params.count[axis]) {
             // A wall in the middle of a cell closes the faces on both sides of it.
-            let step = placement.world_from_medium[axis].xyz * params.cell[axis];
-            let hit = nearest_hit(origin, step, -placement.wider, 1.0 + placement.wider);
+            let step = params.world_from_medium[axis].xyz * params.cell[axis];
+            let hit = nearest_hit(origin, step, -WIDER, 1.0 + WIDER);
             if (hit.triangle != NO_HIT) {
                 position = u32(round(clamp(hit.t, 0.0, 1.0) * f32(WALL_FREE - 1u)));
                 // The next cell sees the last of them.
-                let last = nearest_hit(origin + step, -step, -placement.wider, 1.0 + placement.wider);
+                let last = nearest_hit(origin + step, -step, -WIDER, 1.0 + WIDER);
                 let own = reflectance_code(hit.instance);
                 let beyond = reflectance_code(select(last.instance, hit.instance, last.triangle == NO_HIT));
                 reflecting |= (own | (beyond << REFLECTING_BITS)) << (2u * REFLECTING_BITS * axis);

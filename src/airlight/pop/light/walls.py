@@ -12,7 +12,6 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.layout import Struct, f32, mat4x4f
 from ...gpu.memory import Buffer, buffer_of
 from ...gpu.slots import storage, uniform
 from ...rays.rays import RAY_SLOTS, RayScene
@@ -21,20 +20,10 @@ from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 from .visibility import Surfaces
 
-_WIDER = 1e-3  # of the distance to the next cell, by which rays are longer at both ends
-
-
-class WallParams(Struct):
-    """Where the medium is, and how far rays go."""
-
-    world_from_medium = mat4x4f()
-    wider = f32("of the distance to the next cell, by which rays are longer at both ends")
-
 
 class _Positions(ComputePass):
     slots = (
         uniform("params", MediumParams),
-        uniform("placement", WallParams),
         *RAY_SLOTS,
         storage("reflectances", "f32"),
         storage("positions", "u32", "read_write"),
@@ -107,14 +96,10 @@ class Walls:
         key = tuple(constants.items())
         if key not in self._passes:
             self._passes[key] = _Positions(self._medium.gpu, constants=constants)
-        # Rays are a little longer than the step between two centres, so that a surface right at a
-        # centre is met by either neighbour.
-        placement = self._medium.placement
         self._passes[key].dispatch(
             commands,
-            (placement.cells,),
+            (self._medium.cells,),
             params=params,
-            placement=WallParams(world_from_medium=placement.world_from_medium, wider=_WIDER),
             **scene.bound,
             reflectances=self._reflectances,
             positions=self._positions,

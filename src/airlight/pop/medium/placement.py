@@ -24,7 +24,8 @@ _PROBED = 32  # density samples per axis that estimate the width of the medium
 class MediumParams(Struct):
     """One medium and its grid; lengths in m, coefficients at density 1."""
 
-    unit_from_medium = mat4x4f("the medium's frame to the volume's 0..1")
+    world_from_medium = mat4x4f("its frame to the world's, rigid")
+    unit_from_medium = mat4x4f("its frame to the volume's 0..1")
     extent = vec3f("m")
     ordinate_count = u32()
     cell = vec3f("m")
@@ -213,6 +214,7 @@ class PlacedVolume:
         # So many samples of the density along each side of a cell as it has voxels.
         per_cell = -(-voxels // np.array(placement.fine_count))
         return {
+            "world_from_medium": placement.world_from_medium,
             "unit_from_medium": placement.unit_from_medium,
             "extent": placement.extent,
             "ordinate_count": ordinates,

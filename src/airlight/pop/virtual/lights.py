@@ -60,7 +60,6 @@ class ScanParams(Struct):
 class VirtualVisibilityParams(Struct):
     """Which rows are virtual point lights."""
 
-    world_from_medium = mat4x4f()
     count = u32()
     first_row = u32()
 
@@ -162,16 +161,12 @@ class VirtualLights:
 
     def encode_visibility(self, commands: Commands, params: MediumParams, passed: Buffer) -> None:
         """Fill the shares of their light, 0..1, in the second part of `passed`."""
-        virtual_lights = VirtualVisibilityParams(
-            world_from_medium=self._medium.placement.world_from_medium,
-            count=self._from.count,
-            first_row=self._first_row,
-        )
+        rows = VirtualVisibilityParams(count=self._from.count, first_row=self._first_row)
         self._visibility.dispatch(
             commands,
             (self._medium.cells, self._from.count),
             params=params,
-            virtual_lights=virtual_lights,
+            virtual_lights=rows,
             lattice=self._from.placement.params(),
             **self._from.blockers.bound,
             light_cells=self._light_cells,

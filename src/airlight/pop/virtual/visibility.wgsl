@@ -8,7 +8,7 @@
     }
     let row = virtual_lights.first_row + id.y;
     let centre = cell_centre(cell_of(id.x));
-    let world = (virtual_lights.world_from_medium * vec4f(centre, 1.0)).xyz;
+    let world = (params.world_from_medium * vec4f(centre, 1.0)).xyz;
     let share = open_line(warped_coordinates(lattice, world), light_cells[id.y].xyz);
     passed[(params.ordinate_count + row) * params.cells + id.x] = share;
 }
