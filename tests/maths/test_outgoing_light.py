@@ -68,3 +68,21 @@ def test_nothing_arrives_through_what_is_empty_or_black():
     black = out.arriving(np.zeros(shape), np.full(shape, 5.0), eye, np.ones(3))
     empty = out.arriving(np.ones(shape), np.zeros(shape), eye, np.ones(3))
     assert black.max() == 0.0 and empty.max() == 0.0
+
+
+def test_nothing_arrives_from_behind_a_wall():
+    """Of a wall across the grid, one side sees its own half as if the other half were not there."""
+    shape = (5, 6, 8)
+    rng = np.random.default_rng(5)
+    source, extinction = rng.random((*shape, 1)), rng.uniform(0.2, 1.0, (*shape, 1))
+    eye = np.broadcast_to(np.array([0.6, 0.48, 0.64]), (*shape, 3))
+    closed = np.zeros((3, *shape), bool)
+    closed[0, :, :, 3] = True
+    cell = np.array([0.3, 0.35, 0.4])
+    walled = out.arriving(source, extinction, eye, cell, closed)
+    for half in (np.s_[:, :, :4], np.s_[:, :, 4:]):
+        alone = out.arriving(source[half], extinction[half], eye[half], cell)
+        np.testing.assert_allclose(walled[half], alone, rtol=1e-12)
+    unwalled = out.arriving(source, extinction, eye, cell)
+    assert (walled[:, :, 4:] < unwalled[:, :, 4:] - 1e-3).mean() > 0.2
+    np.testing.assert_array_equal(walled[:, :, :4], unwalled[:, :, :4])

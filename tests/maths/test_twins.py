@@ -170,3 +170,14 @@ def test_colour(wgsl: Evaluate) -> None:
         found = wgsl("tone", name, c, returns="vec3f")
         np.testing.assert_allclose(found, truth(c), atol=2e-6)
     np.testing.assert_allclose(wgsl("tone", "luminance", c), colour.luminance(c), atol=1e-6)
+
+
+def test_reduced_emission(wgsl: Evaluate) -> None:
+    from airlight.maths.outgoing_light import reduced_emission
+
+    fluence, indirect, whole = (single(RNG.random((COUNT, 3))) for _ in range(3))
+    g = single(RNG.uniform(-0.9, 0.9, (COUNT, 3)))
+    g[:50] = 0.0
+    expected = reduced_emission(fluence, indirect, whole, g)
+    found = wgsl("outgoing_light", "reduced_emission", fluence, indirect, whole, g, returns="vec3f")
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)

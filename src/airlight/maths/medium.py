@@ -72,6 +72,23 @@ def ray_box_interval(
     return near.max(axis=-1), far.min(axis=-1)
 
 
+def transmittance_in_box(
+    sigma_t: ArrayLike,
+    origin: ArrayLike,
+    direction: ArrayLike,
+    length_m: ArrayLike,
+    low: ArrayLike,
+    high: ArrayLike,
+) -> F64:
+    """Transmittance (..., channel) of the first `length_m` of a ray through a homogeneous box.
+
+    `sigma_t` (channel,), m^-1; unit `direction` (..., 3); the medium ends at the box's sides.
+    """
+    t0, t1 = ray_box_interval(origin, direction, low, high)
+    inside = np.minimum(t1, length_m) - np.maximum(t0, 0.0)
+    return transmittance(sigma_t, np.maximum(inside, 0.0)[..., None])
+
+
 def ray_sphere_interval(
     origin: ArrayLike, direction: ArrayLike, centre: ArrayLike, radius_m: ArrayLike
 ) -> tuple[F64, F64]:

@@ -74,29 +74,72 @@ def smooth_scattering(
     return phi * leaving_lobe(np.clip(along, -1.0, 1.0), g, sharpness, unturned)
 
 
-def arriving(source: F64, extinction: F64, towards: F64, cell: F64) -> F64:
+def reduced_emission(fluence: F64, indirect: F64, whole: F64, g: F64) -> F64:
+    """Radiance (..., channel) per unit sigma_s that the reduced medium scatters, isotropically.
+
+    `fluence` of light that it has not scattered, and the mean radiance `indirect` besides. A
+    channel of g <= 0, which is not reduced, has the `whole` emission of the true medium.
+    Source: similarity theory (Wyman1989), order one: sigma_s (1 - g).
+    """
+    scattered = (1.0 - g) * (fluence / (4.0 * np.pi) + indirect)
+    return np.asarray(np.where(g > 0.0, scattered, whole))
+
+
+def arriving(
+    source: F64,
+    extinction: F64,
+    towards: F64,
+    cell: F64,
+    closed: NDArray[np.bool_] | None = None,
+) -> F64:
     """L (z, y, x, channel) that arrives in the middle of every cell, travelling `towards` an eye.
 
     `source` (z, y, x, channel): radiance per unit of `extinction`, m^-1; `towards` (z, y, x, 3);
     `cell` (3,), m. Half a step in the cell itself, then steps of the shortest side, each in the
-    cell that its middle lies in.
+    cell that its middle lies in. `closed` (3, z, y, x) as in `diffusion.Diffusion`: nothing arrives
+    from behind a face that a surface closes.
     """
     shape, step = source.shape[:3], float(cell.min())
     at = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)[..., ::-1] + 0.5
     # The cell's own half step, behind which all others lie.
     through = np.exp(-0.5 * step * extinction)
     light = source * (1.0 - through)
+    last = np.floor(at).astype(np.int64)[..., ::-1]
+    is_open = np.ones((*shape, 1), bool)
     for n in range(1, _steps(shape, cell)):
         place = np.floor(at - towards * (n * step / cell)).astype(np.int64)[..., ::-1]
         inside = np.all((place >= 0) & (place < shape), axis=-1, keepdims=True)
-        # A march ends at the border, or where almost nothing would arrive.
+        # A march ends at the border, at a wall, or where almost nothing would arrive.
         inside = inside & (through.max(axis=-1, keepdims=True) > LEAST_TRANSMITTANCE)
-        k, j, i = np.moveaxis(np.clip(place, 0, np.array(shape) - 1), -1, 0)
+        place = np.clip(place, 0, np.array(shape) - 1)
+        if closed is not None:
+            is_open &= ~_is_walled(closed, last, place)[..., None]
+            inside = inside & is_open
+        last = place
+        k, j, i = np.moveaxis(place, -1, 0)
         passed = np.where(inside, np.exp(-step * extinction[k, j, i]), 1.0)
         # A step of constant source sends S (1 - exp(-depth)), less what lies before it.
         light = light + through * source[k, j, i] * (1.0 - passed)
         through = through * passed
     return light
+
+
+def _is_walled(
+    closed: NDArray[np.bool_], one: NDArray[np.int64], other: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Whether a surface closes a face between cells (..., 3; z, y, x) at most a cell apart.
+
+    Across an edge or a corner it is enough that one of the faces at either cell is closed.
+    """
+    walled = np.zeros(one.shape[:-1], bool)
+    for axis in range(3):
+        # Cells know their upper faces: those of the lower cell's row along this axis, at either.
+        apart = one[..., 2 - axis] != other[..., 2 - axis]
+        low = np.minimum(one, other)[..., 2 - axis]
+        for cell in (one, other):
+            k, j, i = (low if 2 - axis == a else cell[..., a] for a in range(3))
+            walled |= apart & closed[axis][k, j, i]
+    return walled
 
 
 def _steps(shape: tuple[int, ...], cell: F64) -> int:

@@ -23,3 +23,10 @@ fn smooth_scattering(fluence: vec3f, x: vec3f, y: vec3f, z: vec3f, travel: vec3f
     let sharpness = min(size / max(fluence, vec3f(1e-20)), vec3f(1.0));
     return fluence * leaving_lobe(clamp(along, vec3f(-1.0), vec3f(1.0)), g, sharpness, unturned);
 }
+
+// What the reduced medium of similarity theory scatters, alike into all directions, of a `fluence` and of the mean
+// radiance `indirect`; a channel that is not scattered forwards has `whole`.
+fn reduced_emission(fluence: vec3f, indirect: vec3f, whole: vec3f, g: vec3f) -> vec3f {
+    let scattered = (1.0 - g) * (fluence * PHASE_ISOTROPIC + indirect);
+    return select(whole, scattered, g > vec3f(0.0));
+}

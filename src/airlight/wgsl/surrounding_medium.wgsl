@@ -1,5 +1,5 @@
 // The transmittance of a homogeneous medium around the solved one on light's path to a point; see
-// pop/medium/surrounding.py. The including pass binds `params` (MediumParams).
+// pop/medium/surrounding.py, and transmittance_in_box in maths/medium.py. The including pass binds `params` (MediumParams).
 //! use medium
 
 // Of light that travelled a `distance`, m; all in the frame of the solved medium.

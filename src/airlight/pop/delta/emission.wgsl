@@ -1,14 +1,12 @@
 // The radiance that a cell scatters towards the eye, per unit scattering coefficient. `refined`:
 // the furnace corrections of all cells, then the indirect light of surfaces in them.
 //! use beam_emission
+//! use outgoing_light
 //! use sky_gain
 //! use store_emission
 
-// What the reduced medium of similarity theory scatters, alike into all directions, of that fluence; a channel that is not
-// scattered forwards has `whole`.
 fn store_mean(cell: vec3u, fluence: vec3f, indirect: vec3f, whole: vec3f) {
-    let scattered = (1.0 - params.g) * (fluence * PHASE_ISOTROPIC + indirect);
-    let light = select(whole, scattered, params.g > vec3f(0.0));
+    let light = reduced_emission(fluence, indirect, whole, params.g);
     textureStore(mean, cell, vec4f(min(light, vec3f(HALF_MAX)), 1.0));
 }
 
