@@ -29,14 +29,14 @@ from airlight.surface.gbuffer import GBuffer
 
 SMALL = {"resolution": 8, "shadow_resolution": 32, "lamp_resolution": 16, "surfels": 500}
 LPV = {**SMALL, "map_resolution": 16, "iterations": 4}
-LAMP = PointLight((0.3, 2.0, 0.5), (5.0, 5.0, 5.0))
+LIGHT = PointLight((0.3, 2.0, 0.5), (5.0, 5.0, 5.0))
 
 
 @pytest.fixture(scope="module")
 def scene(square) -> Scene:
     """A floor and a wall under a lamp."""
     floor, wall = square((0, 0, 0), (2, 0, 0), (0, 0, -2)), square((2, 1, 0), (0, 0, 1), (0, 1, 0))
-    return Scene((floor, wall), (LAMP,), camera=Camera((0, 2, 5), (0, 0, 0)))
+    return Scene((floor, wall), (LIGHT,), camera=Camera((0, 2, 5), (0, 0, 0)))
 
 
 def direct(scene: Scene, **named: object) -> Renderer:
@@ -201,13 +201,13 @@ def test_a_frame_that_breaks_off_never_was(
     gpu, scene, monkeypatch, technique, owner, name, at, error
 ):
     before = gpu.allocated_bytes
-    elsewhere = dataclasses.replace(LAMP, position=(-1.0, 1.0, 0.5))
+    elsewhere = dataclasses.replace(LIGHT, position=(-1.0, 1.0, 0.5))
     settings = LPV if technique == "lpv" else SMALL
     with Renderer(scene, technique, (16, 12), settings=settings) as r:
         first = r.frame(samples=2).radiance
         moved = r.frame(lights=[elsewhere], samples=2).radiance
         held = gpu.allocated_bytes
-        r.frame(lights=[LAMP], samples=2)
+        r.frame(lights=[LIGHT], samples=2)
         with monkeypatch.context() as patch:
             broken_off(patch, owner, name, at, error)
             expected = DeviceError if isinstance(error, MemoryError) else type(error)
@@ -317,7 +317,7 @@ def painted(square) -> Scene:
     floor = square((0, 0, 0), (2, 0, 0), (0, 0, -2), material)
     sky = Environment(map=rng.random((32, 64, 3), np.float32))
     camera = Camera((0, 2, 5), (0, 0, 0))
-    return Scene((floor, Mesh(floor.geometry)), (LAMP,), sky, camera=camera)
+    return Scene((floor, Mesh(floor.geometry)), (LIGHT,), sky, camera=camera)
 
 
 UPLOADS = ("packed maps", "vertices", "positions", "indices", "triangle table", "environment")

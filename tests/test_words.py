@@ -6,6 +6,7 @@ The test reads names, docstrings, comments, messages and docs alike. A word that
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -95,6 +96,16 @@ ALLOWED = {
 }
 """Where a word stays, by the folder or the file, and why."""
 
+IN_NAMES = {
+    "lamps?(?! resolution)": "local light, or light",
+    "grain": "noise",
+}
+"""Words of prose that are no names of functions, classes, arguments and variables."""
+NAMES_ALLOWED = {
+    "src/airlight/scene": "lamps are things in rooms there, and grain is in textures of stone",
+    "tests/scene/builtin": "the same",
+}
+
 
 def words_of(text: str) -> str:
     """Text in lower case, names split into their words: SeenTriangles, seen_triangles."""
@@ -108,6 +119,29 @@ def found_in(text: str) -> Iterator[tuple[str, str]]:
     for pattern in INSTEAD:
         for match in re.finditer(rf"(?<![a-z]){pattern}(?![a-z])", plain):
             yield pattern, match[0]
+
+
+def names_in(tree: ast.AST) -> Iterator[str]:
+    """What a module names: functions, classes, arguments, variables and attributes it sets."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr
+
+
+def replaced_names(text: str) -> set[str]:
+    """Those names of a module in which a word of `IN_NAMES` stands."""
+    return {
+        name
+        for name in names_in(ast.parse(text))
+        for pattern in IN_NAMES
+        if re.search(rf"(?<![a-z]){pattern}(?![a-z])", words_of(name))
+    }
 
 
 def is_allowed(pattern: str, name: str) -> bool:
@@ -154,3 +188,20 @@ def test_the_check_catches_what_it_forbids(text):
 @pytest.mark.parametrize("text", ["pictured", "evening air", "sunset", "a fair", "renewed"])
 def test_the_check_passes_other_words(text):
     assert not list(found_in(text))
+
+
+def test_names_are_the_fields_own():
+    found = [
+        f"{name}: {word}"
+        for path in files()
+        if path.suffix == ".py"
+        for name in [path.relative_to(REPOSITORY).as_posix()]
+        if not any(name.startswith(place) for place in NAMES_ALLOWED)
+        for word in sorted(replaced_names(path.read_text(encoding="utf-8")))
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_replaced_names_are_found():
+    text = "def test_a_lamp(LAMPS, clamp):\n    self.grain = x\n    lamp_resolution = 'lamp'\n"
+    assert replaced_names(text) == {"test_a_lamp", "LAMPS", "grain"}

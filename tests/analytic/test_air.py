@@ -31,10 +31,10 @@ PX = 16
 
 def test_a_slab_has_the_transmittance_of_beer_and_lambert(judged, square, camera_rays, error):
     glow = Material(base_color=(0, 0, 0), specular=0.0, emission=(1.0, 2.0, 3.0))
-    lamp = square((0, 0, -1.5), (3, 0, 0), (0, 3, 0), glow)
+    local_light = square((0, 0, -1.5), (3, 0, 0), (0, 3, 0), glow)
     slab = Medium(tuple(SIGMA), (0, 0, 0), bounds=((-4, -4, -0.5), (4, 4, 0.7)))
     camera = Camera((0.2, 0.1, 3.0), (0.0, 0.0, 0.0), fov_y_deg=50.0)
-    image = judged.air_image(Scene(meshes=(lamp,), camera=camera, medium=slab))
+    image = judged.air_image(Scene(meshes=(local_light,), camera=camera, medium=slab))
     cosine = np.abs(camera_rays(camera, SIZE)[..., 2:])
     through = np.exp(-SIGMA * 1.2 / cosine)
     # Measured 2e-4; pop, which marches, .0063.
@@ -67,7 +67,7 @@ def scatters_often(image):
     )
 
 
-LAMPS = {  # out of sight, since pixels beside a lamp are no samples of their centres
+LIGHTS = {  # out of sight, since pixels beside a lamp are no samples of their centres
     "point": PointLight((0.9, 0.85, 0.5), (3.0, 2.0, 1.0)),
     "spot": SpotLight((0.8, 0.9, -0.3), (-0.6, -0.8, 0.0), (3.0, 2.0, 1.0), 20.0, 35.0),
     "directional": DirectionalLight((0.36, -0.8, 0.48), (3.0, 2.0, 1.0)),
@@ -75,9 +75,9 @@ LAMPS = {  # out of sight, since pixels beside a lamp are no samples of their ce
 
 
 @pytest.mark.parametrize("g", [0.0, 0.6])
-@pytest.mark.parametrize("kind", LAMPS)
+@pytest.mark.parametrize("kind", LIGHTS)
 def test_light_scattered_once_is_the_quadrature(judged, camera_rays, error, kind, g):
-    light, albedo = LAMPS[kind], 0.9
+    light, albedo = LIGHTS[kind], 0.9
     air = Medium(tuple(SIGMA), (albedo,) * 3, (g,) * 3, CUBE)
     camera = Camera((0.3, 0.2, 0.9), (0.0, 0.1, -1.0), fov_y_deg=60.0)
     scene = Scene(lights=(light,), camera=camera, medium=air)

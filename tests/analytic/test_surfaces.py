@@ -157,14 +157,14 @@ def test_a_closed_glowing_room(judged, square):
     assert image.radiance.mean() < MOST_OF_ROOM
 
 
-def test_a_lamp_in_the_middle_of_a_round_room(judged, error):
+def test_a_light_in_the_middle_of_a_round_room(judged, error):
     """An integrating sphere: every bounce is uniform, E = I/R^2, L = albedo E/(pi (1 - albedo))."""
     albedo, radius_m = 0.6, 2.0
     paint = Material(base_color=(albedo,) * 3, specular=0.0)
     room = Mesh(sphere(64, 32), paint, np.diag([2 * radius_m] * 3 + [1.0]))
     camera = Camera((0.9, 0.4, 0.7), (-1.0, -0.4, -0.8), fov_y_deg=80.0)
-    lamp = PointLight((0.0, 0.0, 0.0), (5.0, 5.0, 5.0))
-    image = judged.image(Scene(meshes=(room,), lights=(lamp,), camera=camera))
+    local_light = PointLight((0.0, 0.0, 0.0), (5.0, 5.0, 5.0))
+    image = judged.image(Scene(meshes=(room,), lights=(local_light,), camera=camera))
     direct = albedo / math.pi * 5.0 / radius_m**2
     # The ball's facets lie up to half a per cent inside it.
     assert error(image, direct, "direct") < 0.01

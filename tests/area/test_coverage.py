@@ -15,20 +15,20 @@ from airlight.scene.shapes import quad
 SIZE = (32, 24)
 SMALL = {"resolution": 8, "surfels": 100, "lamp_resolution": 32, "area_samples": 1}
 CAMERA = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_y_deg=30.0)
-LAMP = Material(base_color=(0, 0, 0), specular=0.0, emission=(40.0, 20.0, 10.0))
+LIGHT = Material(base_color=(0, 0, 0), specular=0.0, emission=(40.0, 20.0, 10.0))
 BLACK = Material(base_color=(0, 0, 0), specular=0.0)
 PX = 2.0 * 4.0 * np.tan(np.radians(15.0)) / SIZE[1]  # m, of a pixel at the lamp
 
 
-def lamp(corners, z=0.0) -> Mesh:
+def light(corners, z=0.0) -> Mesh:
     positions = np.array([(x * PX, y * PX, z) for x, y in corners], np.float32)
     faces = [(0, k, k + 1) for k in range(1, len(corners) - 1)]
     normals = np.tile(np.float32((0, 0, 1)), (len(corners), 1))
-    return Mesh(Geometry(positions, np.array(faces, np.uint32), normals), LAMP)
+    return Mesh(Geometry(positions, np.array(faces, np.uint32), normals), LIGHT)
 
 
 def parts(image) -> np.ndarray:
-    return np.asarray(image.layers["direct"][..., 0] / LAMP.emission[0], np.float64)
+    return np.asarray(image.layers["direct"][..., 0] / LIGHT.emission[0], np.float64)
 
 
 def exact(corners) -> np.ndarray:
@@ -52,21 +52,21 @@ def test_the_sum_over_edges_is_the_area_in_each_box(corners) -> None:
 
 @pytest.mark.parametrize("corners", [SLANTED, SMALLER], ids=["slanted", "smaller"])
 @pytest.mark.parametrize("wall", [False, True])
-def test_two_samples_know_a_lamp_as_many_do(corners, wall) -> None:
+def test_two_samples_know_a_light_as_many_do(corners, wall) -> None:
     # Also before nothing at all; smaller than a pixel, most samples miss it.
     back = Mesh(
         quad(), BLACK, np.array([[9, 0, 0, 0], [0, 0, -9, 0], [0, 9, 0, -1.0], [0, 0, 0, 1]])
     )
-    scene = Scene(meshes=(lamp(corners), *((back,) if wall else ())), camera=CAMERA)
+    scene = Scene(meshes=(light(corners), *((back,) if wall else ())), camera=CAMERA)
     image = render(scene, "direct", SIZE, samples=2, settings=SMALL)
     np.testing.assert_allclose(parts(image), exact(corners), atol=2e-3)
 
 
-def test_what_stands_before_a_lamp_hides_it() -> None:
+def test_what_stands_before_a_light_hides_it() -> None:
     half = Mesh(
         quad(), BLACK, np.array([[2, 0, 0, -1], [0, 0, -2, 0], [0, 2, 0, 1.0], [0, 0, 0, 1]])
     )
-    scene = Scene(meshes=(lamp(SLANTED), half), camera=CAMERA)
+    scene = Scene(meshes=(light(SLANTED), half), camera=CAMERA)
     found = parts(render(scene, "direct", SIZE, samples=4, settings=SMALL))
     assert found[:, : SIZE[0] // 2].max() == 0.0
     np.testing.assert_allclose(
@@ -74,13 +74,13 @@ def test_what_stands_before_a_lamp_hides_it() -> None:
     )
 
 
-def test_lamps_that_lie_over_each_other_count_once() -> None:
+def test_lights_that_lie_over_each_other_count_once() -> None:
     square = [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)]
     right = [(x + 2.0, y + 1.0) for x, y in square]
     # Two surfaces of one material in one plane; beside each other both are exact.
-    scene = Scene(meshes=(lamp(square), lamp(right)), camera=CAMERA)
+    scene = Scene(meshes=(light(square), light(right)), camera=CAMERA)
     assert parts(render(scene, "direct", SIZE, samples=8, settings=SMALL)).max() < 1.001
     beside = [(x + 8.5, y) for x, y in square]
-    scene = replace(scene, meshes=(lamp(square), lamp(beside)))
+    scene = replace(scene, meshes=(light(square), light(beside)))
     found = parts(render(scene, "direct", SIZE, samples=2, settings=SMALL))
     np.testing.assert_allclose(found, exact(square) + exact(beside), atol=2e-3)

@@ -76,13 +76,16 @@ def test_shapes_and_media_give_theirs(shape: str, volume: float) -> None:
 
 def test_frames_keep_the_groups_and_take_the_light() -> None:
     volume = fire()
-    lamp, panel = PointLight((0, 5, 0), (9, 9, 9)), Mesh(quad(), Material(emission=(1, 1, 1)))
-    found, seen = made(volume, lights=(lamp,), meshes=(panel,))
-    assert seen.lights[0] == lamp
+    local_light, panel = (
+        PointLight((0, 5, 0), (9, 9, 9)),
+        Mesh(quad(), Material(emission=(1, 1, 1))),
+    )
+    found, seen = made(volume, lights=(local_light,), meshes=(panel,))
+    assert seen.lights[0] == local_light
     assert found.count == len(found.list) == 1 + 1 + EACH
     rows = [e.row for e in found.list[-EACH:]]
     assert rows == list(range(len(seen.lights) - EACH, len(seen.lights)))
-    scene = Scene(volumes=(volume,), lights=(lamp,), meshes=(panel,))
+    scene = Scene(volumes=(volume,), lights=(local_light,), meshes=(panel,))
     before, version = power(seen.lights[-EACH:]), found.version
     assert found.of(replace(scene, camera=Camera((0, 1, 9), (0, 0, 0)))).lights == seen.lights
     brighter = replace(volume, emission=Emission((8.0, 4.0, 1.0), volume.emission.grid))

@@ -120,8 +120,8 @@ def test_the_back_is_dark_unless_it_glows_too() -> None:
 
 def test_what_is_seen_casts_shadows_and_glows() -> None:
     low = AreaLight((0, 0.3, 0), 5.0, direction=(0, 1, 0), size=(2.0, 2.0))
-    lamp = AreaLight((0, 4, 0), 5.0, size=(0.2, 0.2), visible=False)
-    image = drawn(low, lamp)
+    local_light = AreaLight((0, 4, 0), 5.0, size=(0.2, 0.2), visible=False)
+    image = drawn(low, local_light)
     assert image.layers["direct"].max() == pytest.approx(5.0, rel=0.3)
     # Under the sheet the lamp is hidden.
     dark = image.layers["direct"][..., 0] < 1e-3

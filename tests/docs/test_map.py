@@ -68,3 +68,48 @@ def test_the_calls_from_the_command_to_the_stencil_exist():
                 break
         else:
             raise AssertionError(name)
+
+
+def misplaced(page: str) -> set[str]:
+    """Files and dotted names in backquotes that are not there: `gpu/slots.py`, `fields.Solver`.
+
+    A path may begin at the repository, the package, or, of a shader, in `wgsl/`.
+    """
+    wrong = set()
+    for name in set(re.findall(r"`([\w./]+)`", page)):
+        if "/" in name and not re.search(r"NAME|^airlight/|[.]/", name):
+            ends = [name, f"{name}.py", f"{name}.wgsl", f"wgsl/{name}.wgsl"]
+            if not any((top / end).exists() for top in (REPOSITORY, SOURCE) for end in ends):
+                wrong.add(name)
+        first, *rest = name.split(".")
+        if (
+            first
+            and rest
+            and (SOURCE / first).is_dir()
+            and first != "gpu"
+            and not is_there([first, *rest])
+        ):
+            wrong.add(name)
+    return wrong
+
+
+def is_there(parts: list[str]) -> bool:
+    """Whether a dotted name is a module, or a module's text has the rest of it as words."""
+    for cut in range(len(parts), 0, -1):
+        base = SOURCE.joinpath(*parts[:cut])
+        path = base.with_suffix(".py") if base.with_suffix(".py").exists() else base / "__init__.py"
+        if path.exists():
+            text = path.read_text(encoding="utf-8")
+            return all(re.search(rf"\b{word}\b", text) for word in parts[cut:])
+    return False
+
+
+def test_what_the_map_names_is_there():
+    assert not misplaced(PAGE)
+
+
+def test_what_is_not_there_is_found():
+    page = (
+        "`gpu/slots.py` `fields.Solver` `media.media` `media.gone` `lpv/gone.wgsl` `scene.gone.at`"
+    )
+    assert misplaced(page) == {"media.gone", "lpv/gone.wgsl", "scene.gone.at"}

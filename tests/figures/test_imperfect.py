@@ -35,9 +35,9 @@ def test_virtual_lights_have_the_power_that_a_wall_reflects(gpu):
     grey = Mesh(
         box((-5.0, -0.1, -5.0), (5.0, 0.0, 5.0)), Material(base_color=(0.5,) * 3, specular=0.0)
     )
-    lamp = SpotLight((0.0, 2.0, 0.0), (0.0, -1.0, 0.0), (10.0,) * 3, 30.0, 30.0)
+    light = SpotLight((0.0, 2.0, 0.0), (0.0, -1.0, 0.0), (10.0,) * 3, 30.0, 30.0)
     lights = imperfect.virtual_lights(
-        Request((48, 27)), Scene(meshes=(grey,), lights=(lamp,)), np.random.default_rng(2)
+        Request((48, 27)), Scene(meshes=(grey,), lights=(light,)), np.random.default_rng(2)
     )
     assert len(lights.power) == imperfect.LIGHTS
     flux = 10.0 * 2.0 * np.pi * (1.0 - np.cos(np.radians(30.0)))

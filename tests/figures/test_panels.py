@@ -96,8 +96,8 @@ def test_the_wall_between_two_rooms_closes_them():
     low, high = walled.meshes[-1].world_bounds
     np.testing.assert_allclose(low, [-0.05, 0.0, -1.5], atol=1e-6)
     np.testing.assert_allclose(high, [0.05, 3.0, 1.5], atol=1e-6)
-    (lamp,) = walled.lights
-    assert lamp.position[0] < low[0] and walled.camera.position[0] > high[0]
+    (local_light,) = walled.lights
+    assert local_light.position[0] < low[0] and walled.camera.position[0] > high[0]
 
 
 def test_the_polished_floor_lies_on_the_box_s_own():

@@ -93,7 +93,7 @@ def test_a_figure_is_an_image_and_its_numbers(pretended, tmp_path, monkeypatch, 
     assert told["numbers"]
 
 
-def test_the_lamp_s_figure_compares_intensities(pretended):
+def test_the_light_s_figure_compares_intensities(pretended):
     drawn = FIGURES["pop-10"].draw(Request((48, 27), quick=True))
     truth = pop_10.by_monte_carlo(pop_10.ball(0.0), 27, 0.0, 2_000)
     # Pretended: radiance .05 over a square of 2.1 R a side.

@@ -11,7 +11,7 @@ from airlight.figures.panels import Request
 from airlight.scene.image import Image
 
 
-def test_smoothing_takes_grain_away_and_keeps_edges():
+def test_smoothing_takes_noise_away_and_keeps_edges():
     light = 1.0 + np.random.default_rng(3).uniform(-0.5, 0.5, (24, 32, 3)).astype(np.float32)
     light[:, 16:] *= 4.0
     normal = np.zeros_like(light)
@@ -84,6 +84,6 @@ def test_a_truth_without_layers_is_shown_as_it_was_traced_and_said_to_be(monkeyp
     assert lacks == ["no layers: why"]
     assert truths.told_of(whole) == "path traced, 4x4, 16 samples"
     guide = Image(radiance, {"normal": radiance, "depth": radiance[..., 0]})
-    assert truths.without_grain(whole, guide) is radiance
+    assert truths.without_noise(whole, guide) is radiance
     # With layers, light that is even already stays as it is.
-    np.testing.assert_allclose(truths.without_grain(layered(), guide), radiance, rtol=1e-6)
+    np.testing.assert_allclose(truths.without_noise(layered(), guide), radiance, rtol=1e-6)

@@ -34,9 +34,9 @@ def angled_room() -> Scene:
         for y in (0.0, HIGH)
         for x0, x1, z0, z1 in ((0.0, 4.0, 0.0, 2.0), (0.0, 2.0, 2.0, 6.0))
     ]
-    lamp = SpotLight((3.2, 2.3, 1.0), (0.0, -1.0, 0.0), (20.0, 20.0, 20.0), 10.0, 20.0)
+    light = SpotLight((3.2, 2.3, 1.0), (0.0, -1.0, 0.0), (20.0, 20.0, 20.0), 10.0, 20.0)
     camera = Camera((0.5, 1.4, 2.6), (1.2, 1.0, 6.0), fov_y_deg=60.0)
-    return Scene((*walls, *flat), (lamp,), camera=camera)
+    return Scene((*walls, *flat), (light,), camera=camera)
 
 
 def energy(scene, bounces, **settings):

@@ -23,7 +23,7 @@ class Kinds(Struct):
     size = vec2f()
 
 
-class Lamp(Struct):
+class Light(Struct):
     """A row of a table."""
 
     colour = vec3f()
@@ -33,10 +33,10 @@ class Lamp(Struct):
 
 WGSL = """
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let lamp = first_lamps();
+    let light = first_lights();
     let all = array(params.matrix[0], params.matrix[3], vec4f(params.place, f32(params.count)),
-        vec4f(vec3f(params.cells), f32(params.step)), vec4f(params.size, lamp.power, lamp.colour.y),
-        lamps[1].colour.xyzz);
+        vec4f(vec3f(params.cells), f32(params.step)), vec4f(params.size, light.power, light.colour.y),
+        lights[1].colour.xyzz);
     return all[u32(position.x)];
 }
 """
@@ -48,9 +48,9 @@ def test_pixels_read_what_was_given(gpu, commands, owned, tmp_path):
         "__module__": __name__,
         "file": str(tmp_path / "kinds.wgsl"),
         "targets": ("rgba32float",),
-        "slots": (uniform("params", Kinds), storage("lamps", Lamp)),
+        "slots": (uniform("params", Kinds), storage("lights", Light)),
     }
-    made = type("KindsPass", (FullscreenPass,), members)(gpu, firsts={"lamps": ("unread",)})
+    made = type("KindsPass", (FullscreenPass,), members)(gpu, firsts={"lights": ("unread",)})
     assert made.label == "KindsPass"
     matrix = np.arange(16.0).reshape(4, 4)
     params = Kinds(
@@ -65,9 +65,9 @@ def test_pixels_read_what_was_given(gpu, commands, owned, tmp_path):
         {"colour": (1, 2, 3), "unread": (9, 9, 9), "power": 0.25},
         {"colour": (4, 5, 6), "unread": (9, 9, 9), "power": 0},
     ]
-    lamps = owned(buffer_of(gpu, "lamps", pack_array(Lamp, rows)))
+    lights = owned(buffer_of(gpu, "lights", pack_array(Light, rows)))
     target = owned(Texture(gpu, "target", (6, 1), "rgba32float", target=True, written=True))
-    made.draw(commands, (target,), params=params, lamps=lamps)
+    made.draw(commands, (target,), params=params, lights=lights)
     commands.submit()
     expected = [
         matrix[:, 0],

@@ -10,7 +10,7 @@ from airlight.scene import DirectionalLight, Environment, PointLight, Scene
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_table import LightData
 
-SUN, LAMP = DirectionalLight((0, -1, 0), (1, 2, 3)), PointLight((0, 2, 0), (4, 5, 6))
+SUN, LIGHT = DirectionalLight((0, -1, 0), (1, 2, 3)), PointLight((0, 2, 0), (4, 5, 6))
 
 
 @pytest.fixture
@@ -23,8 +23,8 @@ def table_of(lights):
 
 
 def test_the_table_follows_the_lights(gpu, commands, owned, meshes):
-    made = owned(Lights(gpu, (SUN, LAMP), None, (16, 8)))
-    for moved in (LAMP, PointLight((1, 3, 0), (7, 5, 6))):
+    made = owned(Lights(gpu, (SUN, LIGHT), None, (16, 8)))
+    for moved in (LIGHT, PointLight((1, 3, 0), (7, 5, 6))):
         made.encode(commands, meshes, (SUN, moved), None, *meshes.bounds)
         commands.submit()
         table = table_of(made)
@@ -36,7 +36,7 @@ def test_the_table_follows_the_lights(gpu, commands, owned, meshes):
 @pytest.mark.parametrize("has_media", [False, True])
 def test_many_lights_share_what_the_device_can_bind(gpu, owned, has_media):
     """Hierarchies over maps, of 8 bytes a texel, are one binding; what is asked for is the most."""
-    lights = (LAMP,) * 20
+    lights = (LIGHT,) * 20
     made = owned(Lights(gpu, lights, None, (16, 4096), has_media=has_media))
     texels = made.local.layers * made.local.resolution**2
     most = min(1 << 27, gpu.limits["max-storage-buffer-binding-size"] // 8)

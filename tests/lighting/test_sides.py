@@ -61,11 +61,13 @@ def test_a_black_back_reflects_nothing_and_a_culled_one_is_seen_through(rendered
 
 @pytest.mark.both_paths
 def test_a_back_does_not_glow(rendered):
-    lamp = Material(base_color=(0, 0, 0), specular=0.0, emission=(8.0, 4.0, 2.0), **SIDES["front"])
+    local_light = Material(
+        base_color=(0, 0, 0), specular=0.0, emission=(8.0, 4.0, 2.0), **SIDES["front"]
+    )
     camera = Camera(position=(0, 2, 0), target=(0, 0, 0), up=(0, 0, 1), fov_y_deg=10.0)
     for sign, seen in ((1.0, (8.0, 4.0, 2.0)), (-1.0, (0.0, 0.0, 0.0))):
         turned = np.diag([1.0, sign, sign, 1.0])
-        image = rendered(Scene(meshes=(Mesh(quad(), lamp, turned),), camera=camera))
+        image = rendered(Scene(meshes=(Mesh(quad(), local_light, turned),), camera=camera))
         np.testing.assert_allclose(image.layers["direct"][24, 32], seen, rtol=1e-6)
         assert image.layers["depth"][24, 32] == pytest.approx(2.0, rel=1e-5)
 

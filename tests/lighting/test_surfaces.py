@@ -29,7 +29,7 @@ CAMERA = Camera(position=(0.0, 3.0, 6.0), target=(0.0, 0.0, 0.0), fov_y_deg=50.0
 OCCLUDER = (np.array([0.6, 1.0, -0.2]), 0.5)  # centre, half side; parallel to the floor
 
 SUN = DirectionalLight((0.3, -1.0, 0.2), (3.0, 2.0, 1.0))
-LAMP = PointLight((0.5, 2.5, 0.3), (10.0, 8.0, 6.0))
+LIGHT = PointLight((0.5, 2.5, 0.3), (10.0, 8.0, 6.0))
 NARROW = SpotLight((0.2, 3.0, 0.1), (0.1, -1.0, -0.1), (20.0, 20.0, 20.0), 20.0, 30.0)
 WIDE = SpotLight((0.2, 2.0, 0.1), (0.1, -1.0, -0.1), (9.0, 9.0, 9.0), 40.0, 70.0)
 
@@ -57,7 +57,7 @@ def occluder_reach(to_light, points):
     return np.abs(way - centre)[..., [0, 2]].max(axis=-1)
 
 
-@pytest.mark.parametrize("light", [SUN, LAMP, NARROW, WIDE])
+@pytest.mark.parametrize("light", [SUN, LIGHT, NARROW, WIDE])
 def test_a_floor_under_an_occluder(rendered, square, seen_points, light):
     centre, half = OCCLUDER
     floor = square((0, 0, 0), (4, 0, 0), (0, 0, -4), MATT)
@@ -78,19 +78,19 @@ def test_a_floor_under_an_occluder(rendered, square, seen_points, light):
     assert (seen <= expected * 1.003 + 2e-3 * expected.max()).all()
 
 
-@pytest.mark.parametrize("lamp", [LAMP, WIDE])
-def test_nothing_leaks_out_of_a_closed_box_around_a_lamp(rendered, lamp):
+@pytest.mark.parametrize("local_light", [LIGHT, WIDE])
+def test_nothing_leaks_out_of_a_closed_box_around_a_light(rendered, local_light):
     # All edges between the six maps of a lamp fall on walls that are wholly dark.
     at = np.eye(4)
     at[:3, :3] *= 0.4
-    at[:3, 3] = lamp.position
+    at[:3, 3] = local_light.position
     room = np.diag([8.0, 6.0, 8.0, 1.0])
     room[:3, 3] = (0.0, 2.0, 0.0)
     shell = Mesh(box(), Material(base_color=(0.0, 0.0, 0.0), specular=0.0), at)
     walls = Mesh(box(), Material(base_color=(0.8, 0.8, 0.8), specular=0.0, two_sided=True), room)
     for target in ((0.0, 2.0, -1.0), (1.0, 2.0, 0.0), (-1.0, 2.0, 1.0), (0.3, 0.0, -0.2)):
         eye = Camera(position=(0.0, 2.0, 3.9), target=target, fov_y_deg=80.0)
-        image = rendered(Scene(meshes=(shell, walls), lights=(lamp,), camera=eye))
+        image = rendered(Scene(meshes=(shell, walls), lights=(local_light,), camera=eye))
         assert image.layers["direct"].max() == 0.0
 
 
@@ -101,7 +101,7 @@ def test_lights_add_up(rendered, square):
         scene = Scene(meshes=(floor,), lights=lights, camera=CAMERA)
         return rendered(scene).layers["direct"].astype(np.float64)
 
-    lights = (LAMP, SUN, NARROW, WIDE)
+    lights = (LIGHT, SUN, NARROW, WIDE)
     apart = sum(direct(light) for light in lights)
     np.testing.assert_allclose(direct(*lights), apart, rtol=1e-4, atol=1e-5)
 

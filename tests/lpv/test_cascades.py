@@ -113,14 +113,14 @@ def test_a_moving_camera_changes_still_surfaces_by_little(gpu):
     assert float(np.median(changes)) < 0.004
 
 
-def test_a_moving_lamp_changes_light_by_little(gpu):
-    lamp = PointLight((0.3, 2.6, 0.4), (4.0, 4.0, 4.0))
-    scene = dataclasses.replace(inside(), lights=(lamp,))
+def test_a_moving_light_changes_light_by_little(gpu):
+    local_light = PointLight((0.3, 2.6, 0.4), (4.0, 4.0, 4.0))
+    scene = dataclasses.replace(inside(), lights=(local_light,))
     with Still(scene, cascades=2) as still:
         fine, changes, before = still.lattices.placements[0].cell, [], None
         for step in range(8):
-            place = tuple(np.add(lamp.position, (0.25 * fine * step, 0.0, 0.0)))
-            now = still.image(lights=(dataclasses.replace(lamp, position=place),))
+            place = tuple(np.add(local_light.position, (0.25 * fine * step, 0.0, 0.0)))
+            now = still.image(lights=(dataclasses.replace(local_light, position=place),))
             if before is not None:
                 changes.append(np.abs(now - before).mean() / before.mean())
             before = now
@@ -144,8 +144,8 @@ def test_nothing_is_dark_beyond_cascades_smaller_than_the_scene(gpu, cascades):
 
 
 def test_a_light_outside_the_lattices(gpu):
-    lamp = PointLight((0.0, 2.7, 30.0), (900.0, 900.0, 900.0))
-    scene = dataclasses.replace(cornell(), lights=(lamp,))
+    local_light = PointLight((0.0, 2.7, 30.0), (900.0, 900.0, 900.0))
+    scene = dataclasses.replace(cornell(), lights=(local_light,))
     one, two = bounced(scene), bounced(scene, cascades=2)
     assert two.mean() == pytest.approx(one.mean(), rel=0.12)
 
@@ -213,8 +213,8 @@ def test_the_light_of_a_small_object_that_moved_is_missing_in_larger_lattices(gp
     aside = place.copy()
     aside[0, 3] += 0.05
     body = Mesh(shapes.box(), white, place)
-    lamp = PointLight((0.0, 4.5, 0.5), (20.0, 20.0, 20.0))
-    scene = dataclasses.replace(inside(), meshes=(body,), lights=(lamp,))
+    local_light = PointLight((0.0, 4.5, 0.5), (20.0, 20.0, 20.0))
+    scene = dataclasses.replace(inside(), meshes=(body,), lights=(local_light,))
     bounds = (-3.0, -0.2, -3.0, 3.0, 5.7, 2.8)
     with Still(scene, cascades=2, bounds=bounds) as still:
         for transform, has_light in ((place, True), (aside, False)):

@@ -54,7 +54,7 @@ def test_the_near_field_is_the_known_limit_and_holds_what_diffusion_lost():
     assert near_table(0.5)[0] == pytest.approx(np.pi**2 / 4.0, rel=2e-3)
 
 
-def test_a_cells_share_of_a_lamp_is_its_mean():
+def test_a_cells_share_of_a_light_is_its_mean():
     at = (np.arange(40) + 0.5) / 40 - 0.5
     z, y, x = np.meshgrid(at, at, at, indexing="ij")
     for centre in [(0.5, 0.5, 0.5), (1.5, 0.5, 0.5), (3.0, 2.0, 0.0)]:
@@ -74,7 +74,7 @@ MEANS = {
 
 
 @pytest.mark.parametrize("g", MEANS)
-def test_a_ball_around_a_lamp_has_the_fluence_of_monte_carlo(g):
+def test_a_ball_around_a_light_has_the_fluence_of_monte_carlo(g):
     air = ball(g)
     got, r = scattered(air, (0.0, 0.0, 0.0)), np.linalg.norm(air.centres - RADIUS, axis=-1)
     for channel, means in zip((0, 2), MEANS[g], strict=True):
@@ -87,7 +87,7 @@ def test_a_ball_around_a_lamp_has_the_fluence_of_monte_carlo(g):
 @pytest.mark.parametrize("g", [0.0, 0.5, 0.7, 0.9, 0.96])
 @pytest.mark.parametrize("x", [0.0, 1.25])
 @pytest.mark.needs("numba")
-def test_a_ball_with_a_lamp_anywhere_is_close_to_monte_carlo(g, x):
+def test_a_ball_with_a_light_anywhere_is_close_to_monte_carlo(g, x):
     """Relative L2: measured .03 to .09 at 20^3, centred or half way out."""
     from airlight.reference.tracer import BoxMedium, PointSource, trace
 
@@ -102,7 +102,7 @@ def test_a_ball_with_a_lamp_anywhere_is_close_to_monte_carlo(g, x):
         assert error < 0.12
 
 
-def test_a_lamp_outside_is_nearly_parallel_light():
+def test_a_light_outside_is_nearly_parallel_light():
     """Ten metres away a lamp of I is a sun of I/100 W m^-2."""
     air = ball(0.5)
     far = scattered(air, (0.0, 0.0, -10.0))

@@ -22,11 +22,11 @@ def test_flux_is_attenuated_by_media(
     gpu: Gpu, square: Callable[..., Mesh], owned: Callable[[Any], Any]
 ) -> None:
     """A slab of 1 m, optical depth .5 along y, between a sun from above and the floor."""
-    lamp = PointLight((0.0, -9.0, 0.0), (1.0, 1.0, 1.0))
+    light = PointLight((0.0, -9.0, 0.0), (1.0, 1.0, 1.0))
     sun = DirectionalLight((0.0, -1.0, 0.0), (3.0, 3.0, 3.0))
     slab = Volume((0.5, 1.0, 2.0), shape="box", bounds=((-9, 1, -9), (9, 2, 9)))
     floor = square((0, 0, 0), (0, 0, 2), (2, 0, 0), Material(base_color=(0.5,) * 3))
-    scene = Scene(meshes=(floor,), lights=(lamp, sun), volumes=(slab,))
+    scene = Scene(meshes=(floor,), lights=(light, sun), volumes=(slab,))
     low, high = (np.array(x) for x in scene.bounds)
     meshes, commands = owned(GpuScene(gpu, scene)), Commands(gpu)
     lights = owned(Lights(gpu, scene.lights, None, (16, 16)))

@@ -46,7 +46,7 @@ def depth(gpu: Gpu, look: Any, volume: Volume) -> NDArray[Any]:
     return np.asarray(-np.log(seen.read(T)[..., 0]))
 
 
-def test_a_volume_keeps_its_mass_and_gets_a_grain(gpu, look):
+def test_a_volume_keeps_its_mass_and_gets_detail(gpu, look):
     plain, rough = (
         depth(gpu, look, dataclasses.replace(GRID, detail=detail)) for detail in (0.0, 0.8)
     )

@@ -19,10 +19,10 @@ SIDE = 21
 LID, WALL, KINDS = 14, 28, 52
 
 
-def trees_of(gpu: Gpu, meshes: tuple[Mesh, ...], *, lamp: bool) -> FacetTrees:
+def trees_of(gpu: Gpu, meshes: tuple[Mesh, ...], *, local_light: bool) -> FacetTrees:
     light = (
         PointLight((0.1, 0.2, 0.0), (1, 1, 1))
-        if lamp
+        if local_light
         else DirectionalLight((0.2, -1, 0.1), (1, 1, 1))
     )
     views = light_views([light], np.full(3, -1.0), np.full(3, 1.0), SIDE)
@@ -53,9 +53,11 @@ def cluttered(square: Callable[..., Mesh]) -> tuple[Mesh, ...]:
     )
 
 
-@pytest.mark.parametrize("lamp", [False, True])
-def test_tops_tile_what_the_map_sees(gpu: Gpu, square: Callable[..., Mesh], lamp: bool) -> None:
-    trees = trees_of(gpu, cluttered(square), lamp=lamp)
+@pytest.mark.parametrize("local_light", [False, True])
+def test_tops_tile_what_the_map_sees(
+    gpu: Gpu, square: Callable[..., Mesh], local_light: bool
+) -> None:
+    trees = trees_of(gpu, cluttered(square), local_light=local_light)
     depth = trees.maps.depth.read().reshape(-1, SIDE, SIDE)
     for layer in range(trees.maps.layers):
         level, place, kind = listed(trees, layer)
@@ -74,7 +76,7 @@ def test_tops_tile_what_the_map_sees(gpu: Gpu, square: Callable[..., Mesh], lamp
 
 def test_a_plane_is_a_few_facets(gpu: Gpu, square: Callable[..., Mesh]) -> None:
     floor = (square((0, 0, 0), (5, 0.4, 0), (0, 0.3, -5)),)
-    trees = trees_of(gpu, floor, lamp=False)
+    trees = trees_of(gpu, floor, local_light=False)
     depth = trees.maps.depth.read()
     level, place, kind = listed(trees, 0)
     tops = kind < LID
@@ -94,7 +96,7 @@ def test_a_plane_is_a_few_facets(gpu: Gpu, square: Callable[..., Mesh]) -> None:
 def test_neighbours_differ_by_one_level(gpu: Gpu, square: Callable[..., Mesh]) -> None:
     floor = square((0, 0, 0), (5, 0, 0), (0, 0, -5))
     post = square((0.11, 0.3, 0.13), (0.04, 0, 0), (0, 0, -0.04))
-    trees = trees_of(gpu, (floor, post), lamp=False)
+    trees = trees_of(gpu, (floor, post), local_light=False)
     level, place, kind = listed(trees, 0)
     levels = np.full((trees.side, trees.side), -1)
     for k, (x, y) in zip(level[kind < LID], place[kind < LID], strict=True):
@@ -107,7 +109,7 @@ def test_neighbours_differ_by_one_level(gpu: Gpu, square: Callable[..., Mesh]) -
 
 
 def test_it_is_the_same_in_every_run(gpu: Gpu, square: Callable[..., Mesh]) -> None:
-    runs = [trees_of(gpu, cluttered(square), lamp=True) for _ in range(2)]
+    runs = [trees_of(gpu, cluttered(square), local_light=True) for _ in range(2)]
     for layer in range(6):
         a, b = (listed(trees, layer) for trees in runs)
         for x, y in zip(a, b, strict=True):

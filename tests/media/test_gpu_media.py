@@ -74,8 +74,8 @@ def mean_densities(gpu: Gpu, density: np.ndarray, *lights: Any) -> np.ndarray:
 def test_even_density_has_itself_as_mean(gpu: Gpu) -> None:
     """Five lights: two slabs of four. One lamp is inside the grid."""
     sun = DirectionalLight((0.3, -1, 0.2), (1, 1, 1))
-    lamp = PointLight((0.7, 0.4, 1.9), (1, 1, 1))
-    means = mean_densities(gpu, np.full((6, 3, 4), 0.5, np.float32), sun, sun, lamp, sun, lamp)
+    light = PointLight((0.7, 0.4, 1.9), (1, 1, 1))
+    means = mean_densities(gpu, np.full((6, 3, 4), 0.5, np.float32), sun, sun, light, sun, light)
     np.testing.assert_allclose(means, 0.5, rtol=1e-3)
 
 
@@ -84,8 +84,8 @@ def test_means_follow_the_density(gpu: Gpu) -> None:
     n = 32
     voxel = (np.arange(n) + 0.5) * 2.0 / n
     density = np.broadcast_to(voxel, (3, 4, n)).astype(np.float32).copy()
-    lamp = PointLight((1.2, 0.5, 1.5), (1, 1, 1))
-    means = mean_densities(gpu, density, DirectionalLight((1, 0, 0), (1, 1, 1)), lamp)
+    light = PointLight((1.2, 0.5, 1.5), (1, 1, 1))
+    means = mean_densities(gpu, density, DirectionalLight((1, 0, 0), (1, 1, 1)), light)
     shape = means.shape[:3]
     assert shape == (5, 6, 48)
     x = np.linspace(0, 2, shape[2])

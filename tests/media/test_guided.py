@@ -55,9 +55,9 @@ def test_smoke_is_as_sharp_as_at_full_resolution(reduced: str, limit: float) -> 
 
 
 def test_in_composed_air_too() -> None:
-    lamp = PointLight((0.0, 3.0, 1.0), (9.0,) * 3)
+    light = PointLight((0.0, 3.0, 1.0), (9.0,) * 3)
     scene = Scene(
-        meshes=wisps().meshes, camera=wisps().camera, lights=(lamp,), volumes=wisps().volumes
+        meshes=wisps().meshes, camera=wisps().camera, lights=(light,), volumes=wisps().volumes
     )
     settings = {**SMALL, "shafts": "off", "iterations": 4}
     full = drawn("lpv-scatter", {**settings, "march_resolution": "full"}, scene).layers

@@ -30,7 +30,7 @@ from airlight.scene import (
 SIZE = (44, 32)
 """Rows at which shafts fit between sites, but not between reduced texels."""
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
-LAMP = PointLight((0.3, 1.2, -0.2), (3.0, 2.0, 1.0))
+LIGHT = PointLight((0.3, 1.2, -0.2), (3.0, 2.0, 1.0))
 SUN = DirectionalLight((0.35, -0.8, -0.3), (3.0, 2.0, 1.0))
 
 
@@ -41,7 +41,7 @@ def foggy(square: Callable[..., Mesh]) -> Scene:
     sheet = square((-0.7, 0.6, 0.0), (0.7, 0, 0), (0, 0, -0.8))
     return Scene(
         meshes=(post, sheet),
-        lights=(LAMP, SUN),
+        lights=(LIGHT, SUN),
         medium=Medium((0.2, 0.4, 0.8), bounds=BOX),
         camera=Camera((0.6, 0.4, 5.5), (0.0, 0.2, -1.0), fov_y_deg=45),
     )

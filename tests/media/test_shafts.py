@@ -30,9 +30,9 @@ MAPS = (1024, 1024)
 SIGMA_T, ALBEDO, G = np.array([0.15, 0.5, 1.2]), np.array([0.9, 0.6, 1.0]), 0.45
 EYES = {"outside": (0.6, 0.4, 5.5), "inside": (0.5, 0.2, 1.6)}
 SUN = DirectionalLight(TRAVEL, (3.0, 2.0, 1.0))
-LAMP = PointLight((0.3, 0.8, -0.2), (3.0, 2.0, 1.0))
+LIGHT = PointLight((0.3, 0.8, -0.2), (3.0, 2.0, 1.0))
 SPOT = SpotLight((0.3, 1.4, -0.2), (-0.2, -1.0, 0.1), (3.0, 2.0, 1.0), 15.0, 28.0)
-LIGHTS = {"directional": SUN, "point": LAMP, "spot": SPOT}
+LIGHTS = {"directional": SUN, "point": LIGHT, "spot": SPOT}
 
 
 def fog(eye: tuple[float, float, float], *lights: Light, sheet: bool = False) -> Scene:
@@ -108,11 +108,11 @@ def test_agrees_with_the_reference_functions(look: Any, scattered_once: Any) -> 
             eye, d, TRAVEL, SUN.irradiance[k], SIGMA_T[k], ALBEDO[k], G, BOX
         )
         np.testing.assert_allclose(image[..., k], expected, rtol=2e-3)
-    seen = look(fog(EYES["inside"], LAMP), SIZE)
+    seen = look(fog(EYES["inside"], LIGHT), SIZE)
     image = scattered_once(seen, maps=MAPS)
     length = box_path(eye, d, BOX)[1]
     expected = point_single_scatter(
-        eye, d, length, LAMP.position, LAMP.intensity[1], SIGMA_T[1], ALBEDO[1], G
+        eye, d, length, LIGHT.position, LIGHT.intensity[1], SIGMA_T[1], ALBEDO[1], G
     )
     np.testing.assert_allclose(image[..., 1], expected, rtol=0.01)
 

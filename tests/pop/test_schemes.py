@@ -27,7 +27,7 @@ from airlight.scene.shapes import box
 from .test_solver import EYE, SKY, SUN, assert_close, blob, of_cells
 
 SETTINGS = {"ordinates": 4, "grid": 8, "solver_steps": 30, "iterations": 6}
-LAMP = PointLight((0.3, 0.4, 0.5), (2.0, 1.0, 0.5))
+LIGHT = PointLight((0.3, 0.4, 0.5), (2.0, 1.0, 0.5))
 
 
 def solved(gpu: Gpu, scheme: str, lights=(SUN,), sky=SKY, **settings) -> PopSolver:
@@ -86,7 +86,7 @@ class Twin:
         carried = fill * read_back(place, rho, done.carried / safe)
         self.forward += carried * np.reshape(direction, (3, 1, 1, 1, 1))
 
-    def add_lamp(self, position: F64, intensity: F64, side: int) -> None:
+    def add_light(self, position: F64, intensity: F64, side: int) -> None:
         grid = radial_grid(self.air.extent, position, side, side)
         rho = radial_density(grid, self.air.fine, self.air.extent)
         hops = grid.hops(self.air.extent)
@@ -115,9 +115,9 @@ def twin(solver: PopSolver, lights, sky: Environment | None) -> Twin:
         made.add_parallel(
             at.direction(d), e / solver.scale, float(c), transport.propagation.grids.capacity
         )
-    for lamp in (light for light in lights if isinstance(light, PointLight)):
-        position, power = at.point(np.array(lamp.position)), np.array(lamp.intensity)
-        made.add_lamp(position, power / solver.scale, solver.settings.grid)
+    for local_light in (light for light in lights if isinstance(light, PointLight)):
+        position, power = at.point(np.array(local_light.position)), np.array(local_light.intensity)
+        made.add_light(position, power / solver.scale, solver.settings.grid)
     return made
 
 
@@ -140,9 +140,9 @@ def test_hops_in_parallel_grids_are_their_twins(gpu, scheme):
         assert np.abs(deposits[1:]).max() == 0.0
 
 
-def test_hops_around_a_lamp_are_their_twins(gpu):
-    solver = solved(gpu, "split", (LAMP,), None)
-    truth = twin(solver, (LAMP,), None)
+def test_hops_around_a_light_are_their_twins(gpu):
+    solver = solved(gpu, "split", (LIGHT,), None)
+    truth = twin(solver, (LIGHT,), None)
     merged = of_cells(solver, solver.transport.propagation.merge.merged.read(), 1)[0]
     assert_close(merged * inside(truth), truth.merged * inside(truth), 0.01)
     deposits = of_cells(solver, solver.transport.diffuse.deposits.read(), 4)
@@ -193,23 +193,25 @@ def test_the_papers_residuum_hops_in_the_mediums_cells(gpu):
 
 @pytest.mark.parametrize("scheme", ["split", "paper"])
 def test_frames_repeat_to_the_bit_and_follow_the_eye(gpu, scheme):
-    one = solved(gpu, scheme, (LAMP,))
+    one = solved(gpu, scheme, (LIGHT,))
     first = one.emission.texture.read()
     assert np.isfinite(first.astype(np.float32)).all()
-    assert np.array_equal(first, solved(gpu, scheme, (LAMP,)).emission.texture.read())
+    assert np.array_equal(first, solved(gpu, scheme, (LIGHT,)).emission.texture.read())
     commands = Commands(gpu)
-    one.encode(commands, Illumination((LAMP,), SKY, -EYE))
+    one.encode(commands, Illumination((LIGHT,), SKY, -EYE))
     commands.submit()
     assert not np.array_equal(first, one.emission.texture.read())
 
 
-def test_a_far_lamp_is_a_parallel_grid(gpu):
+def test_a_far_light_is_a_parallel_grid(gpu):
     far = PointLight((0.0, 40.0, 0.0), (1600.0,) * 3)
-    lamp = solved(gpu, "split", (far,), None).emission.texture.read()[..., :3]
+    local_light = solved(gpu, "split", (far,), None).emission.texture.read()[..., :3]
     down = DirectionalLight((0.0, -1.0, 0.0), (1.0,) * 3)
     sun = solved(gpu, "split", (down,), None)
     scale = sun.scale / solved(gpu, "split", (far,), None).scale
-    ratio = lamp.astype(np.float64).sum() / sun.emission.texture.read()[..., :3].sum() / scale
+    ratio = (
+        local_light.astype(np.float64).sum() / sun.emission.texture.read()[..., :3].sum() / scale
+    )
     assert ratio == pytest.approx(1.0, abs=0.1)
 
 

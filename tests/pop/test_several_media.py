@@ -20,7 +20,7 @@ CAMERA = Camera((0.6, 1.2, 4.5), (0.0, 0.0, 0.0), fov_y_deg=36.0)
 SETTINGS = PopTechniqueSettings(ordinates=1, grid=8, solver_steps=24, march="full")
 SUN = DirectionalLight((-0.6, -0.64, -0.48), (3.0, 3.0, 3.0))
 ALONG = DirectionalLight((1.0, 0.0, 0.0), (3.0, 3.0, 3.0))
-LAMP = PointLight((0.3, 1.2, 0.4), (3.0, 3.0, 3.0))
+LIGHT = PointLight((0.3, 1.2, 0.4), (3.0, 3.0, 3.0))
 Bounds = tuple[tuple[float, float, float], tuple[float, float, float]]
 WHOLE: Bounds = ((-1.0, -0.5, -0.5), (1.0, 0.5, 0.5))
 
@@ -43,7 +43,7 @@ def scattered(gpu: Gpu, volumes: tuple[Volume, ...], light: Light) -> F64:
     return images(gpu, scene, SETTINGS)[0]
 
 
-@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
+@pytest.mark.parametrize("light", [SUN, LIGHT], ids=["sun", "lamp"])
 def test_two_of_half_the_density_are_one(gpu: Gpu, light: Light) -> None:
     """In the same place: every path of light meets as much of both as of one."""
     one = scattered(gpu, (box(WHOLE, 4.0, 0.6, 0.9),), light)

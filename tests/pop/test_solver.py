@@ -205,7 +205,7 @@ def test_empty_and_tiny_volumes_stay_finite(gpu, density):
     assert frame(dark, gpu, (), None, EYE)[..., :3].max() == 0.0
 
 
-LAMPS = (
+LIGHTS = (
     PointLight((0.3, 0.4, 0.5), (2.0, 1.0, 0.5)),
     SpotLight((2.5, 1.5, 2.0), (-0.6, -0.3, -0.5), (30.0, 20.0, 10.0), 15.0, 30.0),
 )
@@ -222,10 +222,10 @@ def test_a_spot_that_turns_its_back_scatters_nothing(gpu):
     assert seen[1] < 1e-4 * seen[0]
 
 
-def test_lamps_light_the_medium_like_their_twins(gpu):
+def test_local_lights_reach_the_medium_like_their_twins(gpu):
     solver = PopSolver(gpu, blob(), SETTINGS, lights=2)
     commands = Commands(gpu)
-    solver.encode(commands, Illumination(LAMPS, None, EYE))
+    solver.encode(commands, Illumination(LIGHTS, None, EYE))
     commands.submit()
     at, scale, width = (
         solver.medium.placement,
@@ -234,7 +234,7 @@ def test_lamps_light_the_medium_like_their_twins(gpu):
     )
     air = twin(solver, uniform_sky(1), scale).medium
     beams, near = [], 0.0
-    for light in LAMPS:
+    for light in LIGHTS:
         position = at.point(np.array(light.position))
         away = air.centres - position
         distance = np.linalg.norm(away, axis=-1)

@@ -214,8 +214,11 @@ def test_only_cells_in_the_box_hop_however_many_at_once(
 def test_residuum_fits_its_fixed_point(gpu: Gpu) -> None:
     """All that lamps and virtual lights can send is 2^30."""
     told = solved(over_floor())[1]
-    lamp, virtual = told["lights"][0, 1, :3].max(), told["lights"][1 : 1 + COUNT, 1, :3].max(axis=1)
-    most = 4.0 * np.pi * lamp + np.pi * virtual.sum()
+    local_light, virtual = (
+        told["lights"][0, 1, :3].max(),
+        told["lights"][1 : 1 + COUNT, 1, :3].max(axis=1),
+    )
+    most = 4.0 * np.pi * local_light + np.pi * virtual.sum()
     assert told["rows"]["fixed_scale"][0] * most == pytest.approx(2.0**FIXED_POINT_BITS, rel=1e-4)
 
 

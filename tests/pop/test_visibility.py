@@ -16,7 +16,7 @@ from airlight.scene.lights import Light
 from airlight.scene.material import Material
 from airlight.scene.shapes import box
 
-SUN, LAMP = DirectionalLight((0, -1, 0), (1, 1, 1)), PointLight((-0.5, 1.8, 0.0), (1, 1, 1))
+SUN, LIGHT = DirectionalLight((0, -1, 0), (1, 1, 1)), PointLight((-0.5, 1.8, 0.0), (1, 1, 1))
 SETTINGS = {
     "ordinates": 16,
     "grid": 8,
@@ -57,11 +57,11 @@ def lit(gpu: Gpu, *lights: Light, meshes: tuple[Mesh, ...], sky: Environment | N
 
 
 def test_a_plate_shades_what_is_under_it(gpu):
-    sun, lamp = lit(gpu, SUN, LAMP, meshes=(plate(-1.0, 2.0),))
+    sun, local_light = lit(gpu, SUN, LIGHT, meshes=(plate(-1.0, 2.0),))
     assert sun[..., :3].max() < 0.05  # x < 0
     assert sun[..., 5:].min() > 0.95
     # The lamp hangs above the plate's middle: only what lies flat enough beyond its edge is lit.
-    assert lamp[:, :, :4].max() < 0.05
+    assert local_light[:, :, :4].max() < 0.05
     aside = lit(gpu, PointLight((0.6, 2.4, 0.0), (1, 1, 1)), meshes=(plate(-1.0, 2.0),))[0]
     assert aside[:, :, 4:].min() > 0.95
     assert aside[:, -1, 0].max() < 0.05
@@ -89,12 +89,12 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
     parallel_lights = parallel([(0, -1, 0), (1, 0, 0)], np.ones((2, 3)))
     sky = uniform_sky(6)
     toward = np.random.default_rng(3).standard_normal((40, 3))
-    lamps = [
+    local_lights = [
         DirectionalLight(tuple(d), (e,) * 3)
         for d, e in zip(toward, np.random.default_rng(4).random(40), strict=True)
     ]
-    lights = (SUN, LAMP, DirectionalLight((1, 0, 0), (1, 1, 1)))
-    rows, parts = shadow_rows(joined([parallel_lights, sky]), lights, lamps)
+    lights = (SUN, LIGHT, DirectionalLight((1, 0, 0), (1, 1, 1)))
+    rows, parts = shadow_rows(joined([parallel_lights, sky]), lights, local_lights)
     assert list(rows["light"]) == [1, 3, 0, 0, 0, 0, 0, 0, 2]
     assert rows["count"].sum() == len(parts) == 40
     assert sorted(parts["layer"]) == list(range(40))
@@ -102,7 +102,7 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
         mine = parts[row["first"] : row["first"] + row["count"]]
         assert mine["weight"].sum() == pytest.approx(1.0)
         nearest = np.argmax(
-            sky.direction @ np.array([lamps[k].direction for k in mine["layer"]]).T, axis=0
+            sky.direction @ np.array([local_lights[k].direction for k in mine["layer"]]).T, axis=0
         )
         assert (nearest == n).all()
 

@@ -23,7 +23,7 @@ from airlight.scene.shapes import box
 SETTINGS = {"ordinates": 4, "grid": 8, "solver_steps": 30, "surfels": 2000, "gather": "off"}
 RHO = np.random.default_rng(3).uniform(0.5, 1.0, (8, 8, 8)).astype(np.float32)
 SMOKE = Volume((3.0,) * 3, RHO, albedo=(0.9,) * 3)
-LAMP = PointLight((0.8, 0.3, -0.2), (5.0,) * 3)
+LIGHT = PointLight((0.8, 0.3, -0.2), (5.0,) * 3)
 
 
 def block(low: tuple[float, ...], high: tuple[float, ...], albedo: float = 0.5) -> Mesh:
@@ -33,9 +33,12 @@ def block(low: tuple[float, ...], high: tuple[float, ...], albedo: float = 0.5) 
     return Mesh(box(), Material(base_color=(albedo,) * 3, specular=0.0), matrix)
 
 
-def scene(*meshes: Mesh, lamp: PointLight = LAMP, volume: Volume = SMOKE) -> Scene:
+def scene(*meshes: Mesh, local_light: PointLight = LIGHT, volume: Volume = SMOKE) -> Scene:
     return Scene(
-        meshes=meshes, lights=(lamp,), camera=Camera((-3, 1, 2.5), (0, 0, 0)), volumes=(volume,)
+        meshes=meshes,
+        lights=(local_light,),
+        camera=Camera((-3, 1, 2.5), (0, 0, 0)),
+        volumes=(volume,),
     )
 
 
@@ -146,12 +149,12 @@ def mean_light(scene: Scene) -> float:
 
 
 @pytest.mark.parametrize("shape", ["grid", "box"])
-def test_a_lamp_in_a_closed_box_in_smoke_stays_there(shape):
+def test_a_light_in_a_closed_box_in_smoke_stays_there(shape):
     """Of the open lamp's light .38 came out of it in a grid, .064 in a lattice."""
     volume = SMOKE if shape == "grid" else Volume((3.0,) * 3, shape="box", albedo=(0.9,) * 3)
-    lamp = PointLight((0.1, 0.0, 0.05), (5.0,) * 3)
+    local_light = PointLight((0.1, 0.0, 0.05), (5.0,) * 3)
     around = [block((-2, -1.6, -2), (2, -1.5, 2)), block((1.5, -1.5, -2), (1.6, 1.5, 2))]
     held = block((-0.2, -0.3, -0.25), (0.4, 0.3, 0.35))
-    lit = mean_light(scene(*around, lamp=lamp, volume=volume))
-    held_light = mean_light(scene(*around, held, lamp=lamp, volume=volume))
+    lit = mean_light(scene(*around, local_light=local_light, volume=volume))
+    held_light = mean_light(scene(*around, held, local_light=local_light, volume=volume))
     assert held_light < 0.01 * lit

@@ -155,9 +155,9 @@ def test_environment_orientation_and_rotation() -> None:
 
 
 @pytest.mark.parametrize("variant", ["scalar_rgb", pytest.param("auto", marks=needs_llvm)])
-def test_hidden_environment_keeps_its_light_and_lamps(variant: str) -> None:
-    lamp = floor(dataclasses.replace(BLACK, emission=(5, 5, 5)), half=0.2, y=0.5)
-    meshes = (floor(LAMBERT, half=0.7), lamp)
+def test_hidden_environment_keeps_its_light_and_local_lights(variant: str) -> None:
+    local_light = floor(dataclasses.replace(BLACK, emission=(5, 5, 5)), half=0.2, y=0.5)
+    meshes = (floor(LAMBERT, half=0.7), local_light)
     camera = from_above()
     seen = Environment(radiance=(0.5, 0.5, 0.5))
     hidden = dataclasses.replace(seen, visible=False)

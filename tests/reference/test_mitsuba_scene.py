@@ -142,16 +142,16 @@ def test_textures_come_back(tmp_path: Path) -> None:
     normal = after.normal_texture.pixels[0, 0, :3].astype(float) / 127.5 - 1
     expected = np.array([200, 128, 233]) / 127.5 - 1
     np.testing.assert_allclose(normal, expected / np.linalg.norm(expected), atol=0.01)
-    lamp = read.meshes[1].material
-    assert lamp.two_sided
+    light = read.meshes[1].material
+    assert light.two_sided
     decoded = (pixels[..., :3] / 255.0 + 0.055) / 1.055
-    shown = lamp.emission_texture.pixels[..., :3] / 255.0
+    shown = light.emission_texture.pixels[..., :3] / 255.0
     back = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
     linear = np.where(
         pixels[..., :3] / 255.0 <= 0.04045, pixels[..., :3] / 255 / 12.92, decoded**2.4
     )
-    np.testing.assert_allclose(back * lamp.emission[0], 4 * linear, atol=0.02)
-    tinted = lamp.base_color_texture.pixels[..., :3] / 255.0
+    np.testing.assert_allclose(back * light.emission[0], 4 * linear, atol=0.02)
+    tinted = light.base_color_texture.pixels[..., :3] / 255.0
     tinted = np.where(tinted <= 0.04045, tinted / 12.92, ((tinted + 0.055) / 1.055) ** 2.4)
     np.testing.assert_allclose(tinted, linear * (0.5, 1, 0.25), atol=0.005)
     assert notes == [PRINCIPLED]

@@ -79,7 +79,7 @@ class Solved:
         self.source = self.solver.largest.injection.source.read().reshape(shape).astype(np.float64)
 
 
-def lamp_scene(*meshes: Mesh, medium: Medium = FOG, **changes: Any) -> Scene:
+def light_scene(*meshes: Mesh, medium: Medium = FOG, **changes: Any) -> Scene:
     """A lamp left of the middle."""
-    lamp = PointLight((-1.03, 0.07, 0.05), (1.0, 1.0, 1.0))
-    return dataclasses.replace(Scene(meshes=meshes, lights=(lamp,), medium=medium), **changes)
+    light = PointLight((-1.03, 0.07, 0.05), (1.0, 1.0, 1.0))
+    return dataclasses.replace(Scene(meshes=meshes, lights=(light,), medium=medium), **changes)

@@ -33,7 +33,7 @@ SMALL = {
     "gather": "off",
 }
 SUN = DirectionalLight((0.5, -0.8, 0.35), (4.0, 3.8, 3.4))
-LAMP = PointLight((0.3, 1.2, 0.4), (6.0, 5.0, 4.0))
+LIGHT = PointLight((0.3, 1.2, 0.4), (6.0, 5.0, 4.0))
 GREY = Material(base_color=(0.6, 0.55, 0.5))
 HALF = 6.0
 BOXES = ((-2.0, -1.0, 1.5, 2.5, 3.0), (1.8, -2.5, 2.0, 1.6, 1.5), (3.0, 2.0, 1.2, 2.0, 1.2))
@@ -78,7 +78,7 @@ def solved(scene, **settings):
     "scene",
     [
         yard(),
-        yard(LAMP),
+        yard(LIGHT),
         yard(g=0.7),
         yard(endless=True, sigma=0.05),
         yard(volumes=(SMOKE,)),

@@ -34,7 +34,7 @@ SMALL = {
     "bounds": (*BOUNDS[0], *BOUNDS[1]),
 }
 SUN = DirectionalLight((0.0, 0.0, 1.0), (1.0,) * 3)
-LAMP = PointLight((0.03, 0.01, 0.02), (1.0 / (4.0 * math.pi),) * 3)
+LIGHT = PointLight((0.03, 0.01, 0.02), (1.0 / (4.0 * math.pi),) * 3)
 CELL = slice(1, -1)  # the lattice goes one cell further than the air
 
 
@@ -60,7 +60,7 @@ def solved(light, g, sigma):
 def errors(light, g, sigma, photons):
     """Relative L2 of scattered fluence, with and without what was scattered forwards only."""
     source = tracer.Beam((0, 0, 1))
-    if light is LAMP:
+    if light is LIGHT:
         source = tracer.PointSource((0.53, 0.51, 0.52), 1.0 / (4.0 * math.pi))
     medium = tracer.BoxMedium(sigma_t=sigma, g=g)
     truth = tracer.trace(medium, source, cells=(INNER,) * 3, photons=photons).scattered_fluence
@@ -76,10 +76,10 @@ CASES = {
     (SUN, 0.6, 4.0): 0.135,
     (SUN, 0.85, 6.0): 0.1,
     (SUN, 0.95, 10.0): 0.09,
-    (LAMP, 0.3, 2.0): 0.19,
-    (LAMP, 0.6, 4.0): 0.17,
-    (LAMP, 0.85, 6.0): 0.12,
-    (LAMP, 0.95, 10.0): 0.1,
+    (LIGHT, 0.3, 2.0): 0.19,
+    (LIGHT, 0.6, 4.0): 0.17,
+    (LIGHT, 0.85, 6.0): 0.12,
+    (LIGHT, 0.95, 10.0): 0.1,
 }
 
 

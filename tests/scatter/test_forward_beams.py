@@ -107,14 +107,16 @@ def columns(points: np.ndarray, light: np.ndarray) -> np.ndarray:
 
 def test_cells_hold_what_numpy_says_of_a_local_light():
     """The mean over eight parts of a cell; depths of media of both kinds add up."""
-    lamp = PointLight((0.3, 4.0, 0.2), (9.0, 7.0, 5.0))
-    scene = Scene((level(3.0),), (lamp,), camera=CAMERA, volumes=smokes(has_shape=False))
+    local_light = PointLight((0.3, 4.0, 0.2), (9.0, 7.0, 5.0))
+    scene = Scene((level(3.0),), (local_light,), camera=CAMERA, volumes=smokes(has_shape=False))
     found, middles, cell = beams_of(scene)
     offsets = (np.array(np.meshgrid(*[[-0.25, 0.25]] * 3)).reshape(3, -1).T) * cell
     parts = middles[..., None, :] + offsets
-    passed = passed_forwards(*depths(columns(parts, np.array(lamp.position)), SIGMA_T, ALBEDO, G))
-    distance = np.linalg.norm(parts - np.array(lamp.position), axis=-1)
-    truth = (passed * np.array(lamp.intensity) / distance[..., None] ** 2).mean(axis=-2)
+    passed = passed_forwards(
+        *depths(columns(parts, np.array(local_light.position)), SIGMA_T, ALBEDO, G)
+    )
+    distance = np.linalg.norm(parts - np.array(local_light.position), axis=-1)
+    truth = (passed * np.array(local_light.intensity) / distance[..., None] ** 2).mean(axis=-2)
     # Cells that the floor reads, in the middle of it.
     row = above_floor(middles, cell)
     inner = (slice(4, -4), row, slice(4, -4))

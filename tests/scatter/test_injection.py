@@ -139,11 +139,11 @@ def test_cells_gather_what_scatters_in_the_box(place, name):
     light = LIGHTS[name]
     got = place(light).gathered()
     # Worst for a lamp right between cells, whose nearest parts are seen as balls.
-    is_lamp_near = name in ("lamp at a cell's corner", "spot")
+    is_light_near = name in ("lamp at a cell's corner", "spot")
     np.testing.assert_allclose(
         got[..., 0].sum(axis=(1, 2, 3)),
         scattered_in_the_box(light),
-        rtol=0.03 if is_lamp_near else 0.012,
+        rtol=0.03 if is_light_near else 0.012,
     )
     assert not got[..., 1:].any()
 

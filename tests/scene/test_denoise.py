@@ -20,12 +20,12 @@ def noisy_checker(seed: int = 5) -> tuple[Image, np.ndarray]:
     rows, columns = np.indices(SIZE) // 12
     albedo = np.where((rows + columns) % 2, 0.8, 0.2)[..., None] * np.ones(3)
     truth = (5.0 * albedo).astype(np.float32)
-    grain = np.random.default_rng(seed).gamma(4.0, 0.25, (*SIZE, 1))
+    noise = np.random.default_rng(seed).gamma(4.0, 0.25, (*SIZE, 1))
     guides = {
         "albedo": albedo.astype(np.float32),
         "normal": np.tile(np.float32([0, 0, 1]), (*SIZE, 1)),
     }
-    indirect = (truth * grain).astype(np.float32)
+    indirect = (truth * noise).astype(np.float32)
     direct = np.full((*SIZE, 3), 2.0, np.float32)
     image = Image(indirect + direct, {"indirect": indirect, "direct": direct, **guides})
     return image, truth + 2.0

@@ -49,11 +49,11 @@ def test_night_is_refused():
         sky_of_text("2026-12-21T00:00@48.1,11.6")
 
 
-def test_it_replaces_directional_lights_and_keeps_lamps():
-    lamp = PointLight((0.0, 1.0, 0.0), (1.0, 1.0, 1.0))
+def test_it_replaces_directional_lights_and_keeps_local_ones():
+    local_light = PointLight((0.0, 1.0, 0.0), (1.0, 1.0, 1.0))
     old = DirectionalLight((0.0, -1.0, 0.0), (3.0, 3.0, 3.0))
-    scene = with_sky(Scene(lights=(old, lamp), environment=Environment()), Sky(40.0, 10.0))
-    assert scene.lights[0] is lamp
+    scene = with_sky(Scene(lights=(old, local_light), environment=Environment()), Sky(40.0, 10.0))
+    assert scene.lights[0] is local_light
     assert scene.lights[1] == Sky(40.0, 10.0).sun()
     assert scene.camera.exposure_stops is None
     chosen = with_sky(Scene(camera=Camera(exposure_stops=-9.0)), Sky())

@@ -12,12 +12,12 @@ from airlight.surface.geometry import GpuScene
 from airlight.surface.light_maps import SMALLEST_LOCAL, LightMaps
 
 SUN = DirectionalLight((0.0, -1.0, 0.0), (2.0,) * 3)
-LAMP = PointLight((0.0, 2.0, 0.0), (3.0,) * 3)
+LIGHT = PointLight((0.0, 2.0, 0.0), (3.0,) * 3)
 SPOT = SpotLight((0.0, 2.0, 0.0), (0.0, -1.0, 0.0), (3.0,) * 3, 20.0, 30.0)
 
 
 def test_layers_know_the_rows_of_their_lights(gpu, owned):
-    maps = owned(LightMaps(gpu, (LAMP, SUN, SPOT, SUN), 32))
+    maps = owned(LightMaps(gpu, (LIGHT, SUN, SPOT, SUN), 32))
     parallel, local = maps.groups
     assert maps.owners == [[1, 3], [0] * 6 + [2]]
     assert (parallel.layers, parallel.resolution) == (2, 32)

@@ -100,14 +100,14 @@ def test_perspective_depth_is_conventional_and_reaches_the_whole_box():
 
 
 def test_cube_faces_cover_every_direction_once():
-    lamp = PointLight((0.5, 1.0, -1.0), (1, 1, 1))
-    views = light_views([lamp], LOW, HIGH, 16)
-    assert len(views) == view_count(lamp) == 6
+    local_light = PointLight((0.5, 1.0, -1.0), (1, 1, 1))
+    views = light_views([local_light], LOW, HIGH, 16)
+    assert len(views) == view_count(local_light) == 6
     rays = np.random.default_rng(1).normal(size=(500, 3))
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     inside = []
     for view in views:
-        uvd, w = seen(view, np.array(lamp.position) + rays)
+        uvd, w = seen(view, np.array(local_light.position) + rays)
         inside.append((w > 0) & (uvd[:, :2] > 0).all(axis=1) & (uvd[:, :2] < 1).all(axis=1))
     # faces in the order +x -x +y -y +z -z, each where its axis is the longest
     axis = np.argmax(np.abs(rays), axis=1)

@@ -54,9 +54,9 @@ def test_direct_light_is_attenuated_both_ways(foggy_box):
     clear = rendered(replace(foggy_box, medium=None), "direct").layers["direct"]
     fog = rendered(foggy_box, "single").layers["direct"]
     row, column = SIZE[1] // 2, SIZE[0] // 2
-    to_lamp, to_eye = np.sqrt(2.0**2 + 1.0**2), 3.8
+    to_light, to_eye = np.sqrt(2.0**2 + 1.0**2), 3.8
     ratio = fog[row, column, 0] / clear[row, column, 0]
-    assert ratio == pytest.approx(np.exp(-0.2 * (to_lamp + to_eye)), rel=0.01)
+    assert ratio == pytest.approx(np.exp(-0.2 * (to_light + to_eye)), rel=0.01)
 
 
 def test_without_air_nothing_scatters(foggy_box):

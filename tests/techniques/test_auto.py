@@ -30,17 +30,17 @@ def test_fog_is_solved_on_the_lattice(foggy_box):
     np.testing.assert_array_equal(ours.radiance, theirs.radiance)
 
 
-def test_a_ball_that_shades_a_room_with_a_lamp_is_part_of_the_lattice(smoke_over_floor):
-    lamp = (PointLight((0.0, 4.0, 0.0), (9.0, 9.0, 9.0)),)
-    under_lamp = dataclasses.replace(smoke_over_floor, lights=lamp)
-    assert chosen(under_lamp) == "lpv with pop", "a density grid is not"
+def test_a_ball_that_shades_a_room_with_a_light_is_part_of_the_lattice(smoke_over_floor):
+    light = (PointLight((0.0, 4.0, 0.0), (9.0, 9.0, 9.0)),)
+    under_light = dataclasses.replace(smoke_over_floor, lights=light)
+    assert chosen(under_light) == "lpv with pop", "a density grid is not"
     fog = Medium(sigma_t=(0.05, 0.05, 0.05))
-    assert chosen(dataclasses.replace(under_lamp, medium=fog)) == "lpv-scatter"
+    assert chosen(dataclasses.replace(under_light, medium=fog)) == "lpv-scatter"
     (smoke,) = smoke_over_floor.volumes
     ball = dataclasses.replace(smoke, density=None, shape="sphere")
-    assert chosen(dataclasses.replace(under_lamp, volumes=(ball,))) == "lpv-scatter"
+    assert chosen(dataclasses.replace(under_light, volumes=(ball,))) == "lpv-scatter"
     thin = dataclasses.replace(ball, sigma_t=(0.02, 0.02, 0.02))
-    assert chosen(dataclasses.replace(under_lamp, volumes=(thin,))) == "lpv with pop"
+    assert chosen(dataclasses.replace(under_light, volumes=(thin,))) == "lpv with pop"
 
 
 def test_few_volumes_that_are_alike_share_a_grid(smoke_over_floor):

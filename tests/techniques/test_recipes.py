@@ -71,7 +71,7 @@ def test_recipes_are_short_enough_to_be_read_as_such() -> None:
 
 
 @dataclass
-class EvenLight:
+class UniformLight:
     """A solver that a newcomer might write: the same irradiance everywhere, W m^-2."""
 
     kit: Kit
@@ -111,8 +111,8 @@ def test_a_solver_of_ones_own_lights_surfaces(gpu: Any) -> None:
     for light in (1.0, 2.0):
         settings = SurfaceSettings(resolution=8, sky_lights=0, surfels=100)
         kit = Kit(Context(gpu, scene, meshes, (8, 8)), settings)
-        solver = EvenLight(kit, light)
-        technique = Technique("even", kit, [solver])
+        solver = UniformLight(kit, light)
+        technique = Technique("uniform", kit, [solver])
         view, commands = View(gpu, (8, 8)), Commands(gpu)
         view.aim(scene.camera)
         technique.solve(commands, scene)

@@ -89,6 +89,6 @@ def two_rooms(wall_m: float | None) -> Scene:
     white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))
     here = [placed_at(0.0, 0.0, 0.0)]
     meshes = tuple(mesh for slab in slabs for mesh in white.meshes(slab, here, "slab"))
-    lamp = SpotLight((-1.6, 2.8, 0.0), (0.0, -1.0, 0.0), (30.0, 30.0, 30.0), 40.0, 60.0)
+    spot = SpotLight((-1.6, 2.8, 0.0), (0.0, -1.0, 0.0), (30.0, 30.0, 30.0), 40.0, 60.0)
     camera = Camera((2.8, 1.6, 1.2), (0.2, 1.4, -0.3), fov_y_deg=60.0, exposure_stops=None)
-    return Scene(name="two-rooms", meshes=meshes, lights=(lamp,), camera=camera)
+    return Scene(name="two-rooms", meshes=meshes, lights=(spot,), camera=camera)

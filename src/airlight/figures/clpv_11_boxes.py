@@ -90,6 +90,6 @@ def three_boxes(count: int = len(BOXES_Z_M)) -> Scene:
     solids += [box((-x, 0.0, at - z), (x, y, at + z)) for at in BOXES_Z_M[:count]]
     here = [placed_at(0.0, 0.0, 0.0)]
     meshes = tuple(mesh for solid in solids for mesh in white.meshes(solid, here, "box"))
-    lamp = SpotLight((-2.2, 1.4, -2.2), (-1.0, -0.45, 0.0), (60.0,) * 3, 15.0, 22.0)
+    spot = SpotLight((-2.2, 1.4, -2.2), (-1.0, -0.45, 0.0), (60.0,) * 3, 15.0, 22.0)
     camera = Camera((0.0, 1.9, 5.5), (0.5, 0.4, -0.4), fov_y_deg=42.0, exposure_stops=None)
-    return Scene(name="three-boxes", meshes=meshes, lights=(lamp,), camera=camera)
+    return Scene(name="three-boxes", meshes=meshes, lights=(spot,), camera=camera)

@@ -15,7 +15,7 @@ from ..scene.medium import Medium, extinction_and_albedo
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
-from .truths import as_large_as, told_of, truth_of, without_grain
+from .truths import as_large_as, told_of, truth_of, without_noise
 
 TECHNIQUES = {
     "a  ours": "lpv-scatter",
@@ -37,7 +37,7 @@ def dark_hall() -> Scene:
     """
     scene = one_iteration()
     camera = Camera((-2.4, 2.2, 2.8), (0.4, 1.5, -1.2), fov_y_deg=75.0, exposure_stops=None)
-    lamp = SpotLight((-3.2, 3.2, 0.4), (3.2, -2.0, -0.4), (90.0, 81.0, 67.5), 9.0, 12.0)
+    spot = SpotLight((-3.2, 3.2, 0.4), (3.2, -2.0, -0.4), (90.0, 81.0, 67.5), 9.0, 12.0)
     medium = Medium(*extinction_and_albedo(SCATTERING, 0.0))
     meshes = tuple(
         _of_reflectance(mesh, BOARD) if mesh.name.startswith("board") else mesh
@@ -47,7 +47,7 @@ def dark_hall() -> Scene:
         scene,
         name="dark hall",
         meshes=meshes,
-        lights=(lamp,),
+        lights=(spot,),
         camera=camera,
         medium=medium,
         settings={},
@@ -80,6 +80,6 @@ def draw(request: Request) -> Drawn:
     panels = exposed(request, [(name, image.radiance) for name, image in images.items()], stops)
     rows: list[Any] = [("", panels[:3]), ("", panels[3:])]
     if truth is not None:
-        light = without_grain(truth, next(iter(images.values())))
+        light = without_noise(truth, next(iter(images.values())))
         rows.append(("", [(told_of(truth), shown(light, stops))]))
     return Drawn(sheet(request, "Six ways to draw fog", rows), numbers)

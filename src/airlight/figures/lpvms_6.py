@@ -10,7 +10,7 @@ from ..scene.builtin import bleeding, one_iteration, pinpoint
 from ..scene.scene import Scene
 from .clpv_6 import scores
 from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
-from .truths import noise_l2, told_of, truth_of, without_grain
+from .truths import noise_l2, told_of, truth_of, without_noise
 
 PAPER: Mapping[str, Any] = {
     "scheme": "paper",
@@ -71,6 +71,6 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
         told["path traced"] = {"spp": truth.spp, "notes": list(truth.notes)}
         if truth.has_layers:
             told["path traced"]["noise_floor_l2"] = noise_l2(truth, "indirect")
-        light = without_grain(truth, images["ours"])
+        light = without_noise(truth, images["ours"])
         cells.append((told_of(truth), shown(light, stops)))
     return cells

@@ -9,7 +9,7 @@ from ..reference.metrics import Metrics, compare
 from ..scene.builtin import atrium_fog, foggy_room, haze_box
 from ..scene.scene import Scene
 from .panels import Drawn, Request, exposure_of, rendered, sheet
-from .truths import as_large_as, told_of, traced, without_grain
+from .truths import as_large_as, told_of, traced, without_noise
 
 SCORES = ("relmse", "relative_l2", "noise_floor_l2", "flip", "hdr_flip", "energy_ratio")
 LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")
@@ -34,7 +34,7 @@ def _beside(request: Request, scene: Scene) -> tuple[Cells, dict[str, Any]]:
     found = compare(small, truth.image)
     stops = exposure_of(scene, truth.image.radiance)
     # Grain would be all that a map of signs shows.
-    light = without_grain(truth, image)
+    light = without_noise(truth, image)
     cells: Cells = [
         (told_of(truth), shown(light, stops)),
         ("ours", shown(image.radiance, stops)),

@@ -30,8 +30,8 @@ def ball(g: float) -> Scene:
     made = Volume(SIGMA_S, shape="sphere", bounds=box, g=(g,) * 3, source="ball")
     angle = 2.0 * np.degrees(np.arctan(1.05 * RADIUS_M / _VIEW_M))
     camera = Camera((0.0, 0.0, _VIEW_M), (0.0, 0.0, 0.0), fov_y_deg=float(angle))
-    lamp = PointLight((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    return Scene(name="ball", camera=camera, lights=(lamp,), volumes=(made,))
+    light = PointLight((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    return Scene(name="ball", camera=camera, lights=(light,), volumes=(made,))
 
 
 def draw(request: Request) -> Drawn:

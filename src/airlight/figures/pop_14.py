@@ -11,7 +11,7 @@ from .pop_scenes import differences, drawn, moving_ms, off, plume, scores, trace
 
 ORDINATES, MANY = (8, 27, 64, 216), 512
 _SAMPLES: Mapping[str, Any] = {"ordinates_from": "importance", "exact_sky": False}
-WAYS: Mapping[str, Mapping[str, Any]] = {
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "parts": {},
     "parts by what is seen": {"importance": "view"},
     "samples": _SAMPLES,
@@ -28,13 +28,13 @@ def draw(request: Request) -> Drawn:
     numbers: dict[str, Any] = {"g": 0.9}
     stops = 0.0
     best = drawn(request, scene, {"ordinates": MANY})
-    for row, (way, settings) in enumerate(WAYS.items()):
+    for row, (variant, settings) in enumerate(VARIANTS.items()):
         images: list[Any] = []
         told: dict[str, dict[str, Any]] = {}
         made: dict[str, Image] = {}
         for index, count in enumerate(ORDINATES[: 2 if request.quick else None]):
-            done = row / len(WAYS) + index / len(WAYS) / len(ORDINATES)
-            request.report(f"{way}, {count} ordinates", done)
+            done = row / len(VARIANTS) + index / len(VARIANTS) / len(ORDINATES)
+            request.report(f"{variant}, {count} ordinates", done)
             made[str(count)] = image = drawn(request, scene, {"ordinates": count, **settings})
             stops = exposure_of(scene, image.radiance) if not rows else stops
             found = scores(image, truth)
@@ -42,9 +42,9 @@ def draw(request: Request) -> Drawn:
             if row == 0:
                 told[str(count)]["moving_ms"] = moving_ms(request, scene, {"ordinates": count})
             images.append((f"{count}{off(found)}", image.radiance))
-        rows.append((way, exposed(request, images, stops)))
+        rows.append((variant, exposed(request, images, stops)))
         rows.append((f"beside {MANY}", differences(made, best)))
-        numbers[way] = told
+        numbers[variant] = told
     if truth is not None:
         rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))
     return Drawn(sheet(request, "More and more ordinates", rows), numbers)

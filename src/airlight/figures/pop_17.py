@@ -10,7 +10,7 @@ from ..scene.builtin import smoke
 from .panels import QUICK, Drawn, Request, exposed, exposure_of, known, rendered, sheet
 from .pop_scenes import QUICK_POP, errors, traced
 
-WAYS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+VARIANTS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     "pop": ("pop", {}),
     "pop, no light from surfaces": ("pop", {"virtual_lights": 0}),
     "auto: with all bounces": ("auto", {}),
@@ -22,15 +22,15 @@ def draw(request: Request) -> Drawn:
     scene = smoke()
     truth = traced(request, scene)
     images = {}
-    for index, (name, (technique, settings)) in enumerate(WAYS.items()):
-        request.report(name, index / len(WAYS))
+    for index, (name, (technique, settings)) in enumerate(VARIANTS.items()):
+        request.report(name, index / len(VARIANTS))
         quick = known(technique, {**QUICK, **QUICK_POP}) if request.quick else {}
         images[name] = rendered(request, scene, {**quick, **settings}, technique=technique)
     alone = dataclasses.replace(scene, meshes=())
     quick = dict(QUICK_POP) if request.quick else {}
     images["pop, medium alone"] = rendered(request, alone, quick, technique="pop")
     stops = exposure_of(scene, images["pop"].radiance)
-    numbers: dict[str, Any] = {name: errors(images[name].radiance, truth) for name in WAYS}
+    numbers: dict[str, Any] = {name: errors(images[name].radiance, truth) for name in VARIANTS}
     told = {
         name: float(i.layers["scattered"].mean())
         for name, i in images.items()

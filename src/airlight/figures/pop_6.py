@@ -14,7 +14,7 @@ from .pop_scenes import drawn, off, scores, slab, traced
 
 ANISOTROPIES = (0.95, 0.98, 0.99, 0.999)
 
-WAYS: Mapping[str, Mapping[str, Any]] = {
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "points": {"exact_sky": False, "prefilter": False},
     "prefiltered": {"exact_sky": False},
     "the default": {},
@@ -23,7 +23,7 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 
 def draw(request: Request) -> Drawn:
     """A slab of optical depth 1.5: each ordinate a point; its part of the map; and the default."""
-    rows: dict[str, list[Any]] = {name: [] for name in (*WAYS, "Monte Carlo")}
+    rows: dict[str, list[Any]] = {name: [] for name in (*VARIANTS, "Monte Carlo")}
     numbers: dict[str, Any] = {}
     chosen = ANISOTROPIES[:1] if request.quick else ANISOTROPIES
     stops = 0.0
@@ -31,7 +31,7 @@ def draw(request: Request) -> Drawn:
         request.report(f"g = {g}", index / len(chosen))
         scene = slab(g)
         truth = traced(request, scene)
-        images = {name: drawn(request, scene, way) for name, way in WAYS.items()}
+        images = {name: drawn(request, scene, settings) for name, settings in VARIANTS.items()}
         if index == 0:
             stops = exposure_of(scene, images["prefiltered"].radiance)
         told = {name: scores(image, truth) for name, image in images.items()}

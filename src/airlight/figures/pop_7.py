@@ -13,7 +13,7 @@ from .panels import Drawn, Request, exposed, exposure_of, known, sheet
 from .pop_scenes import differences, drawn, off, scores, traced, white_plume
 
 G, ORDINATES, MANY = 0.98, 27, 512
-WAYS: Mapping[str, Mapping[str, Any]] = {
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "the default": {},
     "by what is seen": {"importance": "view"},
     "parts of the map": {"ordinates_from": "partition", "exact_sky": False},
@@ -29,7 +29,7 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 def ways() -> dict[str, dict[str, Any]]:
     """Name -> settings that the technique has."""
     found: dict[str, dict[str, Any]] = {}
-    for name, settings in WAYS.items():
+    for name, settings in VARIANTS.items():
         kept = known("pop", settings)
         if kept not in found.values():
             found[name] = kept

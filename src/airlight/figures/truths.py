@@ -73,7 +73,7 @@ def as_large_as(image: Image, truth: F32) -> Image:
     return dataclasses.replace(image, radiance=averaged(image.radiance, truth), layers=layers)
 
 
-def without_grain(truth: Reference, guide: Image) -> F32:
+def without_noise(truth: Reference, guide: Image) -> F32:
     """The truth's radiance; what has no sharp edges in the air, smoothed over surfaces.
 
     As it was traced where the truth has no layers: shafts and shadows must keep their edges.

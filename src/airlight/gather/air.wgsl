@@ -98,9 +98,9 @@ fn air_along(origin: vec3f, direction: vec3f, reach: f32) -> Air {
     var found = Air(vec3f(0.0), 0.0, vec3f(1.0));
     if (start.w > 0.0) {
         // Where a ray left the scene, its direction.
-        let way = select(end.xyz, end.xyz - start.xyz, end.w > 0.0);
-        let reach = select(FARTHEST, length(way), end.w > 0.0);
-        found = air_along(start.xyz, normalize(way), reach);
+        let offset = select(end.xyz, end.xyz - start.xyz, end.w > 0.0);
+        let reach = select(FARTHEST, length(offset), end.w > 0.0);
+        found = air_along(start.xyz, normalize(offset), reach);
     }
     let row = 2u * (id.y * params.reduced.x + id.x);
     air[row] = vec4f(found.light, found.inverse_m);

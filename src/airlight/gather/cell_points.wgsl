@@ -30,8 +30,8 @@ fn cosine_around(id: vec3u) -> vec3f {
     textureStore(places, texel, vec4f(p, 1.0));
     // What the eye sees is before it. So is all of the cell that it is in, seen from a cell behind it.
     let g = cosine_around(id);
-    let way = params.eye - lattice.cell * params.ahead - p;
-    let towards = way / max(length(way), 1e-6);
+    let to_eye = params.eye - lattice.cell * params.ahead - p;
+    let towards = to_eye / max(length(to_eye), 1e-6);
     textureStore(axes, texel, vec4f(towards, dot(g, vec3f(1.0 / 3.0))));
     textureStore(cosines, texel, vec4f(g, 0.0));
 }

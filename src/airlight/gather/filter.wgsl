@@ -43,25 +43,25 @@ fn point_at(texel: vec2i) -> Point {
 }
 
 // The third factor of what near surfaces send: by the mean of `nearness` over the rays of both points.
-fn closeness_of(one: PointSums, other: PointSums, way: vec3f) -> f32 {
+fn closeness_of(one: PointSums, other: PointSums, offset: vec3f) -> f32 {
     // Rays that met nothing say nothing of how surfaces' light changes, and few rays that met some not much.
     let each = 1.0 / max(one.met_rays + other.met_rays, 2.0 * FEWEST * f32(params.rays));
-    return closeness(way, each * (one.squares + other.squares), each * (one.products + other.products));
+    return closeness(offset, each * (one.squares + other.squares), each * (one.products + other.products));
 }
 
 // The last factors of light from afar: as far as its own rays are long, and no wall is between both points.
-fn far_closeness_of(one: PointSums, other: PointSums, way: vec3f) -> f32 {
+fn far_closeness_of(one: PointSums, other: PointSums, offset: vec3f) -> f32 {
     // Beside the rays of both, one ray at whose length far begins.
     let inverse_m = (one.far_inverse_m + other.far_inverse_m + one.far_begins) / (one.far_rays + other.far_rays + 1.0);
-    return far_closeness(way, inverse_m, one.sides / max(one.met_rays, 1.0), other.sides / max(other.met_rays, 1.0));
+    return far_closeness(offset, inverse_m, one.sides / max(one.met_rays, 1.0), other.sides / max(other.met_rays, 1.0));
 }
 
 // `faded`: by how many steps the other is away; `texel_m`: how wide such a step is.
 fn weights_of(own: Point, its: Point, faded: f32, texel_m: f32) -> Weights {
-    let way = its.place.xyz - own.place.xyz;
+    let offset = its.place.xyz - own.place.xyz;
     let like = likeness(own.place.xyz, own.normal, its.place.xyz, its.normal, texel_m);
-    let close = closeness_of(own.sums, its.sums, way);
-    let far_close = far_closeness_of(own.sums, its.sums, way);
+    let close = closeness_of(own.sums, its.sums, offset);
+    let far_close = far_closeness_of(own.sums, its.sums, offset);
     var w: Weights;
     w.near = faded * like * close;
     // Light from afar is the same off the plane, too.

@@ -59,23 +59,23 @@ fn shown(at: vec2u, hit: vec4f, seen_glow: f32) -> Shown {
     let hit = textureLoad(hit_positions, id.xy, 0);
     let is_followed = textureLoad(starts, id.xy, 0).w > 0.0;
     let row = 2u * (params.first + at);
-    var way = vec4f(1.0, 1.0, 1.0, 0.0);
+    var throughput = vec4f(1.0, 1.0, 1.0, 0.0);
     var radiance = vec3f(0.0);
     if (params.segment == 0u) {
         // Pixels show what glows themselves, in closed form.
         let kind = select(NOWHERE, select(LEFT, MET, hit.w > 0.0), is_followed);
         mirrored[row] = vec4f(hit.xyz, kind);
     } else {
-        way = ways[at];
+        throughput = throughputs[at];
         radiance = mirrored[row + 1u].rgb;
     }
     var onwards = vec4f(0.0);
     if (is_followed) {
         let air = air_of(2u * at);
-        let found_here = shown(id.xy, hit, way.a);
-        radiance += way.rgb * (air.light + air.passed * found_here.light);
-        onwards = vec4f(way.rgb * air.passed * found_here.onwards, found_here.glow);
+        let found_here = shown(id.xy, hit, throughput.a);
+        radiance += throughput.rgb * (air.light + air.passed * found_here.light);
+        onwards = vec4f(throughput.rgb * air.passed * found_here.onwards, found_here.glow);
     }
     mirrored[row + 1u] = vec4f(radiance, 0.0);
-    ways[at] = onwards;
+    throughputs[at] = onwards;
 }

@@ -115,7 +115,7 @@ class MirrorLight(ComputePass):
             *((storage("air", "vec4f"),) if has_air else ()),
             storage("glosses", GlossData),
             storage("cosines", "vec4f"),
-            storage("ways", "vec4f", "read_write"),
+            storage("throughputs", "vec4f", "read_write"),
             storage("mirrored", "vec4f", "read_write"),
         )
         super().__init__(gpu, generated=KINDS + (_AIR if has_air else _NO_AIR))

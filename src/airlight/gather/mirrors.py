@@ -162,7 +162,7 @@ class Mirrors:
         hits: Hits,
         starts: Texture,
     ) -> None:
-        """Add the light of what a segment met, as far as it passes the media on its way."""
+        """Add the light of what a segment met, as far as it passes the media on its path."""
         assert self._sized is not None
         sized, air = self._sized, {}
         # Media along the rays: their light, and their transmittance.
@@ -195,7 +195,7 @@ class Mirrors:
                 **air,
                 glosses=self._glosses.rows,
                 cosines=self._cosines,
-                ways=sized.ways,
+                throughputs=sized.throughputs,
                 mirrored=sized.mirrored,
             )
 
@@ -231,7 +231,7 @@ class _Sized:
             Texture(gpu, "starts of mirrored rays", batch, "rgba32float", written=True)
             for _ in range(pairs)
         ]
-        self.ways = Buffer(gpu, "ways of mirrored rays", 16 * self.count)
+        self.throughputs = Buffer(gpu, "throughput of mirrored rays", 16 * self.count)
         self.air = Buffer(gpu, "air along mirrored rays", 32 * self.count) if has_air else None
         # What pixels mirror in the end.
         sky, light = (

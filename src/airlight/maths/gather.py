@@ -38,7 +38,7 @@ FAR = 24.0
 FAR_POWER = 32.0
 """As `NORMAL_POWER`, for light from afar between points off each other's planes."""
 THROUGH = 0.15
-"""Of `far_closeness`: the product of a way through a wall and what rays met there at 1/e."""
+"""Of `far_closeness`: the product of a path through a wall and what rays met there at 1/e."""
 LEAST_SIDE = 0.5
 """As `LEAST_RAY`, where it is asked what lies between two points."""
 SAME = 0.02
@@ -216,29 +216,31 @@ def nearness(side: ArrayLike, inverse_m: ArrayLike, haze: ArrayLike) -> tuple[F6
     return inverse[..., None] * (along + (1.0 - along) * m * m), inverse[..., None] * across
 
 
-def closeness(way: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
+def closeness(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
     """How far (...) the light of a neighbour stands for a point's, 0 to 1.
 
-    `way` (..., 3) to it, m; the mean of `nearness` over rays, m^-1. Neighbours share along the seam
-    of two walls, and little across it.
+    `offset` (..., 3) to it, m; the mean of `nearness` over rays, m^-1. Neighbours share along the
+    seam of two walls, and little across it.
     """
-    d, a, b = (np.asarray(v, dtype=np.float64) for v in (way, squares, products))
+    d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
     return np.asarray(np.exp(-(turned**2).sum(axis=-1) / REACH**2))
 
 
 def far_closeness(
-    way: ArrayLike, inverse_m: ArrayLike, side: ArrayLike, its_side: ArrayLike
+    offset: ArrayLike, inverse_m: ArrayLike, side: ArrayLike, its_side: ArrayLike
 ) -> F64:
     """How far (...) a neighbour's light from afar stands for a point's, 0 to 1.
 
-    `way` (..., 3) to it, m; `inverse_m` (...) the mean inverse length of the rays that it came
+    `offset` (..., 3) to it, m; `inverse_m` (...) the mean inverse length of the rays that it came
     along and of one at which far begins, m^-1; `side` and `its_side` (..., 3) the means over all
     rays of the normal that they met over their length, m^-1. As `closeness` by those lengths; and
-    where the way leads towards what is near both of them, that is a wall between them: each may see
+    where that leads towards what is near both of them, that is a wall between them: each may see
     what it hides from the other.
     """
-    d, inverse, m, k = (np.asarray(v, dtype=np.float64) for v in (way, inverse_m, side, its_side))
+    d, inverse, m, k = (
+        np.asarray(v, dtype=np.float64) for v in (offset, inverse_m, side, its_side)
+    )
     through = np.minimum(-(m * d).sum(axis=-1), (k * d).sum(axis=-1))
     through = np.maximum(through, 0.0) / THROUGH
     return np.asarray(np.exp(-(through**2) - (inverse / REACH) ** 2 * (d**2).sum(axis=-1)))

@@ -68,9 +68,9 @@ def rectangle_direction(at: F64, half: F64, angle: F64) -> F64:
     Source: ours.
     """
     share = np.minimum(angle / (2.0 * np.pi), 1.0)[..., None]
-    way = at.copy()
-    way[..., :2] -= share * np.clip(at[..., :2], -half, half)
-    return np.asarray(way / np.linalg.norm(way, axis=-1, keepdims=True), np.float64)
+    direction = at.copy()
+    direction[..., :2] -= share * np.clip(at[..., :2], -half, half)
+    return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True), np.float64)
 
 
 def sharpness_over(angle: F64) -> F64:

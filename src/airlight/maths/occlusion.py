@@ -41,14 +41,14 @@ def specular_visibility(visibility: ArrayLike, n_v: ArrayLike, roughness: ArrayL
     return np.asarray(np.clip((c + v) ** np.exp2(-16.0 * r - 1.0) - 1.0 + v, 0.0, 1.0))
 
 
-def hidden_flux(state: ArrayLike, way: ArrayLike, visibility: ArrayLike) -> F64:
+def hidden_flux(state: ArrayLike, towards: ArrayLike, visibility: ArrayLike) -> F64:
     """Of accumulated two-band states (..., 4), what comes from where near surfaces are.
 
-    `way` (..., 3) is the mean direction to them times the cosine-weighted share of the hemisphere
-    that they hide, 1 - visibility (...). Times pi / cell^2 it is irradiance, W m^-2, and where they
-    hide all it is that of `lattice6.surface_irradiance` to first order.
+    `towards` (..., 3) is the mean direction to them times the cosine-weighted share of the
+    hemisphere that they hide, 1 - visibility (...). Times pi / cell^2 it is irradiance, W m^-2, and
+    where they hide all it is that of `lattice6.surface_irradiance` to first order.
     """
-    s, d = np.asarray(state, np.float64), np.asarray(way, np.float64)
+    s, d = np.asarray(state, np.float64), np.asarray(towards, np.float64)
     hidden = 1.0 - np.asarray(visibility, np.float64)
     flux = s[..., 0] * hidden - np.einsum("...i,...i->...", s[..., 1:], d)
     return np.asarray(np.maximum(flux, 0.0))

@@ -31,7 +31,7 @@ SHARE, SHARE_RADIAL, SHARE_RADIAL_PEAKED = 0.6, 0.5, 0.25  # of lost anisotropy:
 HAND_OVER = (0.65, 0.45)  # a between which a cell of light along z joins the residuum
 CARRIED = 0.15  # of its mean cosine that light takes into the residuum; fitted, with SHARE
 RESIDUAL_LOBE = 0.5  # share of the flux that the residuum's emission shows
-EVEN_WAY = 0.674  # of a hop along the axes: its straight way where light goes everywhere alike
+ISOTROPIC_PATH = 0.674  # of a hop along the axes: the straight path of isotropic light
 _PEAKED = 0.8  # g
 _LARGEST_A = 0.999
 
@@ -137,10 +137,10 @@ def propagate(
     exits = np.zeros((3, power.shape[-1]))
     sharpest = _LARGEST_A if is_paper else min(_LARGEST_A, float(resolved_by(mean_cosine)))
     for m in range(iterations + 1):
-        # Fluence of the light that is under way: the mean over the attenuated path in its cell.
+        # Fluence of the light on its path: the mean over the attenuated path in its cell.
         weight = (1.0 if m else 0.0) if is_paper else (1.0 if m else 0.5)
-        way = _way(hops, a, is_paper=is_paper) if m else 1.0
-        light = weight * _mean_on_the_way(passed**way) * power * way * hops.path / hops.volume
+        path = _path(hops, a, is_paper=is_paper) if m else 1.0
+        light = weight * _mean_on_path(passed**path) * power * path * hops.path / hops.volume
         out["fluence"] += light
         if watch is not None:
             watch(light, a)
@@ -155,8 +155,8 @@ def propagate(
         exits += left
         if hops.inside is not None and not is_paper:
             power = power * hops.inside
-        # Absorbed on the way; what was scattered widely enough by then joins the residuum.
-        power = power * passed ** _way(hops, a, is_paper=is_paper)
+        # Absorbed on the path; what was scattered widely enough by then joins the residuum.
+        power = power * passed ** _path(hops, a, is_paper=is_paper)
         leaving, a = _scattered(hops, sigma_s, g, a, is_paper=is_paper)
         out["residual"] += leaving * power
         out["carried"] += _carried(hops, is_paper) * leaving * power * a
@@ -167,14 +167,14 @@ def propagate(
 
 
 def straight_path(a: F64) -> F64:
-    """How long the way of a lobe's light is, in hops: hops follow the axes, light does not.
+    """How long the path of a lobe's light is, in hops: hops follow the axes, light does not.
 
     The mean of 1/(|x| + |y| + |z|) over Henyey-Greenstein directions about z; within 0.01.
     """
-    return np.asarray(1.0 - (1.0 - EVEN_WAY) * (1.0 - np.abs(a) ** 5) ** 0.65)
+    return np.asarray(1.0 - (1.0 - ISOTROPIC_PATH) * (1.0 - np.abs(a) ** 5) ** 0.65)
 
 
-def _way(hops: Hops, a: F64, *, is_paper: bool) -> F64 | float:
+def _path(hops: Hops, a: F64, *, is_paper: bool) -> F64 | float:
     return 1.0 if is_paper or hops.is_radial else straight_path(a)
 
 
@@ -182,14 +182,14 @@ def _carried(hops: Hops, is_paper: bool) -> float:
     return 0.0 if is_paper or hops.is_radial else CARRIED
 
 
-def _mean_on_the_way(passed: F64) -> F64:
+def _mean_on_path(passed: F64) -> F64:
     """Mean of exp(-x t) over t = 0..1, exp(-x) = passed."""
     x = -np.log(np.maximum(passed, 1e-30))
     return np.where(x > 1e-3, (1.0 - passed) / np.maximum(x, 1e-12), 1.0 - 0.5 * x)
 
 
 def _scattered(hops: Hops, sigma_s: F64, g: F64, a: F64, *, is_paper: bool) -> tuple[F64, F64]:
-    """(share that joins the residuum, the rest's a) after the way through a cell."""
+    """(share that joins the residuum, the rest's a) after the path through a cell."""
     # As printed (Elek2014 section 4.2): all light stays, and a falls by g^(sigma_s l).
     if is_paper:
         depth = sigma_s * hops.path
@@ -263,8 +263,8 @@ def residual_light(
 
 def residual_emission(medium: MediumGrid, phi: F64, flux: F64, towards: F64) -> F64:
     """In-scattered radiance per unit sigma_s, W m^-2 sr^-1, towards views (..., 3)."""
-    way = np.broadcast_to(towards, (*phi.shape[:3], 3))
-    along = np.einsum("azyxc,zyxa->zyxc", flux, way)
+    travel = np.broadcast_to(towards, (*phi.shape[:3], 3))
+    along = np.einsum("azyxc,zyxa->zyxc", flux, travel)
     shown = phi + 3.0 * RESIDUAL_LOBE * medium.g * along
     return np.asarray(np.maximum(0.1 * phi, shown) / (4.0 * np.pi))
 

@@ -1,4 +1,4 @@
-"""Diffuse light that goes towards an eye, along straight ways through what scatters it forwards.
+"""Diffuse light that goes towards an eye, along straight paths through what scatters it forwards.
 
 A phase function is taken for a peak that keeps the direction (the share f that beams keep, see
 `delta_beam`) and a smooth rest. Of the diffuse radiance L(x, w) towards the eye, the peak scatters
@@ -20,7 +20,7 @@ from .phase import henyey_greenstein
 F64 = NDArray[np.float64]
 
 LEAST_TRANSMITTANCE = 0.005
-"""Along a way, below which the rest of it counts for nothing."""
+"""Along a path, below which the rest of it counts for nothing."""
 
 
 def forward_share(g: ArrayLike) -> F64:

@@ -111,7 +111,7 @@ def near_fluence(
 
 
 def axis_share(position: ArrayLike, axis: ArrayLike, extent: ArrayLike, points: F64) -> F64:
-    """How much of a spot's axis is in a medium's box (3,), m, beside the way to points (..., 3).
+    """How much of a spot's axis is in a medium's box (3,), m, beside the path to points (..., 3).
 
     Both as far as the points are away; at most 1. What scatters close to a spot is in its cone: one
     that turns its back on a medium, however near by, has none. (A light of which nothing was known
@@ -120,14 +120,14 @@ def axis_share(position: ArrayLike, axis: ArrayLike, extent: ArrayLike, points: 
     p, d, size = (np.asarray(x, dtype=np.float64) for x in (position, axis, extent))
     away = points - p
     r = np.linalg.norm(away, axis=-1)
-    own = _way_in_box(p, away / np.maximum(r, 1e-9)[..., None], size, r)
-    lit = _way_in_box(p, np.broadcast_to(d, away.shape), size, r)
+    own = _path_in_box(p, away / np.maximum(r, 1e-9)[..., None], size, r)
+    lit = _path_in_box(p, np.broadcast_to(d, away.shape), size, r)
     return np.asarray(np.minimum(1.0, lit / np.maximum(own, 1e-9)))
 
 
-def _way_in_box(p: F64, way: F64, size: F64, r: F64) -> F64:
-    still = np.abs(way) < 1e-12
-    inverse = 1.0 / np.where(still, 1.0, way)
+def _path_in_box(p: F64, direction: F64, size: F64, r: F64) -> F64:
+    still = np.abs(direction) < 1e-12
+    inverse = 1.0 / np.where(still, 1.0, direction)
     a, b = -p * inverse, (size - p) * inverse
     inside = (p >= 0.0) & (p <= size)
     begin = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(a, b)).max(axis=-1)

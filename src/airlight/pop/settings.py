@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..scene.settings import setting
-from .light.importance import WAYS
+from .light.importance import IMPORTANCE
 from .light.ordinates import MAKERS
 
 SCHEMES = ("delta-beam", "split", "paper")
@@ -31,7 +31,7 @@ class PopSettings:
         "none",
         "where few directions are drawn to: the map's light alone, or what the camera sees "
         "of it, too",
-        choices=WAYS,
+        choices=IMPORTANCE,
     )
     grid: int = setting(
         20, "cells along a side of a cube-shaped medium; others get as many", low=4, high=64

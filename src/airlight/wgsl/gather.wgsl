@@ -104,15 +104,15 @@ fn nearness(side: vec3f, inverse_m: f32, haze: f32) -> mat2x3f {
     return inverse_m * mat2x3f(vec3f(along) + (1.0 - along) * side * side, (1.0 - along) * side.yzx * side.zxy);
 }
 
-fn closeness(way: vec3f, squares: vec3f, products: vec3f) -> f32 {
-    let turned = squares * way + products.yzx * way.zxy + products.zxy * way.yzx;
+fn closeness(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
+    let turned = squares * offset + products.yzx * offset.zxy + products.zxy * offset.yzx;
     return exp(-dot(turned, turned) / (REACH * REACH));
 }
 
-fn far_closeness(way: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f32 {
-    let beyond = max(min(-dot(side, way), dot(its_side, way)), 0.0) / THROUGH;
+fn far_closeness(offset: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f32 {
+    let beyond = max(min(-dot(side, offset), dot(its_side, offset)), 0.0) / THROUGH;
     let pace = inverse_m / REACH;
-    return exp(-beyond * beyond - pace * pace * dot(way, way));
+    return exp(-beyond * beyond - pace * pace * dot(offset, offset));
 }
 
 fn far_likeness(like: f32, normal: vec3f, its_normal: vec3f) -> f32 {

@@ -30,7 +30,7 @@ fn send_out(slot: u32, power: vec3f, a: vec3f, gate: f32) {
     states_out[slot + 2u] = vec4f(gate * power * vec3f(r.z, g.z, b.z), a.b);
 }
 
-const EVEN_WAY = 0.674;
+const ISOTROPIC_PATH = 0.674;
 
 // How long the path of a lobe's light is, in hops; see maths/ordinate_hops.py.
 fn straight_path(n: u32, a: vec3f) -> vec3f {
@@ -39,11 +39,11 @@ fn straight_path(n: u32, a: vec3f) -> vec3f {
     }
     let b = min(abs(a), vec3f(1.0));
     let b2 = b * b;
-    return 1.0 - (1.0 - EVEN_WAY) * pow(1.0 - b2 * b2 * b, vec3f(0.65));
+    return 1.0 - (1.0 - ISOTROPIC_PATH) * pow(1.0 - b2 * b2 * b, vec3f(0.65));
 }
 
 // Mean of exp(-x t) over t = 0..1.
-fn mean_on_the_way(x: vec3f) -> vec3f {
+fn mean_on_path(x: vec3f) -> vec3f {
     let safe = max(x, vec3f(1e-3));
     return select(1.0 - 0.5 * x, (1.0 - exp(-safe)) / safe, x > vec3f(1e-3));
 }
@@ -53,7 +53,7 @@ fn seen_light(n: u32, cell: vec3u, rho: f32, power: vec3f, a: vec3f, steps: vec3
     let path = hop_path(n, cell.z) * steps;
     let point = hop_point(n, vec3f(cell) + 0.5);
     let absorbed = rho * params.sigma_t * (1.0 - params.albedo) * path;
-    let light = mean_on_the_way(absorbed) * power * path / hop_volume(n, cell);
+    let light = mean_on_path(absorbed) * power * path / hop_volume(n, cell);
     let mu = clamp(dot(hop_travel(n, point), normalize(hops.eye - point)), -1.0, 1.0);
     let lobe = select(a * params.g, a, hops.is_paper == 1u);
     let sharpest = select(min(resolved_by(grids[n].mean_cosine), LARGEST_A), LARGEST_A,

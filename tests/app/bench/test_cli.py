@@ -78,8 +78,8 @@ def test_both_kernels_take_turns(gpu):
 
 
 def test_lights_move_a_little():
-    sun, lamp = DirectionalLight((0.6, -0.8, 0.0), (1, 1, 1)), PointLight((0, 1, 2), (1, 1, 1))
-    turned, stepped = bench_frames.moved((sun, lamp), 4)
+    sun, light = DirectionalLight((0.6, -0.8, 0.0), (1, 1, 1)), PointLight((0, 1, 2), (1, 1, 1))
+    turned, stepped = bench_frames.moved((sun, light), 4)
     assert np.dot(turned.direction, sun.direction) == pytest.approx(
         0.64 + 0.36 * np.cos(np.radians(1.0))
     )
@@ -123,9 +123,9 @@ def test_every_axis_varies_what_it_says(monkeypatch):
     longest = next(a for a in bench_growth.axes(is_long=True) if a.name == "thousand triangles")
     assert longest.values[-1] == 5000
     low, high = scene.bounds
-    for lamp in bench_growth.point_lights(scene, 3):
-        assert (lamp.position >= low).all() and (lamp.position <= high).all()
-        assert lamp.intensity[0] == pytest.approx(1.0 / 3.0)
+    for light in bench_growth.point_lights(scene, 3):
+        assert (light.position >= low).all() and (light.position <= high).all()
+        assert light.intensity[0] == pytest.approx(1.0 / 3.0)
 
 
 def test_a_part_of_it_as_json_and_as_a_page(gpu, tmp_path, capsys):

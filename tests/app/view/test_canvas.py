@@ -93,10 +93,10 @@ def test_keys_of_the_viewer(view):
 
 def test_every_section_of_the_panel_can_be_drawn(view):
     state = view.session.state
-    lamps = (*state.scene.lights,)
+    local_lights = (*state.scene.lights,)
     volume = Volume((1.0, 2.0, 3.0), shape="sphere")
     before = state.scene
-    state.scene = replace(before, volumes=(volume,), lights=lamps)
+    state.scene = replace(before, volumes=(volume,), lights=local_lights)
     from airlight.app.view.state import fog_for
 
     state.scene = replace(state.scene, medium=fog_for(state.scene))

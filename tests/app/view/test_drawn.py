@@ -90,9 +90,9 @@ def test_while_a_light_moves_lattices_lag_and_are_solved_when_there_is_time(monk
     fields = r.technique.fields
     for frame in range(31):  # a drag for three seconds
         clock[0] = 10.0 + 0.1 * frame
-        lamp = r.scene.lights[0]
-        x, y, z = lamp.position
-        drawn.give(replace(r.scene, lights=(lamp.changed("position", (x + 0.01, y, z)),)))
+        light = r.scene.lights[0]
+        x, y, z = light.position
+        drawn.give(replace(r.scene, lights=(light.changed("position", (x + 0.01, y, z)),)))
         drawn.solve(r.commands, is_quick=True)
     assert r.technique.fields.irradiance is not None
     assert fields.irradiance is not None

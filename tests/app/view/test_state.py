@@ -41,10 +41,10 @@ def test_turning_turns_where_the_light_comes_from():
     assert source_angles_deg(state.scene.lights[0].direction) == pytest.approx((30.0, 55.0))
 
 
-def test_spots_turn_and_lamps_go_around():
+def test_spots_turn_and_lights_go_around():
     spot = SpotLight((1.0, 2.0, 0.0), (0.0, -1.0, -1.0), (1.0, 1.0, 1.0))
-    lamp = PointLight((1.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    state = ViewState(scene(SUN, spot, lamp), light=1)
+    local_light = PointLight((1.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    state = ViewState(scene(SUN, spot, local_light), light=1)
     state.turn_light(Turn(90.0, 0.0))
     turned = state.scene.lights[1]
     assert turned.position == spot.position

@@ -11,9 +11,9 @@ from airlight.scene.builtin.failures import BOARD_M, bleeding, one_iteration, pi
 def test_the_board_and_the_spot_are_smaller_than_a_cell() -> None:
     cell_m = fitted(*bleeding().bounds, 32).cell
     assert cell_m > 10.0 * BOARD_M
-    (lamp,) = pinpoint().lights
-    reach_m = np.linalg.norm(np.subtract(lamp.position, (0.0, 1.5, 0.0)))
-    assert 2.0 * reach_m * np.tan(np.radians(lamp.outer_deg)) < cell_m
+    (light,) = pinpoint().lights
+    reach_m = np.linalg.norm(np.subtract(light.position, (0.0, 1.5, 0.0)))
+    assert 2.0 * reach_m * np.tan(np.radians(light.outer_deg)) < cell_m
 
 
 def test_the_eye_is_behind_the_board_or_before_it() -> None:

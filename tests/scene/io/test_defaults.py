@@ -10,7 +10,7 @@ import pytest
 from airlight.scene.camera import Camera
 from airlight.scene.environment import Environment
 from airlight.scene.io import load
-from airlight.scene.io.defaults import LAMP_RADIANCE, with_default_camera, with_default_lights
+from airlight.scene.io.defaults import LIGHT_RADIANCE, with_default_camera, with_default_lights
 from airlight.scene.lights import DirectionalLight, PointLight
 from airlight.scene.material import Material
 from airlight.scene.mesh import Geometry, Mesh
@@ -48,7 +48,7 @@ def glowing_room() -> Scene:
     return Scene((*closed_room().meshes, panel))
 
 
-def test_a_room_that_its_own_lamp_lights_is_left_alone():
+def test_a_room_that_its_own_light_illuminates_is_left_alone():
     assert with_default_lights(scene := glowing_room()) is scene
 
 
@@ -68,7 +68,7 @@ def test_whatever_emits_is_the_light_of_a_scene_file(radiance):
     assert kept.lights == ()
     assert kept.environment is None
     assert [w for w in kept.warnings if "dim" in w] == list(kept.warnings)
-    assert bool(kept.warnings) == (radiance < LAMP_RADIANCE)
+    assert bool(kept.warnings) == (radiance < LIGHT_RADIANCE)
 
 
 def test_a_scene_file_that_glows_gets_no_sun(tmp_path):
@@ -107,7 +107,7 @@ def place(at: tuple[float, float, float], size: float) -> np.ndarray:
     return matrix
 
 
-def test_a_dim_screen_is_no_lamp_and_that_is_said():
+def test_a_dim_screen_is_no_light_and_that_is_said():
     scene = with_default_lights(shining(1.6))
     assert len(scene.lights) == 1
     assert scene.warnings == (
@@ -122,17 +122,17 @@ def closed_room() -> Scene:
     return Scene((Mesh(Geometry(corners.astype(np.float32), np.array(triangles))),))
 
 
-def test_a_closed_room_gets_a_lamp():
+def test_a_closed_room_gets_a_light():
     scene = with_default_lights(closed_room())
-    _, lamp = scene.lights
-    assert isinstance(lamp, PointLight)
-    assert lamp.position == pytest.approx((2, 2.55, 3), abs=0.01)
-    below = lamp.intensity[0] / lamp.position[1] ** 2
+    _, local_light = scene.lights
+    assert isinstance(local_light, PointLight)
+    assert local_light.position == pytest.approx((2, 2.55, 3), abs=0.01)
+    below = local_light.intensity[0] / local_light.position[1] ** 2
     assert below == pytest.approx(10, rel=0.01)
     assert "a lamp was hung" in scene.warnings[0]
 
 
-def test_a_camera_outside_a_closed_room_gets_no_lamp_in_it():
+def test_a_camera_outside_a_closed_room_gets_no_light_in_it():
     scene = replace(closed_room(), camera=Camera((2, 1.5, 30), (2, 1.5, 3)))
     assert not any(isinstance(light, PointLight) for light in with_default_lights(scene).lights)
 

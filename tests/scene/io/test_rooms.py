@@ -111,7 +111,7 @@ def test_rooms_are_seen_from_inside(name: str, mirrored: bool):
 
 @pytest.mark.parametrize("mirrored", [False, True], ids=["", "mirrored"])
 @pytest.mark.parametrize("name", THINGS)
-def test_things_are_seen_from_outside_and_get_no_lamp(name: str, mirrored: bool):
+def test_things_are_seen_from_outside_and_get_no_light(name: str, mirrored: bool):
     scene = with_defaults(scene_of(THINGS[name], mirrored=mirrored))
     assert not any(isinstance(light, PointLight) for light in scene.lights)
     low, high = scene.bounds

@@ -18,7 +18,7 @@ from airlight.scene.io.toml_schema import (
 )
 from airlight.scene.keys import Key, one_of
 
-LAMP = Table(
+LIGHT = Table(
     "lamp",
     "A lamp.",
     (Key("kind", one_of("bulb", "tube"), "text", "its kind", required=True),),
@@ -32,8 +32,8 @@ LAMP = Table(
 
 
 def test_only_what_is_set_comes_back():
-    assert check_table(LAMP, {"kind": "tube"}, "[[lamp]] 1") == {"kind": "tube"}
-    assert check_table(LAMP, {"kind": "bulb", "watts": 3}, "x") == {"kind": "bulb", "watts": 3.0}
+    assert check_table(LIGHT, {"kind": "tube"}, "[[lamp]] 1") == {"kind": "tube"}
+    assert check_table(LIGHT, {"kind": "bulb", "watts": 3}, "x") == {"kind": "bulb", "watts": 3.0}
 
 
 @pytest.mark.parametrize(
@@ -54,12 +54,12 @@ def test_only_what_is_set_comes_back():
 )
 def test_messages(raw, expected):
     with pytest.raises(SceneError) as caught:
-        check_table(LAMP, raw, "[[lamp]] 2")
+        check_table(LIGHT, raw, "[[lamp]] 2")
     assert str(caught.value) == expected
 
 
 def test_header_says_whether_there_can_be_several():
-    assert LAMP.header == "[[lamp]]"
+    assert LIGHT.header == "[[lamp]]"
     assert Table("air", "", ()).header == "[air]"
 
 

@@ -38,10 +38,10 @@ def test_place_and_time(tmp_path):
 
 
 def test_lights_of_the_file_stay_and_keep_their_numbers(tmp_path):
-    lamp = '[[light]]\ntype = "point"\nposition = [0, 2, 0]\nintensity = 5\n'
+    local_light = '[[light]]\ntype = "point"\nposition = [0, 2, 0]\nintensity = 5\n'
     moved = "[[light.key]]\ntime_s = 0\nposition = [0, 2, 0]\n"
     moved += "[[light.key]]\ntime_s = 1\nposition = [1, 2, 0]\n"
-    scene = scene_of(tmp_path, "elevation_deg = 20\n", lamp + moved)
+    scene = scene_of(tmp_path, "elevation_deg = 20\n", local_light + moved)
     assert [type(light).__name__ for light in scene.lights] == ["PointLight", "DirectionalLight"]
     assert scene.at(1.0).lights[0].position == (1.0, 2.0, 0.0)
 

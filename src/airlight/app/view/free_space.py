@@ -66,9 +66,9 @@ class FreeSpace:
 
     def _is_free(self, eye: F64, ends: F64) -> F64:
         """Whether nothing is in the way from `eye` to each of `ends` (N, 3), and a gap beyond."""
-        ways = ends - eye
-        length = np.linalg.norm(ways, axis=1)
-        unit = ways / np.maximum(length, 1e-12)[:, None]
+        offsets = ends - eye
+        length = np.linalg.norm(offsets, axis=1)
+        unit = offsets / np.maximum(length, 1e-12)[:, None]
         return np.asarray(self._reaches(eye, unit) > length + self.gap_m)
 
     def moved(self, eye: F64, by: F64) -> F64:

@@ -40,8 +40,8 @@ class Projection:
         """The unit vector from the eye through a pixel."""
         right, up, forward = axes(self.camera)
         across, down = x - self.size[0] / 2.0, y - self.size[1] / 2.0
-        way = forward + (right * across - up * down) / self._focal_px
-        return np.asarray(way / np.linalg.norm(way))
+        direction = forward + (right * across - up * down) / self._focal_px
+        return np.asarray(direction / np.linalg.norm(direction))
 
     def pixel_m(self, point: F64) -> float:
         """How many metres a pixel is at a point's depth."""
@@ -55,8 +55,8 @@ class Projection:
         slope = float(ray @ normal)
         if abs(slope) < 1e-6:
             return None
-        way = float(np.subtract(point, self.camera.position) @ normal) / slope
-        return np.asarray(np.add(self.camera.position, way * ray)) if way > 0.0 else None
+        distance = float(np.subtract(point, self.camera.position) @ normal) / slope
+        return np.asarray(np.add(self.camera.position, distance * ray)) if distance > 0.0 else None
 
     def along(self, x: float, y: float, point: F64, axis: F64) -> float | None:
         """How far along `axis` from `point` is what comes nearest to the ray through a pixel."""

@@ -28,7 +28,7 @@ from ...scene.camera import Camera
 from ...scene.volume import Volume
 from ..medium.placement import SPHERE_SIDE, MediumPlacement, shape_density
 
-WAYS = ("none", "view")
+IMPORTANCE = ("none", "view")
 """Values of the setting: whether ordinates are chosen for what the camera sees."""
 _SIDE = 12  # cells along a side of a cube-shaped medium
 _AVERAGED = 24  # cells along each axis that voxels are averaged to before

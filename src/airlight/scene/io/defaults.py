@@ -15,7 +15,7 @@ from .daylight import sun_and_sky, sun_for
 from .framing import Room, find_room, framing_box, framing_camera
 from .probe import Probe
 
-LAMP_RADIANCE = 8.0
+LIGHT_RADIANCE = 8.0
 """W m^-2 sr^-1. Surfaces that emit less (screens, dials) do not count as a scene's light: beside
 a sky of 1 to 4 they would hardly show."""
 
@@ -43,7 +43,7 @@ def with_default_lights(
 
     Lights and an environment are light; what emits is, too, in a scene file (`is_scene_file`),
     whose author says what he wants. Of a bare model it is where it lights a room with at least
-    LAMP_RADIANCE: a glowing part of something that stands in the open is seen by daylight.
+    LIGHT_RADIANCE: a glowing part of something that stands in the open is seen by daylight.
 
     The sun is placed for the scene's camera (for a framing one where it is the default), and
     what it sees is exposed by the image, unless `is_exposed` says that somebody chose an exposure.
@@ -58,14 +58,14 @@ def with_default_lights(
         return scene  # fire is seen by its own light
     brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
     if is_scene_file and brightest > 0.0:
-        if brightest >= LAMP_RADIANCE:
+        if brightest >= LIGHT_RADIANCE:
             return scene
         line = f"emissive surfaces are its only light, and dim (radiance {brightest:g}): add a "
         return replace(scene, warnings=(*scene.warnings, line + "[[light]] or an [environment]"))
     # What the scene looks like from within decides where its sun stands.
     probed = _probe(scene, probe)
     room = find_room(probed)
-    if brightest >= LAMP_RADIANCE and room is not None:
+    if brightest >= LIGHT_RADIANCE and room is not None:
         return scene
     camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
@@ -88,7 +88,7 @@ def _said(brightest: float, *, has_room: bool) -> tuple[str, ...]:
     if brightest <= 0.0:
         return ()
     why = "light no room"
-    if has_room or brightest < LAMP_RADIANCE:
+    if has_room or brightest < LIGHT_RADIANCE:
         why = f"are dim (radiance {brightest:g})"
     return (f"its emissive surfaces {why}: a default sun and sky were added",)
 

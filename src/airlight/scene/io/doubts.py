@@ -24,21 +24,21 @@ def _thick_fog(scene: Scene) -> str:
     eye = np.array(scene.camera.position)
     low, high = (np.asarray(corner, np.float64) for corner in scene.bounds)
     # How far the nearest thing is that the fog could hide.
-    way = float(np.linalg.norm(0.5 * (low + high) - eye))
+    path_m = float(np.linalg.norm(0.5 * (low + high) - eye))
     if np.all((low <= eye) & (eye <= high)):
         most = float(np.linalg.norm(high - low))
         if min(scene.medium.sigma_t) * most <= THICK:
             return ""
-        way = _nearest(scene, most)
+        path_m = _nearest(scene, most)
     if scene.medium.bounds is not None:
         first, last = (np.array(corner) for corner in scene.medium.bounds)
-        way = min(way, float(np.linalg.norm(last - first)))
+        path_m = min(path_m, float(np.linalg.norm(last - first)))
     # Its optical depth on that path.
-    depth = min(scene.medium.sigma_t) * way
+    depth = min(scene.medium.sigma_t) * path_m
     if depth <= THICK:
         return ""
     return (
-        f"the camera looks through {way:.3g} m of fog, {depth:.0f} optical depths: nothing else "
+        f"the camera looks through {path_m:.3g} m of fog, {depth:.0f} optical depths: nothing else "
         "will be seen. Lengths are metres: scale the mesh, or lower sigma_t"
     )
 

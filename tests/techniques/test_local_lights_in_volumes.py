@@ -9,7 +9,7 @@ from airlight.rendering import render
 from airlight.scene import AreaLight, Camera, PointLight, Scene, Volume
 
 LOW, HIGH = np.array([-1.0, -1.0, -1.0]), np.array([1.0, 1.0, 1.0])
-LAMP, INTENSITY, SIGMA_T, ALBEDO, G = np.array([0.13, 0.07, 0.21]), 2.0, 1.2, 0.05, 0.3
+LIGHT, INTENSITY, SIGMA_T, ALBEDO, G = np.array([0.13, 0.07, 0.21]), 2.0, 1.2, 0.05, 0.3
 EYE, FOV_DEG, SIZE = np.array([0.0, 0.0, 4.0]), 36.0, (33, 25)
 
 
@@ -30,23 +30,23 @@ def inside(origins: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return ends[0].max(axis=-1), ends[1].min(axis=-1)
 
 
-def scattered_once(lamp: np.ndarray = LAMP, *, lobe: bool = False) -> np.ndarray:
+def scattered_once(light: np.ndarray = LIGHT, *, lobe: bool = False) -> np.ndarray:
     """Radiance, W m^-2 sr^-1, by a quadrature that takes equal angles about the lamp.
 
     `lobe`: it sends by the cosine, downwards.
     """
     rays = directions()
     begin, end = inside(EYE, rays)
-    near = (lamp - EYE) @ np.moveaxis(rays, -1, 0).reshape(3, -1)
+    near = (light - EYE) @ np.moveaxis(rays, -1, 0).reshape(3, -1)
     near = near.reshape(begin.shape)
-    h = np.linalg.norm(EYE + near[..., None] * rays - lamp, axis=-1)
+    h = np.linalg.norm(EYE + near[..., None] * rays - light, axis=-1)
     is_hit = begin < end
     a, b = np.arctan((begin - near) / h), np.arctan((end - near) / h)
     total = np.zeros(begin.shape)
     steps = 400
     for k in range(steps):
         t = near + h * np.tan(a + (b - a) * (k + 0.5) / steps)
-        away = EYE + t[..., None] * rays - lamp
+        away = EYE + t[..., None] * rays - light
         r = np.linalg.norm(away, axis=-1)
         mu = -np.einsum("...i,...i", away, rays) / r
         phase = (1 - G * G) / (4 * np.pi * (1 + G * G - 2 * G * mu) ** 1.5)
@@ -57,7 +57,7 @@ def scattered_once(lamp: np.ndarray = LAMP, *, lobe: bool = False) -> np.ndarray
 
 @pytest.mark.parametrize("shape", ["box", "grid"])
 @pytest.mark.parametrize("technique", ["pop", "lpv with pop"])
-def test_single_scattering_of_a_lamp_is_the_quadratures(shape, technique):
+def test_single_scattering_of_a_light_is_the_quadratures(shape, technique):
     density = np.ones((12, 12, 12), np.float32) if shape == "grid" else None
     volume = Volume(
         SIGMA_T,
@@ -67,9 +67,9 @@ def test_single_scattering_of_a_lamp_is_the_quadratures(shape, technique):
         albedo=(ALBEDO,) * 3,
         g=(G,) * 3,
     )
-    lamp = PointLight(tuple(LAMP), (INTENSITY,) * 3)
+    light = PointLight(tuple(LIGHT), (INTENSITY,) * 3)
     camera = Camera(tuple(EYE), (0.0, 0.0, 0.0), fov_y_deg=FOV_DEG)
-    scene = Scene(volumes=(volume,), lights=(lamp,), camera=camera)
+    scene = Scene(volumes=(volume,), lights=(light,), camera=camera)
     settings = {"grid": 10, "ordinates": 8}
     name = "pop" if technique == "pop" else "auto"
     if name == "auto":
@@ -92,7 +92,7 @@ def test_a_panel_inside_a_volume_loses_no_light(shape):
     volume = Volume(SIGMA_T, density, shape=shape, bounds=bounds, albedo=albedo, g=g)
     width, height = 0.6, 0.5
     panel = AreaLight(
-        tuple(LAMP), (INTENSITY / (width * height),) * 3, size=(width, height), visible=False
+        tuple(LIGHT), (INTENSITY / (width * height),) * 3, size=(width, height), visible=False
     )
     camera = Camera(tuple(EYE), (0.0, 0.0, 0.0), fov_y_deg=FOV_DEG)
     scene = Scene(volumes=(volume,), lights=(panel,), camera=camera)
@@ -100,7 +100,7 @@ def test_a_panel_inside_a_volume_loses_no_light(shape):
     found = image.layers["single_scatter"][..., 0].sum()
     x, z = ((np.arange(8) + 0.5) / 8 - 0.5) * width, ((np.arange(8) + 0.5) / 8 - 0.5) * height
     truth = np.mean(
-        [scattered_once(LAMP + np.array([a, 0, b]), lobe=True).sum() for a in x for b in z]
+        [scattered_once(LIGHT + np.array([a, 0, b]), lobe=True).sum() for a in x for b in z]
     )
     # The rest: phase functions and depths of a sample's point, and what is beyond the box.
     assert found / truth == pytest.approx(1.0, abs=0.1)
