@@ -35,7 +35,8 @@ WGSL = """
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let light = first_lights();
     let all = array(params.matrix[0], params.matrix[3], vec4f(params.place, f32(params.count)),
-        vec4f(vec3f(params.cells), f32(params.step)), vec4f(params.size, light.power, light.colour.y),
+        vec4f(vec3f(params.cells), f32(params.step)),
+        vec4f(params.size, light.power, light.colour.y),
         lights[1].colour.xyzz);
     return all[u32(position.x)];
 }
