@@ -2,6 +2,7 @@
 // direction to the eye, and by what mean cosine media scatter there.
 //! use lattice_space
 //! use media
+//! use cell_order
 
 const AROUND = 0.75;        // cells
 const FARTHER = 1e-3;       // of each step's weight
@@ -24,7 +25,7 @@ fn cosine_around(id: vec3u) -> vec3f {
     if (any(id >= lattice.count)) {
         return;
     }
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let cell = cell_in(lattice.count, id);
     let texel = vec2u((params.first + cell) % params.width, (params.first + cell) / params.width);
     let p = unwarped_point(lattice, id, vec3f(0.5));
     textureStore(places, texel, vec4f(p, 1.0));

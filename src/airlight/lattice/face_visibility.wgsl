@@ -3,6 +3,7 @@
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
 //! use blocker_sums
+//! use cell_order
 
 const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
 const LARGEST_SHIFT = 0.45;
@@ -115,7 +116,7 @@ fn enclosed_faces(cell: vec3u) -> f32 {
     if (any(id >= params.count)) {
         return;
     }
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     // What stops each outgoing and each incoming hop, and what parts the light on both sides of a face.
     var leaving = array<u32, 6>();
     var entering = array<f32, 6>();

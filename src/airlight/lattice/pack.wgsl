@@ -1,4 +1,5 @@
 // What surfaces read of a solved lattice: injected light as they see it, and all propagated light.
+//! use cell_order
 
 // Beyond all surfaces nothing shines on what faces out; two bands would leave some light there.
 fn is_beyond(cell: vec3u) -> bool {
@@ -21,7 +22,7 @@ fn with_beams(state: vec4f, index: u32) -> vec4f {
         return;
     }
     let cells = params.count.x * params.count.y * params.count.z;
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     // W sr^-1 of the three channels, in stored units.
     let own = vec4f(params.own_constant, vec3f(params.own_directional));
     let r = injected[cell] * own + propagated[cell];

@@ -2,6 +2,7 @@
 //! use hops6
 //! use lattice
 //! use outer_cells
+//! use cell_order
 
 const DEPTH = 3u;       // cells from the border that are asked whether light could leave
 
@@ -26,7 +27,7 @@ fn entering_share(cell: vec3u, hop: u32) -> f32 {
 
 // How open a face is for light that leaves a cell.
 fn leaving_share(cell: vec3u, hop: u32) -> f32 {
-    let index = (cell.z * lattice.count.y + cell.y) * lattice.count.x + cell.x;
+    let index = cell_in(lattice.count, cell);
     return 1.0 - unpack4x8unorm(faces[2u * index + hop / 4u][hop % 4u]).w;
 }
 

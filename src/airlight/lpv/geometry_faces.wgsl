@@ -1,5 +1,6 @@
 // The shares that propagation reads, as lattice/face_visibility.wgsl writes them, from the geometry volume
 // (Kaplanyan2010 section 3.2).
+//! use cell_order
 
 struct Blocked {
     share: f32,
@@ -53,7 +54,7 @@ fn blocked(cell: vec3u, hop: u32) -> Blocked {
     // Packed as lattice.blockers.Blockers.faces.
     let xy = pack4x8unorm(vec4f(entering[0], entering[1], entering[2], entering[3]));
     let zz = pack4x8unorm(vec4f(entering[4], entering[5], 1.0, 1.0));
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     faces[2u * cell] = vec4u(leaving[0], leaving[1], leaving[2], leaving[3]);
     faces[2u * cell + 1u] = vec4u(leaving[4], leaving[5], xy, zz);
     // The paper's lookup knows no walls.

@@ -3,6 +3,7 @@
 //! use map_visibility
 //! use octants
 //! use wider_box
+//! use cell_order
 
 const FAR = 3.0e38;
 const MARGIN = 1e-3;    // cells, whatever rounding makes of a path along the side of a box
@@ -78,6 +79,6 @@ fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
     }
     if (is_stale) {
         let n = atomicAdd(&stale_cells[0], 1u);
-        atomicStore(&stale_cells[n + 1u], (id.z * lattice.count.y + id.y) * lattice.count.x + id.x);
+        atomicStore(&stale_cells[n + 1u], cell_in(lattice.count, id));
     }
 }

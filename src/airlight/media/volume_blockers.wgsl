@@ -1,5 +1,6 @@
 // Volumes as blockers of a lattice: what they reflect and stop on each hop, on top of its walls (two-stream
 // model, Schuster1905).
+//! use cell_order
 
 // What a hop between two cells meets: rgb reflected, a blocked.
 fn met(one: vec4f, other: vec4f) -> vec4f {
@@ -35,7 +36,7 @@ fn leaving(wall: u32, media: vec4f) -> u32 {
     if (any(id >= lattice.count)) {
         return;
     }
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let cell = cell_in(lattice.count, id);
     let here = cells[cell];
     // Media on the six hops, then walls and media together, packed as lattice.blockers.Blockers.faces.
     var hops = array<vec4f, 6>();

@@ -1,6 +1,7 @@
 // The reduced coefficients of volumes in the cells of a lattice, m^-1.
 //! use media
 //! use lattice_axes
+//! use cell_order
 
 // Whether a cell touches a medium's box at all; most do not, and sampling costs.
 fn touches(m: u32, centre: vec3f) -> bool {
@@ -43,6 +44,6 @@ fn touches(m: u32, centre: vec3f) -> bool {
         scattering += density * scattered * (1.0 - media[m].g);
         extinction += density * (media[m].sigma_t - scattered * media[m].g);
     }
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let cell = cell_in(lattice.count, id);
     cells[cell] = vec4f(scattering, (extinction.r + extinction.g + extinction.b) / 3.0);
 }

@@ -2,6 +2,7 @@
 // flux, and what walls beside the cell turn back of it. LEVELS, TURNS, ROWS and LAST are generated.
 //! use media
 //! use open_line
+//! use cell_order
 
 // W m^-2 sr^-1 that the medium outside sends from a point of the border, seen on a level of directions.
 fn incoming(level: u32, depth: f32) -> vec3f {
@@ -102,5 +103,5 @@ fn open_to_border(begin: vec3f, p: vec3f, out: vec3f, reach: f32) -> f32 {
 }
 
 fn cell_of(id: vec3u) -> u32 {
-    return (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    return cell_in(lattice.count, id);
 }

@@ -1,6 +1,7 @@
 // A cell's mean scattering and extinction, m^-1, over samples^3 points of it.
 //! use media
 //! use lattice_axes
+//! use cell_order
 
 const CELL_RADIUS = 0.8660255;     // cells: half a cell's diagonal
 
@@ -43,7 +44,7 @@ fn density_of_points(m: u32, cell: vec3u, n: u32) -> f32 {
     }
     let share = 1.0 / f32(n * n * n);
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let cell = cell_in(lattice.count, id);
     for (var channel = 0u; channel < 3u; channel++) {
         medium[channel * cells_in_all + cell] = share
             * vec2f(scattering[channel], extinction[channel]);

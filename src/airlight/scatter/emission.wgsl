@@ -1,4 +1,5 @@
 // The solved track as textures for marching: a channel each, and the constant terms of all three.
+//! use cell_order
 
 const LARGEST_HALF = 65504.0;
 
@@ -19,7 +20,7 @@ fn stored(index: u32, share: f32) -> vec4f {
         return;
     }
     let cells = params.count.x * params.count.y * params.count.z;
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     // The three channels, and for media that ask for no direction their constant terms alone.
     let r = stored(cell, params.share.r);
     let g = stored(cell + cells, params.share.g);

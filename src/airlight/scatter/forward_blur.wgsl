@@ -2,9 +2,10 @@
 // far as the faces between are open: what is lit beyond a wall stays there. The slabs of both textures
 // along z are lights.
 //! use entering_share
+//! use cell_order
 
 fn entering(cell: vec3u, hop: u32) -> f32 {
-    let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+    let index = cell_in(params.count, cell);
     return entering_share(face_visibility[index], hop);
 }
 

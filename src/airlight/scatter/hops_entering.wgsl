@@ -2,6 +2,7 @@
 // neighbours send it, by the number of the hop that goes to the neighbour.
 //! use hops26
 //! use packed_hops
+//! use cell_order
 
 // The open share of a neighbour's hop, as hops_leaving has packed it.
 fn open_leaving(cell: vec3i, hop: u32) -> f32 {
@@ -9,7 +10,7 @@ fn open_leaving(cell: vec3i, hop: u32) -> f32 {
         return 1.0;
     }
     let c = vec3u(cell);
-    let index = (c.z * params.count.y + c.y) * params.count.x + c.x;
+    let index = cell_in(params.count, c);
     let word = packs[4u * index + 2u + hop / 16u][(hop / 4u) & 3u];
     return unpack4x8unorm(word)[hop & 3u];
 }
@@ -23,7 +24,7 @@ fn open_hop(at: vec3i, hop: u32) -> f32 {
     if (any(id >= params.count)) {
         return;
     }
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     let words = packed_hops(vec3i(id));
     packs[4u * cell] = vec4u(words[0], words[1], words[2], words[3]);
     packs[4u * cell + 1u] = vec4u(words[4], words[5], words[6], 0u);

@@ -3,6 +3,7 @@
 //! use hops26
 //! use packed_hops
 //! use entering_share
+//! use cell_order
 
 // The open share of the face that a step of `step` along an axis crosses into a cell; outside,
 // nothing stops light.
@@ -11,7 +12,7 @@ fn open_face(cell: vec3i, axis: u32, step: i32) -> f32 {
         return 1.0;
     }
     let c = vec3u(cell);
-    let index = (c.z * params.count.y + c.y) * params.count.x + c.x;
+    let index = cell_in(params.count, c);
     return entering_share(face_visibility[index], 2u * axis + select(0u, 1u, step < 0));
 }
 
@@ -56,7 +57,7 @@ fn open_hop(at: vec3i, hop: u32) -> f32 {
     if (any(id >= params.count)) {
         return;
     }
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     let words = packed_hops(vec3i(id));
     packs[4u * cell + 2u] = vec4u(words[0], words[1], words[2], words[3]);
     packs[4u * cell + 3u] = vec4u(words[4], words[5], words[6], reflectance[cell]);

@@ -1,5 +1,6 @@
 // Which cells surfaces read: those that have surfels around a corner of theirs or of a neighbour's.
 //! use blocker_sums
+//! use cell_order
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
@@ -17,5 +18,5 @@
             }
         }
     }
-    near[(id.z * params.count.y + id.y) * params.count.x + id.x] = is_near;
+    near[cell_in(params.count, id)] = is_near;
 }

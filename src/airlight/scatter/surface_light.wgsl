@@ -1,5 +1,6 @@
 // The sum of all states as textures that surfaces read.
 //! use hops26
+//! use cell_order
 
 override SCATTERED_GAIN: f32;
 const LARGEST_HALF = 65504.0;
@@ -19,7 +20,7 @@ fn stored(index: u32, weight: f32) -> vec4f {
         return;
     }
     let cells = params.count.x * params.count.y * params.count.z;
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     // The medium of the lattice, or of this cell.
     var sigma_s = params.sigma_s;
     var sigma_t = params.sigma_t;

@@ -1,12 +1,13 @@
 // States of the cells of a lattice, channel after channel, x fastest. The including pass binds `params` (count),
 // `before`, `added`, `after` and `faces`, and adds `State`, `unpacked` and `packed` (lpv.storage).
+//! use cell_order
 //! needs fn packed(v: vec4f) -> State
 //! needs fn unpacked(v: State) -> vec4f
 
 override IS_ADDED: bool = false;        // `added` to what is stored
 
 fn cell_index(cell: vec3u) -> u32 {
-    return (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+    return cell_in(params.count, cell);
 }
 
 fn state_at(cell: u32) -> mat3x4f {

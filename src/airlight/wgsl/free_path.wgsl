@@ -1,11 +1,12 @@
 // Paths through a lattice that end at walls. The including pass binds `lattice` and `face_visibility`.
 //! use entering_share
 //! use lattice_space
+//! use cell_order
 
 // Whether walls close the face that a hop crosses into a cell.
 fn is_shut(cell: vec3i, hop: u32) -> bool {
     let c = vec3u(clamp(cell, vec3i(0), vec3i(lattice.count) - 1));
-    let index = (c.z * lattice.count.y + c.y) * lattice.count.x + c.x;
+    let index = cell_in(lattice.count, c);
     return entering_share(face_visibility[index], hop) < 0.5;
 }
 

@@ -1,4 +1,5 @@
 // Cells of a medium's own grid. The including pass binds `params` (MediumParams).
+//! use cell_order
 
 fn cell_of(index: u32) -> vec3u {
     let n = params.count;
@@ -6,7 +7,7 @@ fn cell_of(index: u32) -> vec3u {
 }
 
 fn cell_index(cell: vec3u) -> u32 {
-    return (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+    return cell_in(params.count, cell);
 }
 
 // How far apart in memory neighbours along an axis are.

@@ -1,4 +1,5 @@
 //! use diffusion
+//! use cell_order
 
 // Diffuse light that enters a finer grid from the solution of the next larger one; see
 // maths/nested_diffusion.py. The including pass binds `outer` (OuterParams), `outer_phi` and
@@ -20,7 +21,7 @@ fn entering_fluence(point: vec3f, axis: u32, outwards: f32) -> vec3f {
         let side = vec3u(s & 1u, (s >> 1u) & 1u, s >> 2u);
         let weights = mix(1.0 - share, share, vec3f(side));
         let c = low + side;
-        let index = (c.z * outer.count.y + c.y) * outer.count.x + c.x;
+        let index = cell_in(outer.count, c);
         let flux = outer_diffuse[(1u + axis) * outer.cells + index].xyz;
         sum += weights.x * weights.y * weights.z
             * (outer_phi[index].xyz - 2.0 * outwards * flux);

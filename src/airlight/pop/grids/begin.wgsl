@@ -2,6 +2,7 @@
 // state (Elek2014 section 4.1).
 //! use hop_light
 //! use ordinate_kind
+//! use cell_order
 
 const BARELY_LIT = 1e-3;    // visibility below which its changes say nothing of surfaces
 
@@ -9,7 +10,7 @@ const BARELY_LIT = 1e-3;    // visibility below which its changes say nothing of
 // there.
 fn visibility_at(row: u32, point: vec3f) -> f32 {
     let cell = vec3u(clamp(point / params.cell, vec3f(0.0), vec3f(params.count) - 1.0));
-    let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+    let index = cell_in(params.count, cell);
     return passed[(params.ordinate_count + row) * params.cells + index];
 }
 

@@ -2,6 +2,7 @@
 // added to the medium's cells in fixed point.
 //! use hop_grid
 //! use octants
+//! use cell_order
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     // A cell of a grid of shells.
@@ -25,7 +26,7 @@
         let upper = octant(k);
         let share = select(1.0 - part, part, upper == vec3u(1u));
         let cell = vec3u(min(low + vec3f(upper), top));
-        let index = (cell.z * params.count.y + cell.y) * params.count.x + cell.x;
+        let index = cell_in(params.count, cell);
         let amount = share.x * share.y * share.z * power;
         for (var c = 0u; c < 3u; c++) {
             atomicAdd(&splatted[3u * index + c], i32(round(amount[c])));
