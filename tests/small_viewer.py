@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
 SCENE = Path(__file__).parent / "app" / "view" / "view_box.toml"
 SETTINGS = {
     "resolution": 8,
@@ -27,3 +29,9 @@ def served(errors: int) -> subprocess.Popen[str]:
         stderr=errors,
         text=True,
     )
+
+
+def box_share(pixels: np.ndarray) -> float:
+    """The share of the image that the scene's red box takes, lit or not."""
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    return float(((red > 1.4 * green) & (red > 1.4 * blue) & (red > 25)).mean())

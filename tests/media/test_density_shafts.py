@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from airlight.reference.quadrature import box_path, henyey_greenstein, panels, spot_falloff
+from airlight.reference.quadrature import box_path, henyey_greenstein, panels
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -21,7 +21,7 @@ from airlight.scene import (
 )
 from airlight.scene.shapes import quad
 
-from .shaft_setups import BOX, RGB, SHEET_Y, TRAVEL, is_lit
+from .shaft_setups import BOX, RGB, SHEET_Y, TRAVEL, is_lit, unshaded
 
 SIZE = (10, 8)
 MAPS = (1024, 512)
@@ -68,19 +68,19 @@ def density(grid: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.where(np.all((u >= 0.0) & (u <= 1.0), axis=-1), total, 0.0)
 
 
-def depth(scene: Scene, p: np.ndarray, way: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """(..., 3): optical depth of the ways (..., 3) from points, m long."""
+def depth(scene: Scene, p: np.ndarray, along: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """(..., 3): optical depth of the paths `along` (..., 3) from points, `reach` m long."""
     fog, smoke = scene.medium, scene.volumes[0]
     assert fog is not None and smoke.density is not None
-    even = np.minimum(box_path(p, way, BOX)[1], reach)
-    entry, leave = box_path(p, way, PUFF)
+    in_fog = np.minimum(box_path(p, along, BOX)[1], reach)
+    entry, leave = box_path(p, along, PUFF)
     leave = np.minimum(leave, reach)
     entry = np.minimum(entry, leave)
     x, w = panels(6, 2)
     s = entry[..., None] + (leave - entry)[..., None] * x
-    places = p[..., None, :] + s[..., None] * way[..., None, :]
+    places = p[..., None, :] + s[..., None] * along[..., None, :]
     column = (density(smoke.density, places) * w).sum(axis=-1) * (leave - entry)
-    return np.asarray(even[..., None] * fog.sigma_t + column[..., None] * smoke.sigma_t)
+    return np.asarray(in_fog[..., None] * fog.sigma_t + column[..., None] * smoke.sigma_t)
 
 
 def truth(scene: Scene, d: np.ndarray, count: int = 120) -> np.ndarray:
@@ -95,21 +95,14 @@ def truth(scene: Scene, d: np.ndarray, count: int = 120) -> np.ndarray:
     leave = np.where(hits, np.clip(s, entry, leave), leave)
     dt = ((leave - entry) / count)[..., None]
     p = eye + (entry[..., None] + dt * (np.arange(count) + 0.5))[..., None] * d[..., None, :]
-    if isinstance(light, DirectionalLight):
-        way, color = np.broadcast_to(-np.array(TRAVEL), p.shape), light.irradiance
-        reach, gain = np.full(p.shape[:-1], 1e9), np.ones(p.shape[:-1])
-    else:
-        reach = np.linalg.norm(light.position - p, axis=-1)
-        way, color, gain = (light.position - p) / reach[..., None], light.intensity, reach**-2
-    if isinstance(light, SpotLight):
-        gain = gain * spot_falloff(-way @ light.direction, light.inner_deg, light.outer_deg)
-    mu = np.sum(way * d[..., None, :], axis=-1)
+    travel, reach, gain, _, color = unshaded(light, p)
+    mu = -np.sum(travel * d[..., None, :], axis=-1)
     smoke_here = density(smoke.density, p)[..., None] * smoke.sigma_t
     passed = np.cumsum(smoke_here + fog.sigma_t, axis=-2) - 0.5 * (smoke_here + fog.sigma_t)
     sent = np.array(fog.sigma_s) * henyey_greenstein(mu, fog.g[0])[..., None]
     phase = np.stack([henyey_greenstein(mu, g) for g in smoke.g], axis=-1)
     sent = sent + smoke_here * smoke.albedo * phase
-    sent *= np.exp(-passed * dt[..., None] - depth(scene, p, way, reach))
+    sent *= np.exp(-passed * dt[..., None] - depth(scene, p, -travel, reach))
     return np.asarray((sent * (gain * is_lit(light, p))[..., None]).sum(axis=-2) * dt * color)
 
 

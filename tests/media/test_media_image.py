@@ -27,6 +27,8 @@ from airlight.scene import (
     Volume,
 )
 
+from .shaft_setups import compressed_l2
+
 SIZE = (44, 32)
 """Rows at which shafts fit between sites, but not between reduced texels."""
 BOX = ((-2.0, -1.5, -2.0), (2.0, 2.0, 2.0))
@@ -63,12 +65,6 @@ def full(gpu: Gpu, seen: Any, owned: Callable[[Any], Any]) -> np.ndarray:
     return np.asarray(seen.read(air.single_scatter))
 
 
-def l2(a: np.ndarray, b: np.ndarray) -> float:
-    """Of what is seen: the peak at a lamp, a pixel wide, is compressed."""
-    a, b = a / (a + b.mean()), b / (b + b.mean())
-    return float(np.linalg.norm(a - b) / np.linalg.norm(b))
-
-
 @pytest.fixture
 def as_if_large(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small images are reduced as large ones are."""
@@ -81,7 +77,7 @@ def test_small_images_are_drawn_whole(gpu: Gpu, look: Any, owned: Any, foggy: Sc
     small = seen.read(drawn(gpu, seen, owned).single_scatter)
     np.testing.assert_allclose(small[..., :3], exact[..., :3], rtol=1e-3, atol=1e-6)
     never = seen.read(drawn(gpu, seen, owned, shaft_contrast=1.0).single_scatter)
-    assert l2(never[..., :3], exact[..., :3]) > 0.01
+    assert compressed_l2(never[..., :3], exact[..., :3]) > 0.01
 
 
 @pytest.mark.usefixtures("as_if_large")
@@ -92,7 +88,7 @@ def test_reduced_images_are_near_the_full_one(
     exact = full(gpu, seen, owned)
     for name, ceiling in (("half", 0.06), ("quarter", 0.15)):
         reduced = seen.read(drawn(gpu, seen, owned, shaft_resolution=name).single_scatter)
-        assert l2(reduced, exact) < ceiling
+        assert compressed_l2(reduced, exact) < ceiling
         # The post is nearer than the air: it stays black to its very edge.
         post = seen.view.gbuffer.depth.read() > 0.01 / 3.0
         assert post.any()
@@ -107,7 +103,7 @@ def test_two_media_are_as_one_of_their_sum(gpu: Gpu, look: Any, owned: Any, fogg
     two = dataclasses.replace(
         foggy, medium=Medium(share, bounds=BOX), volumes=(Volume(rest, shape="box", bounds=BOX),)
     )
-    assert l2(full(gpu, look(two, SIZE), owned), one) < 0.01
+    assert compressed_l2(full(gpu, look(two, SIZE), owned), one) < 0.01
 
 
 def test_a_solved_volume_has_no_shafts_but_takes_light(

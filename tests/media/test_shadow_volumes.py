@@ -11,7 +11,7 @@ import pytest
 
 from airlight.errors import SettingsError
 from airlight.gpu.device import Gpu
-from airlight.reference.quadrature import box_path, henyey_greenstein, panels, spot_falloff
+from airlight.reference.quadrature import box_path, henyey_greenstein, panels
 from airlight.scene import (
     Camera,
     DirectionalLight,
@@ -24,7 +24,7 @@ from airlight.scene import (
     Volume,
 )
 
-from .shaft_setups import BOX, RGB, TRAVEL, compressed_l2
+from .shaft_setups import BOX, RGB, TRAVEL, compressed_l2, unshaded
 
 SIZE = (48, 36)
 SIGMA_T, ALBEDO, G = np.array([0.15, 0.5, 1.2]), np.array([0.9, 0.6, 1.0]), 0.45
@@ -54,24 +54,12 @@ def truth(light: Light, seen: Any) -> np.ndarray:
     x, w = panels(200, 2)
     t = entry[..., None] + (leave - entry)[..., None] * x
     p = eye + t[..., None] * d[..., None, :]
-    if isinstance(light, DirectionalLight):
-        way, r, gain = np.broadcast_to(np.array(TRAVEL), p.shape), np.inf, np.ones(t.shape)
-        path = box_path(p, -np.array(TRAVEL), BOX)[1]
-        color = light.irradiance
-    else:
-        way = p - light.position
-        r = np.linalg.norm(way, axis=-1)
-        way, gain, color = way / r[..., None], 1.0 / r**2, light.intensity
-        path = np.minimum(r, box_path(p, -way, BOX)[1])
-    if isinstance(light, SpotLight):
-        gain = gain * spot_falloff(
-            way @ np.array(light.direction), light.inner_deg, light.outer_deg
-        )
+    travel, r, gain, path, color = unshaded(light, p)
     with np.errstate(divide="ignore", invalid="ignore"):
-        back = (p[..., 1] - SHEET_Y) / way[..., 1]
-        at = p - back[..., None] * way
+        back = (p[..., 1] - SHEET_Y) / travel[..., 1]
+        at = p - back[..., None] * travel
     gain = np.where((back > 0) & (back < r) & np.all(np.abs(at[..., ::2]) < 0.7, axis=-1), 0, gain)
-    mu = -np.sum(way * d[..., None, :], axis=-1)
+    mu = -np.sum(travel * d[..., None, :], axis=-1)
     depth = (t - entry[..., None] + path)[..., None] * SIGMA_T
     total = np.sum((gain * henyey_greenstein(mu, G) * w)[..., None] * np.exp(-depth), axis=-2)
     return np.asarray(total * (leave - entry)[..., None] * SIGMA_T * ALBEDO * color)

@@ -14,7 +14,6 @@ from airlight.reference.quadrature import (
     henyey_greenstein,
     panels,
     point_single_scatter,
-    spot_falloff,
 )
 from airlight.scene.camera import Camera
 from airlight.scene.lights import DirectionalLight, Light, PointLight, SpotLight
@@ -23,7 +22,7 @@ from airlight.scene.mesh import Mesh
 from airlight.scene.scene import Scene
 from airlight.scene.shapes import quad
 
-from .shaft_setups import BOX, SHEET_Y, TRAVEL, is_lit
+from .shaft_setups import BOX, SHEET_Y, TRAVEL, is_lit, unshaded
 
 SIZE = (27, 18)
 MAPS = (1024, 1024)
@@ -60,20 +59,8 @@ def truth(light: Light, seen: Any, lit: Callable[..., np.ndarray], box: Any = BO
     x, w = panels(150, 2)
     t = entry[..., None] + (leave - entry)[..., None] * x
     p = eye + t[..., None] * d[..., None, :]
-    if isinstance(light, DirectionalLight):
-        way, irradiance = np.broadcast_to(np.array(TRAVEL), p.shape), np.ones(t.shape)
-        path = box_path(p, -np.array(TRAVEL), box)[1]
-        color = light.irradiance
-    else:
-        way = p - light.position
-        r = np.linalg.norm(way, axis=-1)
-        way, irradiance, color = way / r[..., None], 1.0 / r**2, light.intensity
-        path = np.minimum(r, box_path(p, -way, box)[1])
-    if isinstance(light, SpotLight):
-        irradiance = irradiance * spot_falloff(
-            way @ np.array(light.direction), light.inner_deg, light.outer_deg
-        )
-    mu = -np.sum(way * d[..., None, :], axis=-1)
+    travel, _, irradiance, path, color = unshaded(light, p, box)
+    mu = -np.sum(travel * d[..., None, :], axis=-1)
     base = irradiance * henyey_greenstein(mu, G) * lit(light, p) * w
     depth = (t - entry[..., None] + path)[..., None] * SIGMA_T
     total = np.sum(base[..., None] * np.exp(-depth), axis=-2)

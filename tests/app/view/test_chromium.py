@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 
-from small_viewer import served
+from small_viewer import box_share, served
 
 PANEL_PX = 340
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
@@ -52,12 +52,6 @@ def shown(page) -> np.ndarray:
 
     image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     return np.asarray(image).astype(int)[:, PANEL_PX:]
-
-
-def box_share(pixels: np.ndarray) -> float:
-    """The share of the image that the scene's red box takes, lit or not."""
-    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
-    return float(((red > 1.4 * green) & (red > 1.4 * blue) & (red > 25)).mean())
 
 
 def until(page, is_so, what: str, seconds: float = 90.0) -> np.ndarray:

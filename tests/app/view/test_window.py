@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from airlight.app.cli import run
-from small_viewer import OPTIONS, SCENE
+from small_viewer import OPTIONS, SCENE, box_share
 
 PANEL_PX, SIZE = 340, (640, 320)
 needs_a_desk = pytest.mark.needs("glfw", "imgui_bundle", ("Xvfb",), ("xdotool",))
@@ -26,12 +26,6 @@ def test_without_a_display_the_browser_is_offered(monkeypatch, capsys):
     assert run(["view", str(SCENE)]) == 2
     said = capsys.readouterr().err
     assert "error: there is no display to open a window on. Use --in browser" in said
-
-
-def box_share(pixels: np.ndarray) -> float:
-    """The share of the image that the scene's red box takes, lit or not."""
-    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
-    return float(((red > 1.4 * green) & (red > 1.4 * blue) & (red > 25)).mean())
 
 
 class Desk:
