@@ -9,18 +9,12 @@ import pytest
 
 from airlight.maths.area_light import cosine_table
 from airlight.rendering import render
-from airlight.scene import Camera, DirectionalLight, Environment, Material, Mesh, Scene
-from airlight.scene.mesh import Geometry
+from airlight.scene import Camera, DirectionalLight, Environment, Material, Scene
+
+from .panels import LPV, X, Y, Z, rectangle
 
 SIZE = (48, 32)
-LPV = {"resolution": 8, "shadow_resolution": 256, "map_resolution": 32, "iterations": 16}
 GATHERED = {**LPV, "gather": "still"}
-X, Y, Z = np.eye(3)
-
-
-def rectangle(corner, right, down, paint):
-    points = np.array([corner, corner + right, corner + right + down, corner + down], np.float32)
-    return Mesh(Geometry(points, np.array([[0, 1, 2], [0, 2, 3]], np.uint32)), paint)
 
 
 def albedo_at_normal(alpha: float) -> float:

@@ -20,23 +20,13 @@ from airlight.scene import (
     Scene,
     Texture,
 )
-from airlight.scene.mesh import Geometry
 from airlight.scene.point_lights import PointLights
 from airlight.scene.shapes import box
 
+from .panels import LPV, PAINT, X, Y, Z, rectangle
+
 SIZE = (48, 32)
-PAINT = Material(base_color=(0.6, 0.5, 0.4), specular=0.0)
 ABOVE = Camera((0.0, 3.0, 0.8), (0.0, 0.0, 0.8), (0.0, 0.0, -1.0), 30.0)
-LPV = {"resolution": 8, "shadow_resolution": 256, "map_resolution": 32, "iterations": 16}
-
-
-def rectangle(corner, right, down, paint=PAINT):
-    """A quad of one metre to each side, laid onto corner + s right + t down."""
-    points = np.array([corner, corner + right, corner + right + down, corner + down], np.float32)
-    return Mesh(Geometry(points, np.array([[0, 1, 2], [0, 2, 3]], np.uint32)), paint)
-
-
-X, Y, Z = np.eye(3)
 FLOOR = rectangle(-3 * X - 3 * Z, 6 * X, 6 * Z)
 WALL = rectangle(-1 * X, 2 * X, 2 * Y)
 

@@ -9,12 +9,12 @@ frame.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..maths.sampling import orthonormal_frame
+from ..maths.transforms import triple
 from ..scene.checks import F64
 from ..scene.lights import Light, LightSample, SpotLight
 from ..scene.mesh import Mesh
@@ -149,7 +149,7 @@ class Emitters:
         r, g, b = (share * c for c in light.intensity)
         return replace(
             light,
-            position=_triple(middle + rim * normal),
+            position=triple(middle + rim * normal),
             intensity=(r, g, b),
             size=(across, along),
         )
@@ -240,17 +240,17 @@ class Emitters:
         near = own_reach(own, bodies, middle) if has_cube else np.zeros(3)
         r, g, b = light.sum(axis=0)
         sample = LightSample(
-            _triple(middle),
-            _triple(normal),
+            triple(middle),
+            triple(normal),
             (float(r), float(g), float(b)),
             front,
             (1.0 - length) / 4.0 if has_cube else 0.0,
             max(extent, spread),
             float(weight @ self._bodies[rows]),
             self._cell,
-            _triple(size.tangent),
+            triple(size.tangent),
             size.extent,
-            _triple(near),
+            triple(near),
         )
         return Sample(sample, min(max(extent, spread), float(near.max())), has_cube, segment)
 
@@ -275,13 +275,9 @@ def _spots(spot: SpotLight) -> list[SpotLight]:
     return [
         replace(
             spot,
-            position=_triple(np.array(spot.position) + 0.5 * spot.radius * (x * side + y * up)),
+            position=triple(np.array(spot.position) + 0.5 * spot.radius * (x * side + y * up)),
             intensity=(r, g, b),
             radius=0.0,
         )
         for x, y in ((-1, -1), (1, -1), (-1, 1), (1, 1))
     ]
-
-
-def _triple(values: F64 | Sequence[float]) -> tuple[float, float, float]:
-    return (float(values[0]), float(values[1]), float(values[2]))

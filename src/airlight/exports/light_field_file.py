@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import OutputError, SceneError
+from ..maths.transforms import triple
 from ..scene.io.files import inside, read_text
 from ..scene.io.numpy_files import opened_npz, read_npy
 from ..scene.io.writing import whole_file
@@ -205,7 +206,7 @@ def _field(header: dict[str, Any], arrays: dict[str, Any]) -> LightField:
         _lattice(about, f"lattice{i}_", arrays) for i, about in enumerate(header["lattices"])
     )
     volumes = tuple(
-        VolumeLight(arrays[v["array"]], np.array(v["world_from_unit"]), _three(v["eye_m"]))
+        VolumeLight(arrays[v["array"]], np.array(v["world_from_unit"]), triple(v["eye_m"]))
         for v in header["volumes"]
     )
     return LightField(header["technique"], header["scene"], lattices, volumes)
@@ -215,7 +216,7 @@ def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> Lattic
     air = arrays.get(f"{name}air")
     return LatticeLight(
         axes=np.array(about.get("axes_xyz", np.eye(3)), np.float64),
-        origin=_three(about["origin_m"]),
+        origin=triple(about["origin_m"]),
         cell=about["cell_m"],
         rule=about["rule"],
         fade=np.array(about["fade_m"]),
@@ -225,8 +226,3 @@ def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> Lattic
         air=None if air is None else _from_sh(air),
         dead_ends=arrays.get(f"{name}dead_ends"),
     )
-
-
-def _three(values: Any) -> tuple[float, float, float]:
-    x, y, z = values
-    return (float(x), float(y), float(z))

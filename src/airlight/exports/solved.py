@@ -13,6 +13,7 @@ from ..errors import SettingsError
 from ..fields import LatticeSource
 from ..gpu.memory import Texture
 from ..lattice.placement import LatticeParams
+from ..maths.transforms import triple
 from ..pop.media import PopMedia
 from ..pop.solver import PopSolver
 from ..rendering import Renderer
@@ -112,7 +113,7 @@ def _lattice_light(record: Any, held: Mapping[str, Any], origin: F64) -> Lattice
     fade[[0, 2]] += axes @ origin
     return LatticeLight(
         axes=axes,
-        origin=_three(record["origin"] + axes @ origin),
+        origin=triple(record["origin"] + axes @ origin),
         cell=cell,
         fade=fade,
         rule="linear" if is_paper else "lobe",
@@ -145,7 +146,7 @@ def _bands(bound: Mapping[str, Texture]) -> np.ndarray[Any, np.dtype[np.float32]
 def _volume_lights(used: Technique, renderer: Renderer) -> tuple[VolumeLight, ...]:
     media = used.find(PopMedia)
     solvers = media.solvers if media else ()
-    eye, origin = _three(renderer.scene.camera.position), renderer.origin
+    eye, origin = triple(renderer.scene.camera.position), renderer.origin
     return tuple(VolumeLight(_scattered(s), _world_from_unit(s, origin), eye) for s in solvers)
 
 
@@ -159,8 +160,3 @@ def _world_from_unit(solver: PopSolver, origin: tuple[float, float, float]) -> F
 def _scattered(solver: PopSolver) -> np.ndarray[Any, np.dtype[np.float32]]:
     """(Z, Y, X, 3): in-scattered radiance per unit scattering coefficient, W m^-2 sr^-1."""
     return (solver.emission.whole.read()[..., :3] * solver.scale).astype(np.float32)
-
-
-def _three(values: Any) -> tuple[float, float, float]:
-    x, y, z = values
-    return (float(x), float(y), float(z))

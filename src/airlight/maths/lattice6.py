@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .solid_angle import polygon_mean_direction, polygon_solid_angle, quad_mean_square
+from .transforms import triple
 
 F64 = NDArray[np.float64]
 Scheme = Literal["paper", "centroid"]
@@ -130,11 +131,7 @@ def face_seen(
     else:
         raise ValueError(f"scheme '{scheme}' is unknown; known: paper, centroid")
     omega = float(polygon_solid_angle(corners))
-    return Face(_triple(n), omega, _triple(receive), _triple(emit), spread)
-
-
-def _triple(v: F64) -> tuple[float, float, float]:
-    return (float(v[0]), float(v[1]), float(v[2]))
+    return Face(triple(n), omega, triple(receive), triple(emit), spread)
 
 
 @cache

@@ -23,6 +23,11 @@ def unit(v: Vector) -> F64:
     return a / np.linalg.norm(a)
 
 
+def triple(v: Any) -> tuple[float, float, float]:
+    """A vector or colour (3,) as Python's own numbers."""
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
 def _cross(a: Vector, b: Vector) -> F64:
     """np.cross of two vectors, without its looking at shapes."""
     (ax, ay, az), (bx, by, bz) = a, b

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ReferenceFailure
-from ..scene.checks import F64, Vec3
+from ..maths.transforms import triple
+from ..scene.checks import F64
 from ..scene.volume import Volume
 from .mitsuba_files import FileStore, write_ply
 from .mitsuba_xml import add_matrix, add_reference, add_text, add_truth, plugin
@@ -125,7 +126,7 @@ def refuse_crossings(volumes: list[Volume], medium_extent: tuple[F64, F64] | Non
     box = Volume(
         sigma_t=(1, 1, 1),
         shape="box",
-        bounds=(_corner(medium_extent[0]), _corner(medium_extent[1])),
+        bounds=(triple(medium_extent[0]), triple(medium_extent[1])),
     )
     for volume in volumes:
         if _overlap(_corners(volume), _corners(box)) and not is_inside(volume, medium_extent):
@@ -148,7 +149,3 @@ def _overlap(first: F64, second: F64) -> bool:
         if a.max() <= b.min() or b.max() <= a.min():
             return False
     return True
-
-
-def _corner(values: F64) -> Vec3:
-    return (float(values[0]), float(values[1]), float(values[2]))

@@ -13,7 +13,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ..scene.checks import F32, F64, Rgb
+from ..maths.transforms import triple
+from ..scene.checks import F32, F64
 from ..scene.coefficients import albedo_of, shares_by_g, sigma_t_of
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
@@ -179,7 +180,7 @@ def _grid_volume(
     # The albedo, and the phase functions that scattering is mixed of.
     is_one_albedo = around is None or np.array_equal(own.albedo, around.albedo)
     if volume.albedo_grid is None and is_one_albedo:
-        add_rgb(medium, "albedo", _rgb(own.albedo))
+        add_rgb(medium, "albedo", triple(own.albedo))
     else:
         albedo = ((own_s + around_s) / np.maximum(sigma_t, np.float32(1e-30))).astype(np.float32)
         _add_grid(medium, "albedo", albedo, volume, files)
@@ -234,9 +235,9 @@ _CUBE_FROM_UNIT = np.array([[2.0, 0, 0, -1], [0, 2, 0, -1], [0, 0, 2, -1], [0, 0
 def _homogeneous(name: str, values: _Coefficients, *, with_phase: bool = True) -> Element:
     medium = plugin("medium", "homogeneous", id=name)
     top = float(values.sigma_t.max())
-    add_rgb(medium, "sigma_t", _rgb(values.sigma_t / top))
+    add_rgb(medium, "sigma_t", triple(values.sigma_t / top))
     add_number(medium, "scale", top)
-    add_rgb(medium, "albedo", _rgb(values.albedo))
+    add_rgb(medium, "albedo", triple(values.albedo))
     add_truth(medium, "has_spectral_extinction", bool(np.ptp(values.sigma_t) > 0.0))
     if with_phase:
         medium.append(_phase(values.g))
@@ -249,7 +250,3 @@ def _phase(g: float, name: str = "") -> Element:
     node = plugin("phase", "hg", name)
     add_number(node, "g", g)
     return node
-
-
-def _rgb(values: F64) -> Rgb:
-    return (float(values[0]), float(values[1]), float(values[2]))

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import ReferenceFailure
+from ..maths.transforms import triple
 from ..scene import checks
 from ..scene.checks import F32, F64, Bounds, Vec3
 from ..scene.medium import Medium
@@ -178,7 +179,7 @@ class PointSource:
             cosine, axis = math.sqrt(1.0 - (radius / distance) ** 2), away / distance
         none = np.zeros((1, 3))
         emitter = Emitter(
-            POINT, np.ones(1), none, none, none, _tuple(axis), _tuple(self.position), cosine
+            POINT, np.ones(1), none, none, none, triple(axis), triple(self.position), cosine
         )
         return emitter, 2.0 * math.pi * (1.0 - cosine) * self.intensity
 
@@ -260,10 +261,6 @@ def _face_emitter(
     lit = power > 0.0
     chance = np.cumsum(power[lit]) / total
     emitter = Emitter(
-        kind, chance, low[lit], high[lit], inward[lit], _tuple(direction), (0.0, 0.0, 0.0), -1.0
+        kind, chance, low[lit], high[lit], inward[lit], triple(direction), (0.0, 0.0, 0.0), -1.0
     )
     return emitter, total
-
-
-def _tuple(v: F64 | Vec3) -> Vector:
-    return (float(v[0]), float(v[1]), float(v[2]))

@@ -6,7 +6,7 @@ light and a sample of a light with extent six.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,6 +19,7 @@ from ..maths.transforms import (
     clip_from_view_orthographic,
     clip_from_view_perspective,
     transformed,
+    triple,
     view_from_world,
 )
 from ..scene.lights import DirectionalLight, Light
@@ -109,8 +110,8 @@ def view_count(light: Light) -> int:
 def _parallel(
     light: DirectionalLight, index: int, box: tuple[F64, F64], resolution: int, turn_deg: float
 ) -> LightView:
-    low, high = _triple(box[0]), _triple(box[1])
-    view, near, far = _extent_along(_triple(light.direction), low, high, turn_deg)
+    low, high = triple(box[0]), triple(box[1])
+    view, near, far = _extent_along(triple(light.direction), low, high, turn_deg)
     margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
     near, far = near - margin, far + margin
     # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
@@ -119,10 +120,6 @@ def _parallel(
     far[:2] = near[:2] + texel * resolution
     clip = clip_from_view_orthographic(near, far) @ view
     return LightView(clip, (float(texel[0]), float(texel[1])), False, index)
-
-
-def _triple(values: Sequence[float] | F64) -> Vec3:
-    return (float(values[0]), float(values[1]), float(values[2]))
 
 
 @lru_cache(maxsize=64)

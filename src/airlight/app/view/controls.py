@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...maths.transforms import F64
+from ...maths.transforms import F64, triple
 from ...scene.camera import Camera
 from ...scene.checks import Vec3
 from .free_space import FreeSpace
@@ -156,9 +156,9 @@ class CameraControls:
         turned = turned_direction(look, camera.up, azimuth_deg, elevation_deg)
         eye = None if self.is_flying else self._orbited(turned)
         if eye is None:  # the head turns
-            self.camera = replace(camera, target=_vec3(np.add(camera.position, turned)))
+            self.camera = replace(camera, target=triple(np.add(camera.position, turned)))
         else:
-            self.camera = replace(camera, position=_vec3(eye))
+            self.camera = replace(camera, position=triple(eye))
 
     def _begin_orbit(self) -> None:
         """The point that this drag orbits about, and how far the eye is from it; inf: no walls."""
@@ -169,7 +169,7 @@ class CameraControls:
             return
         # Between walls the target may lie behind one; then a point before it is orbited.
         pivot = self.free.pivot(eye, target)
-        self.camera = replace(self.camera, target=_vec3(pivot))
+        self.camera = replace(self.camera, target=triple(pivot))
         self._arm_m = float(np.linalg.norm(eye - pivot))
 
     def _orbited(self, look: F64) -> F64 | None:
@@ -203,7 +203,7 @@ class CameraControls:
         if self.free is not None and self.free.is_enclosed(eye):
             by = self.free.moved(eye, by)
             self._arm_m = None
-        self.camera = replace(camera, position=_vec3(eye + by))
+        self.camera = replace(camera, position=triple(eye + by))
 
     def _key_down(self, event: Mapping[str, Any]) -> None:
         self._keys.add(_key(event))
@@ -215,8 +215,8 @@ class CameraControls:
         camera = self.camera
         self.camera = replace(
             camera,
-            position=_vec3(np.add(camera.position, by)),
-            target=_vec3(np.add(camera.target, by)),
+            position=triple(np.add(camera.position, by)),
+            target=triple(np.add(camera.target, by)),
         )
 
 
@@ -252,7 +252,3 @@ def _across(axis: F64) -> F64:
 def _key(event: Mapping[str, Any]) -> str:
     key = str(event["key"])
     return key.lower() if len(key) == 1 else key
-
-
-def _vec3(v: Any) -> Vec3:
-    return (float(v[0]), float(v[1]), float(v[2]))

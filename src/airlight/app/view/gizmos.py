@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...maths.transforms import F64
+from ...maths.transforms import F64, triple
 from ...scene.lights import Light
 from .controls import LEFT
 from .projection import Projection
@@ -150,17 +150,17 @@ class _Hold:
         light = self.light
         position = position_of(light)
         if position is None:  # infinitely far: it comes from where the hand is
-            return light.changed("direction", _vec3(-seen.ray(x, y)))
+            return light.changed("direction", triple(-seen.ray(x, y)))
         # Along one axis: by as much as the hand has moved along it since the press.
         if self.part == "axis":
             now, begun = self._along(seen, x, y), self.begun_m
             if now is None or begun is None:
                 return None
-            return light.changed("position", _vec3(position + (now - begun) * self.axis))
+            return light.changed("position", triple(position + (now - begun) * self.axis))
         # Freely: in the plane through the light that faces the camera.
         forward = np.subtract(seen.camera.target, seen.camera.position)
         there = seen.on_plane(x, y, position, forward / np.linalg.norm(forward))
-        return None if there is None else light.changed("position", _vec3(there))
+        return None if there is None else light.changed("position", triple(there))
 
     def _along(self, seen: Projection, x: float, y: float) -> float | None:
         position = position_of(self.light)
@@ -183,7 +183,7 @@ class _Hold:
         depth = float(np.sqrt(max(radius * radius - gap * gap, 0.0)))
         side = -1.0 if np.dot(direction_of(self.light), away) < 0.0 else 1.0
         towards = -missed + side * depth * ray
-        return self.light.changed("direction", _vec3(towards / np.linalg.norm(towards)))
+        return self.light.changed("direction", triple(towards / np.linalg.norm(towards)))
 
 
 def position_of(light: Light) -> F64 | None:
@@ -257,7 +257,3 @@ def _outline(light: Light, seen: Projection) -> Iterator[Mark]:
 
 def _pair(at: F64) -> tuple[float, float]:
     return round(float(at[0]), 1), round(float(at[1]), 1)
-
-
-def _vec3(v: Any) -> tuple[float, float, float]:
-    return float(v[0]), float(v[1]), float(v[2])

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.transforms import triple
 from ..animation import Animation
 from ..animation.rig import Part, Rig
 from ..camera import Camera, film_of
@@ -239,7 +240,7 @@ class GltfFile:
         red, green, blue = (
             max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))
         )
-        position, direction = _vector(matrix[:3, 3]), _vector(-matrix[:3, 2])
+        position, direction = triple(matrix[:3, 3]), triple(-matrix[:3, 2])
         kind = light.text("type")
         if kind == "directional":
             return DirectionalLight(direction=direction, irradiance=(red, green, blue))
@@ -267,9 +268,9 @@ class GltfFile:
             position, forward, up = matrix[:3, 3], -matrix[:3, 2], matrix[:3, 1]
             # It looks along its node's -Z.
             return Camera(
-                position=_vector(position),
-                target=_vector(position + forward / max(float(np.linalg.norm(forward)), 1e-30)),
-                up=_vector(up),
+                position=triple(position),
+                target=triple(position + forward / max(float(np.linalg.norm(forward)), 1e-30)),
+                up=triple(up),
                 fov_y_deg=float(np.clip(math.degrees(fov_y), 0.1, 179.0)),
                 film_px=film_of(aspect),
             )
@@ -277,10 +278,6 @@ class GltfFile:
 
     def _warn(self, item: Item, problem: str) -> None:
         self.warnings.append(f"{self.document.file}: {item.place}: {problem}")
-
-
-def _vector(v: F64) -> tuple[float, float, float]:
-    return (float(v[0]), float(v[1]), float(v[2]))
 
 
 def _cone_deg(spot: Item) -> tuple[float, float]:

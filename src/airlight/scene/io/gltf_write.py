@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
+from ...maths.transforms import triple
 from ..camera import Camera
-from ..checks import F32, F64, Vec3
+from ..checks import F32, F64
 from ..light_shapes import LightMeshes
 from ..lights import Light, PointLight
 from ..mesh import Geometry, Mesh
@@ -52,7 +53,7 @@ def write_gltf(scene: Scene, path: Path) -> list[str]:
     for group in scene.light_groups:
         intensities = np.broadcast_to(group.intensities, group.positions.shape)
         for position, intensity in zip(group.positions, intensities, strict=True):
-            document.add_light(PointLight(_triple(position), _triple(intensity)))
+            document.add_light(PointLight(triple(position), triple(intensity)))
     document.add_camera(scene.camera)
     # The file appears when it is complete, so that a reader never sees half of it.
     with whole_file(Path(path)) as part:
@@ -280,7 +281,3 @@ def _unit(normals: F32) -> F32:
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     unit = np.where(length > 0.0, normals / np.maximum(length, 1e-30), (0.0, 1.0, 0.0))
     return np.asarray(unit, np.float32)
-
-
-def _triple(values: F32) -> Vec3:
-    return (float(values[0]), float(values[1]), float(values[2]))

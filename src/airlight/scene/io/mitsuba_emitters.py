@@ -10,7 +10,8 @@ from typing import cast
 import numpy as np
 
 from ...errors import SceneError, nearest
-from ..checks import F32, F64, Vec3
+from ...maths.transforms import triple
+from ..checks import F32, F64
 from ..environment import Environment
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..material import Material
@@ -58,7 +59,7 @@ def _point(node: Node, source: Source) -> Light:
     matrix = node.get("to_world")
     position = node.get("position") or (0.0, 0.0, 0.0)
     if matrix is not None:
-        position = _vec(matrix[:3, 3])
+        position = triple(matrix[:3, 3])
     return PointLight(position, color_input(node, "intensity", 1.0, source)[0])
 
 
@@ -66,7 +67,7 @@ def _directional(node: Node, source: Source) -> Light:
     matrix = node.get("to_world")
     direction = node.get("direction") or (0.0, 0.0, 1.0)
     if matrix is not None:
-        direction = _vec(matrix[:3, :3] @ (0.0, 0.0, 1.0))
+        direction = triple(matrix[:3, :3] @ (0.0, 0.0, 1.0))
     return DirectionalLight(direction, color_input(node, "irradiance", 1.0, source)[0])
 
 
@@ -91,8 +92,8 @@ def _spot(node: Node, source: Source) -> Light:
         source.note(f"{node}: its cone is cut to {MAX_HALF_ANGLE_DEG:g} degrees")
         outer = MAX_HALF_ANGLE_DEG
     return SpotLight(
-        _vec(matrix[:3, 3]),
-        _vec(matrix[:3, 2]),
+        triple(matrix[:3, 3]),
+        triple(matrix[:3, 2]),
         color_input(node, "intensity", 1.0, source)[0],
         inner_deg=min(inner, outer),
         outer_deg=outer,
@@ -147,7 +148,3 @@ def _turned_map(pixels: F32, turn: F64) -> F32:
     above = pixels[low, left] * (1 - s) + pixels[low, right] * s
     below = pixels[high, left] * (1 - s) + pixels[high, right] * s
     return cast(F32, (above * (1 - t) + below * t).astype(np.float32))
-
-
-def _vec(values: F64) -> Vec3:
-    return (float(values[0]), float(values[1]), float(values[2]))

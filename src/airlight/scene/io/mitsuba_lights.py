@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from ..checks import F64, Vec3
+from ...maths.transforms import triple
 from ..lights import AreaLight
 from ..lights.area import AREA_SHAPES, AreaShape
 from ..material import Material
@@ -64,7 +64,7 @@ def _placed(node: Node, made: Material) -> AreaLight | None:
         centre = np.array(node.get("center", (0.0, 0.0, 0.0)), np.float64)
         radius = float(node.get("radius", 1.0)) * float(lengths[0])
         at = matrix[:3, :3] @ centre + matrix[:3, 3]
-        return AreaLight(_vec(at), made.emission, "sphere", radius=radius)
+        return AreaLight(triple(at), made.emission, "sphere", radius=radius)
     # A rectangle or a disk whose axes stay at right angles.
     normal = np.cross(x, y) * (1.0 if x @ np.cross(y, z) >= 0.0 else -1.0)
     if abs(x @ y) > _SKEW * lengths[0] * lengths[1] or not np.linalg.norm(normal) > 0.0:
@@ -73,15 +73,11 @@ def _placed(node: Node, made: Material) -> AreaLight | None:
         return None
     normal = (-1.0 if is_turned else 1.0) * normal / np.linalg.norm(normal)
     return AreaLight(
-        _vec(matrix[:3, 3]),
+        triple(matrix[:3, 3]),
         made.emission,
         cast(AreaShape, node.kind),
-        direction=_vec(normal),
-        up=_vec(y / lengths[1]),
+        direction=triple(normal),
+        up=triple(y / lengths[1]),
         size=(2.0 * float(lengths[0]), 2.0 * float(lengths[1])),
         radius=float(lengths[0]),
     )
-
-
-def _vec(values: F64) -> Vec3:
-    return (float(values[0]), float(values[1]), float(values[2]))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from ..checks import Rgb
 from ..material import SIDES, Material
 from .mitsuba_nodes import Node
-from .mitsuba_textures import Source, bitmap, color_input, scalar_input, triple
+from .mitsuba_textures import Source, bitmap, color_input, rgb_of, scalar_input
 from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
 
 # Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;
@@ -72,7 +72,7 @@ def _mask(node: Node, source: Source) -> Material:
     # One opacity for the whole surface: it covers a share of what is behind.
     child = node.child("opacity")
     if child is None:
-        opacity = sum(triple(node.get("opacity", 0.5))) / 3.0
+        opacity = sum(rgb_of(node.get("opacity", 0.5))) / 3.0
         if opacity == 0.0:
             raise NoSurface
         return replace(inner, alpha=min(opacity, 1.0), is_blended=True)
@@ -146,7 +146,7 @@ def _conductor(node: Node, source: Source) -> Material:
     tint, texture = color_input(node, "specular_reflectance", 1.0, source)
     # What the metal mirrors straight on, by Fresnel's formula or by its name.
     if "eta" in node.values or "k" in node.values:
-        etas, ks = triple(node.get("eta", 0.0)), triple(node.get("k", 1.0))
+        etas, ks = rgb_of(node.get("eta", 0.0)), rgb_of(node.get("k", 1.0))
         base = [
             ((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k)
             for n, k in zip(etas, ks, strict=True)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.transforms import triple
 from ..checks import F32, F64, Bounds, Rgb
 from ..coefficients import scale_density_tint
 from ..medium import Medium
@@ -20,7 +21,7 @@ from ..volume import Volume
 from .files import opened
 from .mitsuba_nodes import Node
 from .mitsuba_shapes import Placed, shape_geometries, shape_matrix
-from .mitsuba_textures import Source, triple
+from .mitsuba_textures import Source, rgb_of
 from .volumes import read_volume
 
 UNIT: Bounds = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
@@ -88,7 +89,7 @@ def medium_and_volumes(
     medium: Medium | None = None
     if air is not None:
         low, high = (tuple(float(x) for x in corner) for corner in air.box or ())
-        sigma_t, albedo, g = _rgb(air.sigma_t), _rgb(air.albedo), (air.g,) * 3
+        sigma_t, albedo, g = triple(air.sigma_t), triple(air.albedo), (air.g,) * 3
         medium = Medium(sigma_t, albedo, g, (low, high))  # type: ignore[arg-type]
     elif around_camera is not None and not any(h.node.id == around_camera.id for h in held):
         medium = _endless(around_camera, source)
@@ -109,7 +110,7 @@ def _endless(node: Node, source: Source) -> Medium | None:
         source.note(f"{node}: a grid around the camera that no shape bounds is left out")
         return None
     g = _mean_cosine(node.first("phase"), source)
-    return Medium(_rgb(sigma_t), _rgb(_albedo(node, source)), (g,) * 3)
+    return Medium(triple(sigma_t), triple(_albedo(node, source)), (g,) * 3)
 
 
 def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
@@ -120,8 +121,8 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
     if held.is_homogeneous:
         assert isinstance(g, float)  # only a grid's phase functions are mixed by voxel
         return Volume(
-            sigma_t=_rgb(sigma_t),
-            albedo=_rgb(albedo),
+            sigma_t=triple(sigma_t),
+            albedo=triple(albedo),
             g=(g,) * 3,
             shape="sphere" if held.kind == "sphere" else "box",
             bounds=held.extent,
@@ -135,7 +136,7 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
         sigma_t=top,
         density=density,
         tint=tint,
-        albedo=_rgb(albedo) if is_one_albedo else (1.0, 1.0, 1.0),
+        albedo=triple(albedo) if is_one_albedo else (1.0, 1.0, 1.0),
         albedo_grid=None if is_one_albedo else np.asarray(albedo, np.float32),
         g=(g,) * 3 if isinstance(g, float) else (0.0, 0.0, 0.0),
         g_grid=None if isinstance(g, float) else g,
@@ -184,7 +185,7 @@ def _region(shape: Node, source: Source) -> tuple[str, F64, Bounds]:
     if shape.kind == "sphere":
         radius = float(shape.get("radius", 1.0))
         c = np.array(shape.get("center", (0.0, 0.0, 0.0)))
-        return "sphere", matrix, (_rgb(c - radius), _rgb(c + radius))
+        return "sphere", matrix, (triple(c - radius), triple(c + radius))
     # Of all others the box around them.
     parts: list[Placed] = shape_geometries(shape, source)
     if not parts:
@@ -196,7 +197,7 @@ def _region(shape: Node, source: Source) -> tuple[str, F64, Bounds]:
         ]
     )
     source.note(f"{shape}: its medium fills the box around it")
-    return "cube", np.eye(4), (_rgb(points.min(axis=0)), _rgb(points.max(axis=0) + 1e-9))
+    return "cube", np.eye(4), (triple(points.min(axis=0)), triple(points.max(axis=0) + 1e-9))
 
 
 def _extinction(node: Node, source: Source) -> tuple[F64 | F32, Bounds, F64 | None]:
@@ -210,24 +211,24 @@ def _extinction(node: Node, source: Source) -> tuple[F64 | F32, Bounds, F64 | No
         values, bounds, matrix = _grid(child, source)
         return values * np.float32(scale), bounds, matrix
     if "sigma_s" in node.values or "sigma_a" in node.values:
-        sigma_s, sigma_a = (np.array(triple(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
+        sigma_s, sigma_a = (np.array(rgb_of(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
         return scale * (sigma_s + sigma_a), GRID, None
     return scale * np.array(_constant(node, child, "sigma_t", 1.0, source)), GRID, None
 
 
 def _constant(node: Node, child: Node | None, name: str, default: float, source: Source) -> Rgb:
     if child is None:
-        return triple(node.get(name, default))
+        return rgb_of(node.get(name, default))
     if child.kind == "constvolume":
-        return triple(child.get("value", 1.0))
+        return rgb_of(child.get("value", 1.0))
     source.note(f"{child} as '{name}' of {node} is left out")
-    return triple(default)
+    return rgb_of(default)
 
 
 def _albedo(node: Node, source: Source, shape: tuple[int, ...] = ()) -> F64:
     """(3,), or a grid of the `shape` of that of sigma_t."""
     if "sigma_s" in node.values or "sigma_a" in node.values:
-        sigma_s, sigma_a = (np.array(triple(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
+        sigma_s, sigma_a = (np.array(rgb_of(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
         return np.asarray(sigma_s / np.maximum(sigma_s + sigma_a, 1e-30))
     child = node.child("albedo")
     if child is not None and child.kind == "gridvolume":
@@ -293,7 +294,3 @@ def _mean_cosine(phase: Node | None, source: Source) -> float:
             return _mean_cosine(parts[1], source)
     source.note(f"{phase} is read as isotropic")
     return 0.0
-
-
-def _rgb(values: F64 | F32) -> Rgb:
-    return (float(values[0]), float(values[1]), float(values[2]))

@@ -56,7 +56,7 @@ def color_input(
         value = node.get(name, default)
         if isinstance(value, Spectrum):
             source.note("spectra are reduced to red, green and blue")
-        return triple(value), None
+        return rgb_of(value), None
     node.read.add(name)
     if child.tag == "texture":
         return _texture_input(child, source, is_color)
@@ -64,7 +64,7 @@ def color_input(
     return (default,) * 3, None
 
 
-def triple(value: Any) -> Rgb:
+def rgb_of(value: Any) -> Rgb:
     """One number as grey; three as they are."""
     if isinstance(value, (int, float)):
         return (float(value),) * 3

@@ -9,8 +9,9 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.blackbody import xyz
+from ...maths.transforms import triple
 from ..camera import Camera, film_of
-from ..checks import F64, Rgb, Vec3
+from ..checks import F64, Vec3
 from ..environment import Environment
 from ..lights import AreaLight, DirectionalLight, Light, PointLight
 
@@ -42,22 +43,24 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
     radiance, is_whole = strength(api, time), bool(api.GetNormalizeAttr().Get(time))
     if not np.isfinite(radiance).all():
         raise SceneError(f"'{prim.GetPath()}': its light is no finite number")
-    position, ahead, up = _point(world[:3, 3]), _unit(-world[:3, 2]), _unit(world[:3, 1])
+    position, ahead, up = triple(world[:3, 3]), _unit(-world[:3, 2]), _unit(world[:3, 1])
     wide, high, deep = (float(n) for n in np.linalg.norm(world[:3, :3], axis=0))
     # Each kind in its own unit. A normalised light gives its whole power, whatever its size.
     if prim.IsA(UsdLux.DistantLight):
         half = math.radians(float(UsdLux.DistantLight(prim).GetAngleAttr().Get(time))) / 2.0
         solid = 1.0 if is_whole or half <= 0.0 else math.pi * math.sin(half) ** 2
-        return DirectionalLight(direction=ahead, irradiance=_rgb(radiance * solid))
+        return DirectionalLight(direction=ahead, irradiance=triple(radiance * solid))
     if prim.IsA(UsdLux.RectLight):
         rect = UsdLux.RectLight(prim)
         size = (rect.GetWidthAttr().Get(time) * wide, rect.GetHeightAttr().Get(time) * high)
         radiance = radiance / max(size[0] * size[1], 1e-12) if is_whole else radiance
-        return AreaLight(position, _rgb(radiance), "rectangle", ahead, up, size=_lengths(size))
+        return AreaLight(position, triple(radiance), "rectangle", ahead, up, size=_lengths(size))
     if prim.IsA(UsdLux.DiskLight):
         radius = UsdLux.DiskLight(prim).GetRadiusAttr().Get(time) * math.sqrt(wide * high)
         radiance = radiance / max(math.pi * radius**2, 1e-12) if is_whole else radiance
-        return AreaLight(position, _rgb(radiance), "disk", ahead, up, radius=max(radius, _SMALL_M))
+        return AreaLight(
+            position, triple(radiance), "disk", ahead, up, radius=max(radius, _SMALL_M)
+        )
     if not prim.IsA(UsdLux.SphereLight):
         return None
     # A sphere too small to see is a point of the same intensity, pi r^2 times its radiance.
@@ -66,8 +69,8 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
     if is_whole:
         radiance = radiance / max(4.0 * math.pi * radius**2, 1e-12)
     if radius <= _SMALL_M or sphere.GetTreatAsPointAttr().Get(time):
-        return PointLight(position, _rgb(radiance * math.pi * radius**2))
-    return AreaLight(position, _rgb(radiance), "sphere", radius=radius)
+        return PointLight(position, triple(radiance * math.pi * radius**2))
+    return AreaLight(position, triple(radiance), "sphere", radius=radius)
 
 
 def dome(prim: Any, world: F64, time: Any, image: Any) -> tuple[Environment, bool]:
@@ -78,7 +81,7 @@ def dome(prim: Any, world: F64, time: Any, image: Any) -> tuple[Environment, boo
     pole, ahead = _unit(world[:3, 1]), world[:3, 2]
     yaw = math.degrees(math.atan2(ahead[0], ahead[2]))
     if image is None:
-        return Environment(radiance=_rgb(radiance)), False
+        return Environment(radiance=triple(radiance)), False
     tinted = np.asarray(image * radiance.astype(np.float32), np.float32)
     return Environment(map=tinted, rotation_deg=yaw), pole[1] < 0.99
 
@@ -97,8 +100,8 @@ def usd_camera(prim: Any, world: F64, time: Any, metres: float) -> Camera | None
     # A focal length is in tenths of the stage's unit.
     aperture = 0.1 * float(seen.focalLength) * metres / f_stop if f_stop > 0.0 else 0.0
     return Camera(
-        position=_point(world[:3, 3]),
-        target=_point(world[:3, 3] + np.array(ahead)),
+        position=triple(world[:3, 3]),
+        target=triple(world[:3, 3] + np.array(ahead)),
         up=_unit(world[:3, 1]),
         fov_y_deg=fov,
         film_px=film_of(float(seen.aspectRatio)),
@@ -112,13 +115,5 @@ def _lengths(size: tuple[float, float]) -> tuple[float, float]:
     return max(size[0], _SMALL_M), max(size[1], _SMALL_M)
 
 
-def _point(v: Any) -> Vec3:
-    return (float(v[0]), float(v[1]), float(v[2]))
-
-
 def _unit(v: Any) -> Vec3:
-    return _point(np.asarray(v) / max(float(np.linalg.norm(v)), 1e-30))
-
-
-def _rgb(v: Any) -> Rgb:
-    return (float(v[0]), float(v[1]), float(v[2]))
+    return triple(np.asarray(v) / max(float(np.linalg.norm(v)), 1e-30))
