@@ -8,18 +8,13 @@ import numpy as np
 import pytest
 
 from airlight.rendering import render
-from airlight.scene import Camera, Material, Mesh, PointLight, Scene
-from airlight.scene.mesh import Geometry
+from airlight.scene import Camera, Material, PointLight, Scene
+
+from .panels import X, rectangle
 
 SIZE = (32, 18)
 SETTINGS = {"resolution": 16, "lamp_resolution": 256, "map_resolution": 64, "gather": "still"}
 PAINT = Material(base_color=(0.8, 0.8, 0.8), specular=0.0)
-X, Y, Z = np.eye(3)
-
-
-def rectangle(corner, right, down):
-    points = np.array([corner, corner + right, corner + right + down, corner + down], np.float32)
-    return Mesh(Geometry(points, np.array([[0, 1, 2], [0, 2, 3]], np.uint32)), PAINT)
 
 
 def rooms(thick: float) -> Scene:
@@ -27,9 +22,9 @@ def rooms(thick: float) -> Scene:
     low, size = np.array([-3.0, 0.0, -1.5]), np.array([6.0 + thick, 2.0, 3.0])
     x, y, z = size * np.eye(3)
     shell = [(low, z, x), (low + y, x, z), (low, x, y), (low + z, y, x), (low, y, z)]
-    walls = [rectangle(*side) for side in [*shell, (low + x, z, y)]]
+    walls = [rectangle(*side, PAINT) for side in [*shell, (low + x, z, y)]]
     between = sorted({0.0, thick})
-    walls += [rectangle(at * X + low * [0, 1, 1], z, y) for at in between]
+    walls += [rectangle(at * X + low * [0, 1, 1], z, y, PAINT) for at in between]
     return Scene(tuple(walls), (PointLight((-1.5, 1.4, 0.0), (20.0, 20.0, 20.0)),))
 
 
