@@ -19,7 +19,6 @@ from .drawn import Drawn, is_same
 from .fine import SAMPLES
 from .quality import STILL_SAMPLES, Plan
 from .renderers import COARSER_SAMPLES, PREPARING, REBUILDING, Renderers
-from .state import structure
 
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
@@ -110,7 +109,7 @@ class Session(Renderers):
             self._draw_or_say(plan)
         elif not plan.is_moving and self.quality.is_done:
             self._refine()
-        if not plan.is_moving and self._made == structure(self.state):
+        if not plan.is_moving and self._made == self.wanted:
             self._compare()
         return plan.is_moving or plan.sample is not None or not self.quality.is_done
 
@@ -170,7 +169,7 @@ class Session(Renderers):
         # The renderer of what is wanted now, which may still be in the making.
         self._make()
         self.wait()
-        if self.state.message and self._made != structure(self.state):
+        if self.state.message and self._made != self.wanted:
             raise AirlightError(self.state.message)
         # Where the finer solution is shown, it is what is saved.
         drawn = self._drawn
@@ -232,7 +231,7 @@ class Session(Renderers):
         assert plan.sample is not None
         r, commands = drawn.renderer, drawn.renderer.commands
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
-        if self._made == structure(self.state):
+        if self._made == self.wanted:
             drawn.give(self.scene_now())
         # Light that does not depend on the camera, then one jittered sample of the view.
         drawn.solve(commands, is_quick=plan.is_moving)
