@@ -22,6 +22,7 @@ def check_counts(raw: bytes, kind: str, path: Path) -> None:
 
 
 def _check_stl(raw: bytes, path: Path) -> None:
+    # A binary file is as long as its count of triangles says, to the byte.
     start = _STL_HEADER + _STL_COUNT.size
     if len(raw) >= start:
         (count,) = _STL_COUNT.unpack_from(raw, _STL_HEADER)
@@ -40,6 +41,7 @@ def _check_stl(raw: bytes, path: Path) -> None:
 
 
 def _is_ascii_stl(raw: bytes) -> bool:
+    # ASCII files begin with "solid", as some binary ones do; those hold zero bytes.
     if raw.lstrip()[:5].lower() != b"solid":
         return False
     try:
@@ -55,6 +57,7 @@ def _check_ply(raw: bytes, path: Path) -> None:
         raise SceneError("not a readable PLY file (it has no header)", where=path)
     # The fewest bytes that an element can take: one for each property.
     needed, rows = 0, 0
+    # The bound is checked as the header goes on: a huge count is refused at its first property.
     for keyword, rest in _PLY_LINE.findall(raw[:end]):
         if keyword == b"element":
             words = rest.split()
