@@ -53,6 +53,7 @@ def creased_normals(
 
 
 def _unit(sums: F64) -> F64:
+    # A sum of no length has no direction: +Y stands in.
     length = np.linalg.norm(sums, axis=1, keepdims=True)
     return np.where(length > 1e-12, sums / np.maximum(length, 1e-300), np.array((0.0, 1.0, 0.0)))
 
@@ -91,6 +92,7 @@ def _faces_and_angles(positions: F64, triangles: Ints) -> tuple[F64, F64]:
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
     faces: F64 = np.where(length > 0.0, cross / np.maximum(length, 1e-300), 0.0)
+    # The angle between the edges to the next corner and to the one before.
     ahead = np.roll(corners, -1, axis=1) - corners
     behind = np.roll(corners, 1, axis=1) - corners
     dot = np.einsum("tkc,tkc->tk", ahead, behind)
@@ -129,6 +131,7 @@ class _Around:
         self, positions: F64, triangles: Ints, corners: I64, is_flat: NDArray[np.bool_] | None
     ) -> None:
         count = len(corners)
+        # Each triangle's normal and angles are computed once for all of its corners.
         triangle = corners // 3
         touched, row = np.unique(triangle, return_inverse=True)
         faces, angles = np.empty((len(touched), 3)), np.empty((len(touched), 3))
@@ -137,6 +140,7 @@ class _Around:
         self.face = faces[row]
         self.weighted = self.face * angles[row, corners - 3 * triangle][:, None]
         self.is_sliver = np.equal(np.abs(self.face).max(axis=1), 0.0)
+        # A flat face joins none but those in its own plane.
         self.limit = np.full(count, CREASE_COSINE)
         if is_flat is not None:
             self.limit[is_flat[triangle]] = _COPLANAR_COSINE
@@ -145,6 +149,7 @@ class _Around:
 
     def sums(self, starts: I64, sizes: I64) -> tuple[F64, I64]:
         """For the corners of the vertices that start at `starts`: normal sums and set keys."""
+        # Vertices of too many faces have one pair for each corner: with itself.
         per_vertex = np.where(sizes > _MAX_FACES_AT_A_VERTEX, 1, sizes)
         count = np.repeat(per_vertex, sizes)
         corners = np.arange(starts[0], starts[0] + sizes.sum())
@@ -169,6 +174,7 @@ def compact(corners: Ints) -> tuple[Ints, NDArray[np.uint32]]:
     flat = corners.reshape(-1, corners.shape[-1])
     if len(flat) == 0:
         return flat, np.zeros((0, 3), np.uint32)
+    # Numbers that are sparse would need large tables: such rows are sorted at once.
     lead = flat[:, 0] + 1
     if int(lead.max()) > 8 * len(flat):
         rows, _, inverse = _sorted_rows(flat)
