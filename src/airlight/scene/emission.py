@@ -49,6 +49,7 @@ class Emission:
             put(self, "temperature", _grid(self.temperature, "volume temperature", signed=True))
             if self.temperature.ndim != 3:
                 raise SceneError("volume temperature must be (z, y, x): one number for each voxel")
+            # Negative kelvins are found here, not when a frame needs them.
             _ = self._kelvin
 
     @property

@@ -96,6 +96,7 @@ def map_suns(pixels: F32, most: int = MOST) -> MapSuns | None:
     if not found:
         return None
     towards, irradiance = (np.array(values) for values in zip(*found, strict=True))
+    # What the map loses is what its suns are still seen by.
     beyond = luminance(pixels).astype(np.float32) - luminance(rest).astype(np.float32)
     return MapSuns(rest, towards, irradiance, np.maximum(beyond, np.float32(0.0)))
 
@@ -158,10 +159,12 @@ class SunLights:
             most = MOST if self._count is None else self._count
             self._suns = None if pixels is None else map_suns(pixels, most)
             self._pixels, self._last = pixels, None
+        # The first scene decides how many lights there are; a renderer cannot add any.
         if self._count is None:
             self._count = 0 if self._suns is None else len(self._suns.towards)
         if not self._count:
             return scene
+        # Suns that later maps lack are black, so that the number of lights stays.
         black = DirectionalLight((0.0, -1.0, 0.0), (0.0, 0.0, 0.0))
         if environment is None or self._suns is None:
             return replace(scene, lights=scene.lights + (black,) * self._count)
