@@ -81,7 +81,8 @@ def in_turns(
     """Milliseconds of both, run by run in turns so that they see the same machine; the ratio."""
     own: list[float] = []
     theirs: list[float] = []
-    # Interleaved, so that a machine that slows down slows both; the pause lets its clock settle.
+    # Interleaved, so that a machine that slows down slows both; in the pause OpenMP's threads
+    # stop spinning.
     for index in range(2 + runs):  # the first two compile and touch the memory
         yardstick_ms = c() if c else 0.0
         if index >= 2:

@@ -1,4 +1,4 @@
-"""What a comparison found: values only; `compare_page` draws them."""
+"""What a comparison found: values only; `page` draws them."""
 
 from __future__ import annotations
 

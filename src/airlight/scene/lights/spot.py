@@ -17,7 +17,7 @@ from .light_key import DIRECTION, INTENSITY, POSITION, RADIUS, Control, LightKey
 from .light_type import NO_RADIUS_IN_GLTF, LightRow, LightType, Punctual
 
 SPOT_PX = 1024
-_NARROWEST = 1e-4  # cosines that the fade spans at least, as in sent_share.wgsl
+_NARROWEST = 1e-4  # cosines that the fade spans at least, as in light_kinds.wgsl
 _INNER = LightKey(
     "inner_deg", within(0.0, 89.0), "number", "half angle lit in full", "degrees", "20", moves=True
 )
