@@ -44,6 +44,7 @@ def compiled(folder: Path, c_file: Path | None = None) -> tuple[Path | None, str
     """The C program made in `folder` and its compiler's line; or None and why not."""
     source = c_file or C_FILE
     compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), "")
+    # Each thing that is missing is said, as a result without C is no failure.
     if not source.is_file():
         return None, f"skipped: benchmarks/{source.name} is not here (this is not a checkout)"
     if not compiler:
@@ -94,6 +95,7 @@ def in_turns(
     if c is None:
         return {"device_ms": spread(own)}
     found, yardstick = spread(own), spread(theirs)
+    # Ratios of the medians, and of the least times, which other work disturbs least.
     return {
         "device_ms": found,
         "c_ms": yardstick,

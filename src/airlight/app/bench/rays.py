@@ -62,6 +62,7 @@ def measure(
     names = scenes or (SCENES[:1] if quick else SCENES)
     for index, name in enumerate(names):
         report(f"rays in {name}", index / len(names))
+        # Each scene has a scope of its own on the device, so that none pays for another's memory.
         gpu = open_gpu(adapter).scope()
         try:
             cases.append({"scene": name, **_case(gpu, load(name), size, runs)})
@@ -105,6 +106,7 @@ def _timed(
 ) -> tuple[float, float]:
     """Milliseconds by the clock and of the processor."""
     commands = Commands(gpu)
+    # All of the host's and the device's work for one dispatch.
     begin_s, begin_cpu_s = time.perf_counter(), time.process_time()
     bench.dispatch(commands, size, **values)
     commands.submit()

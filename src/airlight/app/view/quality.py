@@ -62,6 +62,7 @@ class Quality:
     def share(self) -> float:
         """How much of the refinement is done, 0 to 1; 1 only where it is at its end."""
         done = self._done / self._wanted
+        # A coarse view that nobody else draws at full size is half done at most.
         return 0.5 * done if self.is_alone and self.is_coarse else done
 
     @property

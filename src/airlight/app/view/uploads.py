@@ -51,6 +51,7 @@ class Uploads:
         self._folder = None
 
     def _kept(self, data: bytes) -> Path:
+        # The folder goes when the viewer does.
         self._folder = self._folder or tempfile.TemporaryDirectory(prefix="airlight-")
         # The name alone: no page says where a file goes.
         plain = Path(self._name.replace("\\", "/")).name[-_LONGEST_NAME:]
