@@ -109,7 +109,7 @@ def _received(connection: socket.socket, count: int, deadline_s: float) -> bytes
     """`count` bytes, or fewer where the connection ends. Raises TimeoutError, OSError."""
     received = b""
     while len(received) < count:
-        # Each part may take what is left of the time for all.
+        # Each part may take the rest of the time for all.
         connection.settimeout(_left(deadline_s))
         part = connection.recv(count - len(received))
         if not part:

@@ -234,10 +234,10 @@ class GltfFile:
         if not hung.has("light"):
             return None
         light = listed[hung.index("light", listed, "lights")]
-        # Watts from lumens, by channel; it shines along its node's -Z.
         if light.has("range"):
             # A range only bounds the cost of a light; light itself falls off without an end.
             self._warn(light, "its range is left out: it lights as far as it reaches")
+        # Watts from lumens, by channel; it shines along its node's -Z.
         strength = light.number("intensity", 1.0) * WATTS_PER_LUMEN
         red, green, blue = (
             max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))
