@@ -65,6 +65,7 @@ def around(scene: Scene, seconds: float, fps: float) -> Scene:
         look = np.subtract(camera.target, eye)
         look /= np.linalg.norm(look)
         ahead = float(look @ ((low + high) / 2.0 - eye))
+        # Where the middle lies behind the eye it is the pivot itself.
         x, y, z = (eye + look * ahead if ahead > 0.0 else (low + high) / 2.0).tolist()
         pivot = (x, y, z)
     track = OrbitTrack(camera, seconds, pivot)

@@ -160,6 +160,7 @@ def array(
     a = np.ascontiguousarray(value, dtype=dtype)
     # What was checked before stays the same object: that is how a frame knows what did not change.
     is_own = a is value and not a.flags.writeable
+    # None in a shape stands for any length.
     fits = a.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(a.shape, shape, strict=True)
     )

@@ -105,6 +105,7 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
             {"albedo_grid": full["albedo"]} if is_grid else {"albedo": checks.rgb(own, "albedo")}
         )
     else:
+        # What is not given is zero; without any extinction there is no albedo either.
         nothing = np.zeros((*shape, 3), np.float32)
         sigma_s = full.get("sigma_s", nothing)
         sigma_t = sigma_s + full.get("sigma_a", nothing)

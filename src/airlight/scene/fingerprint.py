@@ -47,6 +47,7 @@ def _parts(value: Any) -> Iterator[bytes | memoryview]:
             yield from _parts(key)
             yield from _parts(value[key])
     elif isinstance(value, (tuple, list)):
+        # The length goes before the items, so that no two nestings read alike.
         yield f"list:{len(value)};".encode()
         for item in value:
             yield from _parts(item)

@@ -90,6 +90,7 @@ def map_suns(pixels: F32, most: int = MOST) -> MapSuns | None:
         if spot is None or float(luminance(spot[1])) < _LEAST_SHARE * total:
             break
         towards, irradiance, (rows, columns), level = spot
+        # The spot is cut down to its surroundings before the next one is looked for.
         rest[rows, columns] = np.minimum(rest[rows, columns], level)
         bright[rows, columns] = luminance(rest[rows, columns])
         found.append((towards, irradiance))
@@ -129,6 +130,7 @@ def _brightest(
     level = np.median(texels[around], axis=0)
     weight = np.broadcast_to(solid[first:last, None], inside.shape)[inside][:, None]
     over = np.maximum(texels[inside].astype(np.float64) - level, 0.0) * weight
+    # For small angles 2 (1 - cos) is their square; a texel has a width of its own.
     away = 2.0 * float((over.sum(axis=1) * (1.0 - cosine[inside])).sum())
     square = away / max(float(over.sum()), 1e-30) + texel**2 / 3.0
     if square > np.radians(_WIDEST_DEG) ** 2:

@@ -68,6 +68,7 @@ def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
         )
     if isinstance(result, (int, float)) and not isinstance(result, bool):
         below, above = low is not None and result < low, high is not None and result > high
+        # NaN, unequal to itself, is in no range.
         if below or above or result != result:
             raise SettingsError(
                 f"setting {f.name} = {value!r} is out of range",

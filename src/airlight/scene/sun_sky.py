@@ -119,6 +119,7 @@ def sky_at(latitude_deg: float, longitude_deg: float, when: datetime, *, turbidi
             f"{when.isoformat()} is no time at UTC", remedy="Write years from 2 to 9998."
         ) from None
     elevation, azimuth = sun_angles_deg(utc, latitude, longitude)
+    # The model goes a little below the horizon, and no further.
     if elevation < LOWEST_DEG:
         raise SceneError(
             f"it is night: the sun stands {-elevation:.0f} degrees below the horizon",

@@ -81,6 +81,7 @@ class Volume:
 
     def _check_coefficients(self) -> None:
         put = object.__setattr__
+        # Of the three only g may be negative.
         for name, low in (("tint", 0.0), ("albedo_grid", 0.0), ("g_grid", -0.9999)):
             values = getattr(self, name)
             if values is None:

@@ -232,6 +232,7 @@ def _growth(
     known = [axis for axis in axes(is_long=plan.is_long) if axis.is_known(LpvSettings)][
         : plan.growth_tables
     ]
+    # The paper's lattice, where the settings say no other.
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if plan is QUICK else {}), **settings}
     found = []
     for index, axis in enumerate(known):

@@ -119,6 +119,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     cells = placement.cells
     injected = buffer_of(gpu, "injected", rng.random((3 * cells, 4), dtype=np.float32))
     faces = buffer_of(gpu, "faces", random_faces(rng, cells))
+    # Walls that block reflect, too.
     kind = StepKind(is_blocked=blocked, is_reflecting=blocked)
     propagate = Propagate(gpu, placement, kind)
     commands = Commands(gpu)

@@ -96,6 +96,7 @@ def _case(gpu: Gpu, scene: Scene, size: tuple[int, int], runs: int) -> dict[str,
         values = {"params": params, "starts": starts, **rays.bound}
         _timed(gpu, bench, size, values)  # compiles
         ms, cpu_ms = zip(*(_timed(gpu, bench, size, values) for _ in range(runs)), strict=True)
+        # Later kinds start only where the camera's rays hit.
         sent = _sent(starts, size) if number else size[0] * size[1]
         kinds[kind] = {"rays": sent, "ms": min(ms), "cpu_ms": min(cpu_ms)}
     return {**rays.stats, "build_s": build_s, "kinds": kinds}

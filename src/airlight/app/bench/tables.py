@@ -175,6 +175,7 @@ def _growth(table: Mapping[str, Any]) -> Table:
         stages = (milliseconds(row["passes"].get(name, 0.0)) for name in names)
         frame = milliseconds(row["flying_ms"]["median"])
         sizes = (str(row["value"]), str(row["cells"]), str(row["triangles"]))
+        # Without a time for the first image stands a dash.
         first_s = row.get("first_image_s")
         first = "-" if first_s is None else f"{first_s:.2f}"
         lines.append((*sizes, first, frame, *stages))

@@ -110,6 +110,7 @@ def contact_sheet(
             draw.text((x, top + 4), text, FAINT if pixels is None else INK, font=font)
             if pixels is not None:
                 small = PIL.Image.fromarray(pixels)
+                # An image of another size is scaled to its cell.
                 if small.size != (cell_width_px, height):
                     size = (cell_width_px, height)
                     small = small.resize(size, PIL.Image.Resampling.LANCZOS)

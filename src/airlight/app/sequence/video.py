@@ -91,6 +91,7 @@ def _encode(
     context.color_range = _LIMITED
     # Each frame has its own time stamp, so that the rate may be a fraction.
     for index, file in enumerate(frames):
+        # The first frame has been read for its size.
         pixels = first if index == 0 else _even(file)
         if pixels.shape != first.shape:
             raise OutputError("has another size than the first frame", where=file)

@@ -76,6 +76,7 @@ def _exr(file: BinaryIO, size: int) -> bool:
         if line != low + k * _EXR_LINES:
             return False
         end = max(end, start + 8 + length)
+    # The file has to end with the block that lies last.
     return end == size
 
 

@@ -106,6 +106,7 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int], page: Page) 
                 event = {**event, "shown": page.is_shown}
             if (is_asking or id == self._active_client) and page.heard(event):
                 return
+            # What a page sends is checked; the server's own events need no check.
             kept = event if id == _SERVER else believed(event)
             if kept is None:
                 return

@@ -242,6 +242,7 @@ class Fine:
         for is_plain, index in stages + [(False, index) for index in range(SAMPLES)]:
             if self._shot is not shot:
                 return
+            # Plain samples do not gather.
             drawn.renderer.view.may_gather = not is_plain
             place = (float(self._jitters[index][0]), float(self._jitters[index][1]))
             drawn.draw(
@@ -262,6 +263,7 @@ class Fine:
             if presenter is None:
                 presenter = Presenter(self.gpu, shot.size, shot.format)
             presenter.resize(shot.size)
+            # The sample joins the mean of those before it.
             layers = r.technique.layers(r.view)
             presenter.take(commands, layers, r.view, shot.look, index)
             commands.submit()

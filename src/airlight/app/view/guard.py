@@ -70,10 +70,12 @@ class Guard:
             await _refuse(scope, send, REFUSAL)
         elif not _is_from_own_page(scope, self.listen):
             await _refuse(scope, send, FOREIGN)
+        # Steering goes by the socket; all else on the page is only read.
         elif scope["type"] == "websocket":
             await self.app({**scope, "path": f"/{rest}"}, receive, send)
         elif scope.get("method") not in ("GET", "HEAD"):
             await _answer(send, 405, "Only GET.\n")
+        # The page's links are relative, so its address ends in a slash.
         elif str(scope["path"]) == f"/{self.token}":
             await _answer(send, 308, "", (b"location", f"/{self.token}/".encode()))
         else:

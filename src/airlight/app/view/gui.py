@@ -178,6 +178,7 @@ class Panel:
                 return changed, tuple(min(max(float(c), 0.0), 1.0) for c in colour)
             case "sky":
                 return sky_pad(label, value)
+            # Bars and charts are only looked at.
             case "bar":
                 imgui.progress_bar(value[0], (-1.0, 0.0), value[1])
             case "chart":

@@ -160,11 +160,13 @@ class Quality:
                 share = (min(ms, before) / _AIM_MS) ** 0.5
                 self.still_scale = _step_above(self._full[0] / max(plan.size[0], 1) * share)
                 self._slow_ms, self._is_slow = 0.0, True
+        # Moving frames that are slow twice coarsen those after them.
         elif ms > _SLOW_MS:
             self._quick_frames = 0
             if before:
                 self._slow_ms = 0.0
                 self._coarsen(min(ms, before))
+        # Quick frames have to last before a finer one is tried.
         elif ms < _FAST_MS and self.scale > 1.0:
             self._quick_frames += 1
             if self._quick_frames >= _PATIENCE:

@@ -134,6 +134,7 @@ def sky(state: ViewState) -> Iterator[Widget]:
     if environment.map is None:
         yield from _strength("sky.radiance", "radiance", environment.radiance, put("radiance"))
     else:
+        # Turning shows on a map only.
         turned = environment.rotation_deg
         yield Widget(
             "sky.turned", "number", "turned (degrees)", turned, put("rotation_deg"), -180.0, 180.0

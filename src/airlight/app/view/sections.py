@@ -123,6 +123,7 @@ def _image(session: Session) -> Iterator[Widget]:
     is_metered = look.exposure_stops is None
     yield Widget("layer", "choice", "layer", at, put("layer"), choices=layers)
     yield Widget("metered", "flag", "exposure from the image", is_metered, meter)
+    # A slider only where the image does not set the exposure.
     if look.exposure_stops is not None:
         stops = put("exposure_stops")
         yield Widget("stops", "number", "exposure (stops)", look.exposure_stops, stops, -8.0, 8.0)

@@ -89,6 +89,7 @@ class Session(Renderers):
             # An image that is soon another one needs no refinement: the new renderer needs time.
             is_busy |= self._making.is_under_way
             changed = self._has_changed()
+            # Any change ends the refinement of what was looked at.
             if changed:
                 self._shot = None
                 self.fine.moved()

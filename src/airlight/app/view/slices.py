@@ -121,6 +121,7 @@ def _curve(density: F32, view: Slice, top: float) -> U8:
     tall = bars[(np.arange(WIDTH) * _BINS) // WIDTH] * _CURVE_HEIGHT
     from_below = np.arange(_CURVE_HEIGHT, 0, -1)[:, None]
     chart[from_below <= tall[None]] = _BAR
+    # The transfer function over them, along the same densities.
     x: F32 = ((np.arange(WIDTH) + 0.5) / WIDTH).astype(np.float32)
     y = transferred(x, view, 1.0)
     row = np.rint((1.0 - y) * (_CURVE_HEIGHT - 2)).astype(int)

@@ -175,6 +175,7 @@ class ViewState:
         index = min(self.light, len(lights) - 1)
         light = lights[index]
         if not hasattr(light, "direction"):
+            # Without a direction it goes about the middle of the scene.
             low, high = self.scene.bounds
             centre = (low + high) / 2.0
             offset = np.subtract(light.position, centre)

@@ -31,6 +31,7 @@ class Uploads:
         if not isinstance(name, str) or not is_number or piece is None:
             self._pieces = []
             return
+        # The first piece begins another file.
         if part == 0:
             self._name, self._parts, self._pieces = name, int(parts or 0), []
         # Pieces come in order, and no larger than a scene may be.

@@ -158,6 +158,7 @@ class Rig:
         scene = replace(scene, meshes=tuple(meshes), lights=tuple(lights))
         if self.camera is None:
             return scene
+        # Exposure stays the scene's.
         node, camera = self.camera
         seen = moved_camera(camera, world[node])
         return replace(scene, camera=replace(seen, exposure_stops=scene.camera.exposure_stops))

@@ -96,6 +96,7 @@ def _burnt(time: float, seed: int) -> tuple[F32, F32]:
     eddies, texture = _EDDIES.fields(seed)
     ride = np.array([0.05, _RISE_M_S, -0.04], np.float32) * np.float32(time)
     here = points - ride
+    # What the eddies did while the gas rose is undone in even steps of time.
     step_s = (height / (_RISE_M_S * _TRACE_STEPS)).astype(np.float32)
     for _ in range(_TRACE_STEPS):
         speed = 0.12 + 0.34 * np.minimum(height, 1.0)

@@ -99,6 +99,7 @@ def around_rectangle(
         zero = np.zeros_like(along)
         n_out = out * np.broadcast_to(shape.normals[:, :1], along.shape)
         n_up = np.broadcast_to(shape.normals[:, 1:], along.shape)
+        # Facing x, the first and the third axis change places.
         order = (along, height, depth) if facing_z else (depth, height, along)
         n_order = (zero, n_up, n_out) if facing_z else (n_out, n_up, zero)
         # Images read from left to right to who stands before each side.

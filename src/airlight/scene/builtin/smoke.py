@@ -134,12 +134,14 @@ def _finer(carried: F32) -> F32:
         at = (np.arange(fine) + 0.5) * coarse / fine - 0.5
         cell = np.floor(at).astype(np.intp)
         t = at - cell
+        # Catmull-Rom's weights, twice as large.
         basis = (
             t * (t * (2.0 - t) - 1.0),
             t * t * (3.0 * t - 5.0) + 2.0,
             t * (t * (4.0 - 3.0 * t) + 1.0),
             t * t * (t - 1.0),
         )
+        # At the border the last cell stands for those beyond it.
         weights = np.zeros((fine, coarse), np.float32)
         for k, weight in enumerate(basis):
             near = np.clip(cell + k - 1, 0, coarse - 1)

@@ -74,6 +74,7 @@ def _face(low: F64, high: F64, face: str, radius: float) -> tuple[F64, F64, F64]
         normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
         positions = core + radius * normals
     else:
+        # Sharp: the face as it is, with its own normal.
         normals = np.zeros_like(on_box)
         normals[..., axis] = outward
         positions = on_box

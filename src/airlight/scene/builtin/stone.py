@@ -126,6 +126,7 @@ def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
     # Veins run through the pale tiles darker, through the dark ones lighter.
     marble = fractal_noise((size_px, size_px), (4, 4), rng, octaves=6, gain=0.6)
     vein = np.exp(-25.0 * np.abs(fractal_noise((size_px, size_px), (3, 3), rng, octaves=5)))
+    # Joints are darker and rougher than the tiles, and lie deeper.
     face = smoothstep(0.0015, 0.006, joint_m.astype(np.float32))
     grey = (1.0 + 0.05 * marble - (0.15 - 0.35 * dark) * vein) * (0.4 + 0.6 * face)
     pale, brown, rust = (np.array(c, np.float32) for c in _TILE_COLORS)

@@ -47,6 +47,7 @@ def _table(path: Path, kind: str, size: int, ends: dict[str, F64], rows: list[F6
         raise SceneError(
             f"{kind} {size} means {wanted} colours; it has {len(rows)}", where=path, remedy=_REMEDY
         )
+    # Each channel has a domain of its own.
     low, high = ends["DOMAIN_MIN"], ends["DOMAIN_MAX"]
     if not (high > low).all():
         raise SceneError("DOMAIN_MAX is not above DOMAIN_MIN", where=path, remedy=_REMEDY)

@@ -36,6 +36,7 @@ def taken_emission(
     if given and hot is None:
         raise SceneError(f"{next(iter(given))} belongs to a temperature_grid")
     if wanted is None and hot is None:
+        # Without a grid the emission is in proportion to the density.
         return (Emission(radiance) if radiance else None), density
     if path is None or density is None:
         name = "emission_grid" if hot is None else "temperature_grid"

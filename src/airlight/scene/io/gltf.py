@@ -243,6 +243,7 @@ class GltfFile:
             max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))
         )
         position, direction = _vector(matrix[:3, 3]), _vector(-matrix[:3, 2])
+        # Of the three types only the spot has a cone.
         kind = light.text("type")
         if kind == "directional":
             return DirectionalLight(direction=direction, irradiance=(red, green, blue))

@@ -86,6 +86,7 @@ def _glb_chunks(raw: bytes, path: Path) -> tuple[bytes, bytes | None]:
             raise truncated
         chunks.setdefault(kind, raw[at + 8 : at + 8 + size])
         at += 8 + size
+    # JSON has to be there, the binary chunk need not.
     if _JSON_CHUNK not in chunks:
         raise SceneError("the GLB file has no JSON chunk", where=path)
     return chunks[_JSON_CHUNK], chunks.get(_BINARY_CHUNK)
@@ -184,6 +185,7 @@ class Buffers:
                 data = self._binary
             else:
                 raise buffer.error("has no 'uri', and the file has no binary chunk")
+            # Longer data than it says are cut; shorter ones are damage.
             if len(data) < length:
                 raise buffer.error(
                     f"has {len(data)} bytes of the {length} it declares",

@@ -75,6 +75,7 @@ class Deforms:
         if len(joints) == 0:
             raise skin.error("has no joints")
         influences, weights = self._influences(attributes, len(joints))
+        # Each vertex that is drawn needs its joints.
         if len(influences) <= int(read.rows.max()):
             raise attributes.error(f"has joints for {len(influences)} vertices only")
         return Skin(

@@ -84,6 +84,7 @@ def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:
     for name, width in (("TRANSLATION", 3), ("ROTATION", 4), ("SCALE", 3)):
         if attributes.has(name):
             k = attributes.index(name, buffers.accessors, "accessors")
+            # The bound is checked before any value is read.
             if buffers.accessors[k].integer("count", low=1) > MOST_INSTANCES:
                 raise attributes.error(f"has more than {MOST_INSTANCES} instances")
             given[name] = buffers.array(attributes, name, width=width).astype(np.float64)

@@ -148,6 +148,7 @@ def side_by_side(uvs: F64, triangles: Ints) -> F64:
     corner = np.zeros((count, 2))
     x = y = row_height = 0.0
     for k in np.argsort(-size[:, 1], kind="stable"):
+        # A chart that no longer fits begins the next row.
         if x > 0.0 and x + size[k, 0] > side:
             x, y, row_height = 0.0, y + row_height + gap, 0.0
         corner[k] = x, y

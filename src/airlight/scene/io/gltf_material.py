@@ -217,6 +217,7 @@ class Materials:
                 raw = self._image_bytes(image)
                 self._pixels[k, is_srgb] = read_texture(raw, is_srgb=is_srgb, source=where)
             except SceneError as error:
+                # A colour that is missing is to be seen; other data are left out.
                 if not is_srgb:
                     self.warnings.append(f"{where}: {error.problem}; the surface goes without")
                     return None

@@ -206,6 +206,7 @@ class GlbDocument:
         return self._row("accessors", key, lambda: self._accessor_json(array, attribute))
 
     def _accessor_json(self, array: NDArray[Any], attribute: str) -> Json:
+        # Indices have no attribute to be named by.
         is_index = not attribute
         packed = np.ascontiguousarray(array, "<u4" if is_index else "<f4")
         if attribute == "NORMAL":
@@ -217,6 +218,7 @@ class GlbDocument:
             "count": len(packed),
             "type": {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[width],
         }
+        # glTF requires the bounds of positions.
         if attribute == "POSITION":
             item["min"], item["max"] = packed.min(axis=0).tolist(), packed.max(axis=0).tolist()
         return item

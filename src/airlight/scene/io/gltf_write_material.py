@@ -34,6 +34,7 @@ def material_json(
     made.put(reflection, "baseColorTexture", material.base_color_texture, is_colour=True)
     made.put(reflection, "metallicRoughnessTexture", material.metallic_roughness_texture)
     item: Json = {"pbrMetallicRoughness": reflection, "doubleSided": material.two_sided}
+    # glTF knows no black back: it goes with the extras, for our own reader.
     if material.has_black_back and not material.two_sided:
         item["extras"] = {BLACK_BACK: True}
     if material.name:

@@ -62,6 +62,7 @@ def letter_of(name: str, attributes: dict[str, Any]) -> str:
     for letter, names in _STANDARD.items():
         if said in names:
             return letter
+    # Units tell times, degrees and pressures apart.
     if " since " in units:
         return "T"
     if units.startswith(("degree_e", "degrees_e")):
@@ -95,6 +96,7 @@ def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
     sampled: NDArray[Any] = np.asarray(values, np.float32)
     evens = []
     for k, line in enumerate(lines):
+        # An axis that runs down is turned about with its values.
         if line[0] > line[-1]:
             line, sampled = line[::-1], np.flip(sampled, k)
         even = _even(line, axes[k].name, doubts)

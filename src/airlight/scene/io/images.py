@@ -157,6 +157,7 @@ def save_image(
             where=path,
             remedy=f"End its name in one of {', '.join(IMAGE_SUFFIXES)}.",
         )
+    # Float formats keep radiance, the others what is displayed.
     with whole_file(path) as part:
         if suffix == ".exr":
             exr.write(image, part, layers=layers, half=precision == "half")

@@ -28,6 +28,7 @@ def _check_stl(raw: bytes, path: Path) -> None:
         (count,) = _STL_COUNT.unpack_from(raw, _STL_HEADER)
         if len(raw) == start + count * _STL_TRIANGLE:
             return
+        # Of another length it is text, or damaged.
         if _is_ascii_stl(raw):
             return
         raise SceneError(
@@ -64,6 +65,7 @@ def _check_ply(raw: bytes, path: Path) -> None:
             if len(words) != 2 or not re.fullmatch(rb"\d{1,18}", words[1]):
                 raise SceneError("its header has an element without a count", where=path)
             rows = int(words[1])
+        # Each property takes a byte of every row at the least.
         needed += rows if keyword == b"property" else 0
         if needed > len(raw) - end or rows > len(raw):
             raise SceneError(

@@ -176,6 +176,7 @@ def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
     else:
         sizes = np.array([len(face) for face in listed], dtype=np.int64)
         corners = np.concatenate(list(listed))
+    # Triangles alone need no cutting.
     if not len(sizes) or sizes.max() <= 3:
         return None
     return corners.astype(np.int64), sizes

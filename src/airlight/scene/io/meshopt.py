@@ -179,6 +179,7 @@ class _Triangles:
             if kind == 0 or (kind == 15 and code >= 0xFE):
                 self._push_vertex(corner)
         a, b, c = corners
+        # Edges are kept against their sense, as a neighbour runs along them.
         self._push_edge(b, a)
         self._push_edge(c, b)
         self._push_edge(a, c)

@@ -84,6 +84,7 @@ def _mask(node: Node, source: Source) -> Material:
         source.note(f"{node}: its opacity texture is left out")
         return inner
     cut = with_alpha(inner.base_color_texture, found[0])
+    # One texture has one uv transform, the colour's.
     if inner.base_color_texture is not None and (found[0].scale, found[0].offset) != (
         inner.base_color_texture.scale,
         inner.base_color_texture.offset,
@@ -223,10 +224,12 @@ def _roughness(node: Node, source: Source) -> float:
         source.note(f"{node}: its anisotropic roughness is read as its geometric mean")
         u, v = (float(node.get(key, 0.1)) for key in ("alpha_u", "alpha_v"))
         return min(1.0, math.sqrt(math.sqrt(max(u * v, 0.0))))
+    # One width for both directions; a texture of it is left out.
     alpha, texture = scalar_input(node, "alpha", 0.1, source)
     if texture is not None:
         source.note(f"{node}: its roughness texture is left out")
         alpha = 0.1
+    # Mitsuba's alpha is the square of our roughness.
     return min(1.0, math.sqrt(max(alpha, 0.0)))
 
 

@@ -92,6 +92,7 @@ def _header(
     if list(counts) != ["vertex", "face"] or len(fields["face"]) != 1:
         return None
     kind = fields["face"][0][1]
+    # A list's count is a byte, and its indices of any type that is known.
     index_type = _TYPES.get(kind.removeprefix("list uchar ").removeprefix("list uint8 "))
     if not kind.startswith(_LIST) or index_type is None:
         return None

@@ -79,6 +79,7 @@ def _local(node: Node) -> F64:
         if length == 0.0:
             raise SceneError(f"{node} has no length")
         z = axis / length
+        # A vector across it, by the world's z, or by x where z is nearly along it.
         x = np.cross(z, (0.0, 0.0, 1.0) if abs(z[2]) < 0.9 else (1.0, 0.0, 0.0))
         x /= np.linalg.norm(x)
         matrix[:3, 0], matrix[:3, 1] = radius * x, radius * np.cross(z, x)

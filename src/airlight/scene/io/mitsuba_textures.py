@@ -112,6 +112,7 @@ def bitmap(
     # The same file may be a colour here and data there, which decode differently.
     key = (path, raw, is_color)
     if key not in source.textures:
+        # An image that cannot be read costs the texture, not the scene.
         try:
             source.textures[key] = _read(path, raw, is_color)
         except SceneError as error:

@@ -111,6 +111,7 @@ def _spectrum(element: Element, label: str, where: Path) -> Rgb:
     pairs = [part.partition(":") for part in re.split(r"[\s,]+", text.strip()) if part]
     wavelengths = [_number(low, label, where) for low, _, _ in pairs]
     values = [_number(high, label, where) for _, _, high in pairs]
+    # Wavelengths need not be in order in the file.
     order = np.argsort(wavelengths)
     at = np.linspace(0.0, 1.0, 64)
     bands = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))  # nm; red, green, blue

@@ -198,6 +198,7 @@ def _with_values(text: str, reader: _Reader, path: Path) -> str:
     # Each part after a $ begins with a parameter's name.
     first, *rest = text.split("$")
     parts = [first]
+    # The longest parameter that the text begins with is meant.
     lengths = sorted({len(name) for name in reader.parameters if name}, reverse=True)
     for part in rest:
         name = next((part[:n] for n in lengths if part[:n] in reader.parameters), None)

@@ -43,8 +43,10 @@ def creased_normals(
     row_of_vertex = np.cumsum(~is_rough, dtype=triangles.dtype) - 1
     smooth = sums[~is_rough]
     index = row_of_vertex[triangles]
+    # Without rough vertices that is all.
     if not is_rough.any():
         return _unit(smooth), index
+    # Corners at rough vertices, told apart by their sets of joined faces.
     corner = np.flatnonzero(is_rough[triangles])
     rough_sums, keys = _rough_sums(positions, triangles, corner, is_flat)
     _, first, row = np.unique(keys, return_index=True, return_inverse=True)
@@ -183,7 +185,9 @@ def compact(corners: Ints) -> tuple[Ints, NDArray[np.uint32]]:
     sample = np.zeros(int(lead.max()) + 1, np.int64)
     is_used = np.zeros(len(sample), dtype=bool)
     is_used[lead] = True
+    # Any row of a value may be its sample.
     sample[lead] = np.arange(len(flat))
+    # A value is mixed where a row of it differs from its sample.
     is_mixed = np.zeros(len(sample), dtype=bool)
     for part in chunks(len(flat)):
         differs = (flat[part] != flat[sample[lead[part]]]).any(axis=1)
@@ -195,8 +199,10 @@ def compact(corners: Ints) -> tuple[Ints, NDArray[np.uint32]]:
     counts += np.bincount(distinct[:, 0] + 1, minlength=len(counts)) - is_mixed
     starts = np.cumsum(counts) - counts
     within = np.arange(len(distinct)) - np.searchsorted(distinct[:, 0], distinct[:, 0])
+    # Where each corner's row will stand: mixed ones by their place within the value.
     indices = starts.astype(np.uint32)[lead]
     indices[several] += within[inverse].astype(np.uint32)
+    # Which old row each new one is.
     chosen = np.empty(int(counts.sum()), np.int64)
     single = np.flatnonzero(is_used & ~is_mixed)
     chosen[starts[single]] = sample[single]

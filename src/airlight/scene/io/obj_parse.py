@@ -71,6 +71,7 @@ def parse_obj(raw: bytes, path: Path) -> ObjData:
     face_lines = lines.of(_FACE)
     absent = []
     for column, kind in enumerate((_V, _VT, _VN)):
+        # Indices of texture coordinates or normals of which there are none are dropped.
         if kind != _V and not len(lines.of(kind)) and corners[:, column].any():
             absent.append(_KIND_NAMES[kind])
             corners[:, column] = 0  # as if the faces did not name them
@@ -183,6 +184,7 @@ class _Lines:
         slashes = slashes_per_token(text)
         if values is None or len(values) != len(slashes) + slashes.sum() or (slashes > 2).any():
             raise self._unreadable(_FACE, text.replace(b"/", b" "))
+        # A corner has one number, and one more after each slash.
         first = np.cumsum(slashes + 1) - (slashes + 1)
         last = len(values) - 1
         corners = np.zeros((len(first), 3), dtype=np.int64)

@@ -91,6 +91,7 @@ def _check_head(stream: VdbStream) -> None:
         raise SceneError(
             "is a .vdb stream without offsets of its grids", remedy="Write it to a file instead."
         )
+    # Id and metadata of the file are passed over.
     stream.take(_UUID_BYTES)
     _metadata(stream)
 

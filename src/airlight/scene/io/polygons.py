@@ -38,6 +38,7 @@ def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
     columns = np.ascontiguousarray(positions.T)
     for size in np.unique(sizes[sizes > 3]).tolist():
         rows = np.flatnonzero(sizes == size)
+        # Parts bound the memory.
         for part in np.array_split(rows, -(-len(rows) * size // _AT_ONCE)):
             if size == 4:
                 _turn_quads(columns, corners, starts[part], at, begins[part])
@@ -83,6 +84,7 @@ def _cut_concave(
     left = np.einsum("fkc,fc->fk", turn, normal)
     limit = _STRAIGHT * np.square(np.abs(shape).max(axis=(1, 2))) * np.linalg.norm(normal, axis=1)
     is_reflex = left < -limit[:, None]
+    # Without such a corner the fan stays.
     for k in np.flatnonzero(is_reflex.any(axis=1)).tolist():
         cut = _clipped(shape[k], normal[k])
         if cut is not None:

@@ -68,6 +68,7 @@ def _exposure(header: bytes, path: Path) -> float:
             product *= float(text)
         except ValueError:
             product = math.nan
+        # NaN is in no range either.
         if not _LEAST_EXPOSURE <= product <= 1.0 / _LEAST_EXPOSURE:
             raise SceneError(
                 f"its EXPOSURE={text[:40]} is not from {_LEAST_EXPOSURE:g} to "

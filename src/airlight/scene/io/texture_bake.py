@@ -134,8 +134,10 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
         inside: F64 = _depth(placed.to[which], centre)
         near = inside >= -MARGIN
         which, texel, away, inside = which[near], texel[near], away[near], inside[near]
+        # Each texel by its triangle's map, in the old image.
         at = placed.source[which, 0] + np.einsum("nij,nj->ni", jacobians[which], away)
         values = _interpolated(old, at, texture.wrap)
+        # Normal maps are in the frame of their texture coordinates, which turn, too.
         if is_normal:
             values = _turned(values, jacobians[which])
         # Of several triangles the one that the texel lies deepest in.

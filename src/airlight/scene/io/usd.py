@@ -229,6 +229,7 @@ class _Reader:
         if asset is None or not asset.IsA(UsdVol.OpenVDBAsset):
             self.warnings.append(f"'{prim.GetPath()}': it has no density in an OpenVDB file")
             return
+        # Its file and the grid in it are attributes of the asset.
         vdb = UsdVol.OpenVDBAsset(asset)
         attribute = vdb.GetFilePathAttr()
         value, grid = attribute.Get(self._time), vdb.GetFieldNameAttr().Get(self._time)

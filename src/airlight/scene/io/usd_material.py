@@ -175,6 +175,7 @@ class UsdMaterials:
             image = replace(image, pixels=pixels)
         elif name != "normal" and (not np.allclose(scale, 1.0) or bias.any()):
             self.warnings.append(f"{place}: its scale and bias are left out")
+        # Wrapping by axis; the format's other modes repeat.
         wraps = [str(self._value(source, f"wrap{axis}") or "repeat") for axis in "ST"]
         wrap_s, wrap_t = (_WRAPS.get(name, "repeat") for name in wraps)
         return self._placed(replace(image, wrap=(wrap_s, wrap_t)), source, place)

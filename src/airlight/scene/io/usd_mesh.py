@@ -110,6 +110,7 @@ class _Faces:
         if len(at) == 0:
             return None
         at = held[at]
+        # A left-handed mesh winds the other way.
         if self._is_left_handed:
             at = at[:, ::-1]
         # Rows of each table by its own interpolation: one vertex for each combination.
@@ -119,6 +120,7 @@ class _Faces:
         uvs, uv_at = self._primvar(uv_name, 2, points, at, face)
         colors, color_at = self._primvar("displayColor", 3, points, at, face)
         rows, indices = compact(np.stack([points, normal_at, uv_at, color_at], axis=-1))
+        # Texture coordinates and colours only where the mesh has them.
         taken = {
             "normals": normals[rows[:, 1]].astype(np.float32),
             "uvs": None if uvs is None else _image_uvs(uvs[rows[:, 2]]),
@@ -186,6 +188,7 @@ def _rows(kind: str, count: int, index: Any, points: I64, at: I64, face: I64) ->
     rows = given.get(kind)
     if rows is None:
         return None
+    # An index leads from the number to the row of values.
     if index is not None:
         table = np.array(index, np.int64)
         if rows.max() >= len(table):

@@ -81,6 +81,7 @@ def opened_stage(path: Path) -> Any:
                         raise SceneError(f"has over {_MOST_LAYERS:,} layers")
                     seen.add(layer.identifier)
                     todo.append(layer)
+        # The layers are within bounds: now the stage may compose them.
         stage = Usd.Stage.Open(first, None, _resolver_context(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
         raise SceneError(f"is no readable USD ({_said(error)})") from None

@@ -114,6 +114,7 @@ def _parsed(raw: bytes) -> _File:
         if begin < 0:
             raise ValueError("its appended data do not begin with an underscore")
         appended, is_raw = raw[begin + 1 :], b"raw" in found[1]
+        # Base64 ends at the next tag; raw bytes may hold any sign.
         if not is_raw:
             appended = appended.partition(b"<")[0]
         raw = raw[: found.start()] + b"</VTKFile>"
@@ -169,6 +170,7 @@ def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
         flat = _values(file, element, math.prod(own) * channels)
         # x is fastest in the file, as in the grid.
         block = flat.reshape(*own[::-1], channels)
+        # The first piece says of which type the whole is.
         if values is None:
             values = np.zeros((*count[::-1], channels), block.dtype)
         x, y, z = (slice(int(a), int(a) + n) for a, n in zip(first, own, strict=True))

@@ -185,6 +185,7 @@ class AreaLight(LightType):
             away = np.subtract(eye, self.position)
             x, y, z = (away / np.linalg.norm(away)).tolist()
             facing = replace(self, shape="disk", direction=(x, y, z))
+        # The unit shape's corners, placed.
         placed = world_from_unit(facing)
         corners: F64 = 0.5 * unit @ placed[:3, :3].T + placed[:3, 3]
         return corners
