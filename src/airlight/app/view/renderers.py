@@ -54,6 +54,7 @@ class Renderers(Document):
         adapter: str,
         model: Mapping[str, Any] | None,
     ) -> None:
+        # Wrong settings are refused before a device is asked for.
         checked_settings(technique, scene, settings or {})
         self.gpu, self._adapter = open_gpu(adapter), adapter
         own = {technique: dict(settings)} if settings else {}
@@ -93,6 +94,7 @@ class Renderers(Document):
             self._take_made()
         self._look_beyond()
         state, wanted = self.state, self.wanted
+        # A structure that is drawn already, or was refused, needs nothing new.
         if wanted in (self._made, self._refused):
             if self._making.is_under_way:  # of a wish that was taken back
                 self._making.give_up()
@@ -175,6 +177,7 @@ class Renderers(Document):
         """
         state = self.state
         now = checked_settings(state.technique, state.scene, state.chosen_settings)
+        # What was said by a person or by the file is left as it is.
         told = {**state.scene.settings.get(state.technique, {}), **state.chosen_settings}
         gather, more = getattr(now, "gather", ""), dict[str, Any]()
         if self._gathers_moving and gather == "still" and "gather" not in told:
@@ -208,6 +211,7 @@ class Renderers(Document):
         assert self._drawn is not None
         solver = self._drawn.renderer.technique.find(GatherSolver)
         gathers = solver is not None and solver.settings.gather == "always"
+        # What is seen now, which the finer image has to be better than.
         q = self.quality
         seen = Seen(q.full_samples, is_refined=not q.is_coarse, gathers=gathers)
         self.fine.begin(make, self._shot_now(), seen)

@@ -78,6 +78,7 @@ class Session(Renderers):
             self._make()
             self._progress = self._making.progress
             self.controls.height_px = size[1]
+            # Time and hands first: keys that are held, and what turned the light.
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
             is_busy = self.is_held or now_s - self._touched_s < _HAND_S
@@ -87,6 +88,7 @@ class Session(Renderers):
             # An image that is soon another one needs no refinement: the new renderer needs time.
             is_busy |= self._making.is_under_way
             changed = self._has_changed()
+            # Any change ends the refinement of what was looked at.
             if changed:
                 self._shot = None
                 self.fine.moved()
@@ -116,6 +118,7 @@ class Session(Renderers):
     @property
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is."""
+        # How far the finer image is, else what the last frame took.
         if self._shot is not None and self.fine.is_working and not self.fine.samples:
             is_full = self.fine.is_shown or self.quality.full_samples > 0
             return "refining ..." if is_full else "full resolution follows ..."
@@ -134,6 +137,7 @@ class Session(Renderers):
         """How much of the refinement is done, 0 to 1."""
         if not self._is_refined:
             return self.quality.share
+        # Coarser and finer samples count alike.
         samples = self.quality.share * COARSER_SAMPLES + self.fine.samples
         return samples / (COARSER_SAMPLES + SAMPLES)
 
@@ -147,6 +151,7 @@ class Session(Renderers):
 
     def _go_on(self, now_s: float) -> None:
         """What moves by itself: the camera by held keys, the scene by its time."""
+        # Time passes only while something moves by itself.
         spent_s = 0.0 if self._before_s is None else now_s - self._before_s
         self.controls.advance(spent_s)
         state = self.state
@@ -197,6 +202,7 @@ class Session(Renderers):
         self._drawn = None
 
     def _has_changed(self) -> bool:
+        # What the image depends on, by identity where it can be.
         s = self.state
         seen = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
         now = (*seen, self._size)
