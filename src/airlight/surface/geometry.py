@@ -105,8 +105,11 @@ class GpuScene:
         Only their transforms, their vertices and their materials' emission may differ. Raises
         SceneError for meshes with other triangles or materials.
         """
+        # Vertices and emission go to buffers of their own, only where they changed.
         deformed = self._deform(meshes)
         deformed = self._relight(meshes) or deformed
+
+        # Rows in the order of draws.
         placed, first = ([of[i] for i in self.order] for of in (meshes, self._first))
         packed = packed_instances(placed, first, self.material_rows)
         self.current = meshes
@@ -141,6 +144,7 @@ class GpuScene:
 
     def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
         """Upload the vertices of geometries that changed; returns whether any did."""
+        # The meshes of creation, each with the geometry that it shared.
         if len(meshes) != len(self.first_vertices):
             raise SceneError(
                 f"there are {len(meshes)} meshes where there were {len(self.first_vertices)}",
@@ -191,6 +195,8 @@ class GpuScene:
                 ],
                 self.store,
             )
+
+            # Materials that changed before the table was made show what they have now.
             for row, (shown, first) in enumerate(zip(self._shown, self._materials, strict=True)):
                 if shown is not first:
                     self._triangle_table.relight(row, shown)
@@ -241,6 +247,7 @@ class GpuScene:
 
     def _textures_of(self, m: Material) -> MaterialTextures:
         """The textures of a material; those with the same maps share one value and bind group."""
+        # What a texture shows: its image, whatever its scale, and how it wraps.
         maps = {name: map_of(m, name) for name in MAPS}
         key = tuple(None if t is None else (*image_of(t), t.wrap) for t in maps.values())
         found = self._texture_sets.setdefault(key, MaterialTextures(self.store, maps))

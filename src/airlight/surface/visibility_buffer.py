@@ -135,6 +135,8 @@ class VisibilityBuffer:
     ) -> None:
         """`surface` is the second pass, with VISIBILITY_SLOTS; it tests against depth."""
         self.gpu, self._surface = gpu, surface
+
+        # Lights see both sides of culled surfaces, cameras look through their backs.
         kinds = (
             (_LightCutoutTriangleIds, _LightTriangleIds)
             if of_lights
