@@ -40,6 +40,7 @@ class Rooms:
 
     def __init__(self, meshes: Sequence[Mesh], points: F64) -> None:
         """`points` (n, 3), metres: bodies around one of them are rooms for good."""
+        # Bodies are found once: a mesh that moves or bends closes what it closed.
         self._outer, self._bodies = closed_bodies(meshes)
         self._known: list[list[_Known]] = [[] for _ in self._bodies]
         self._placed: Sequence[Mesh] | None = None
@@ -78,6 +79,7 @@ class Rooms:
 
     def _blocking(self, meshes: Sequence[Mesh]) -> list[int]:
         """Rooms, and what of single-sided materials faces in, block as their materials have it."""
+        # A room's both sides block; a solid's outer one, unless it faces in and is single-sided.
         found = list(self._outer)
         for number, body in enumerate(self._bodies):
             for index in body:
@@ -132,6 +134,7 @@ def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
 
 def _clearance(body: Sequence[Mesh], point: F64) -> float:
     """Metres to the nearest triangle at least: to its box, or to its plane."""
+    # A lower bound suffices: within it no triangle lies between two points.
     nearest = np.inf
     for mesh in body:
         linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
