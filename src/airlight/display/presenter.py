@@ -35,6 +35,7 @@ class Look:
 
 def layer_names(images: dict[str, Texture]) -> tuple[str, ...]:
     """The layers that a view of a technique with these `images` can show."""
+    # Radiance layers add up to the image; the raw ones are shown alone.
     radiance = [name for name in images if name not in _RAW_LAYERS]
     raw = [name for name in images if name in _RAW_LAYERS]
     return (IMAGE, *radiance, *raw, "albedo", "normal", "depth")
@@ -44,6 +45,7 @@ class Presenter:
     """Images of one size at a time, onto surfaces of one format and any size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
+        # A scope of its own, so that all memory goes back at once.
         self.size, self.gpu = size, gpu.scope()
         self._combine, self._meter = Combine(self.gpu, size), Meter(self.gpu)
         self._tone, self._show = Tone(self.gpu, size), Show(self.gpu, format)
@@ -124,6 +126,7 @@ class Presenter:
 
 def _chosen(images: dict[str, Texture], view: View, layer: str) -> list[Texture]:
     """The textures whose sum is shown; the image where a technique has no such layer."""
+    # Layers of the G-buffer, one of the technique's, or the sum of its radiance.
     g = view.gbuffer
     own = {"albedo": g.albedo, "normal": g.normal}
     if layer == "depth":
