@@ -51,6 +51,7 @@ class AirlightError(Exception):
         self.where = str(where)
         self.remedy = remedy
         super().__init__(problem)
+
     def __str__(self) -> str:
         parts = (self.where, self.problem, self.remedy)
         where, problem, remedy = (one_line(part) for part in parts)
