@@ -118,6 +118,7 @@ class Commands:
 
         The same Struct has one offset, however often a frame uses it.
         """
+        # Parameters that were stored before have one copy in a frame.
         found = self._places.get(id(params))
         if found is not None:
             return found[0]
@@ -217,6 +218,7 @@ class _Timestamps:
         return 2 * len(self.names)
 
     def next(self, name: str) -> dict[str, Any] | None:
+        # Frames of more passes than there are queries are timed in part.
         if self.count + 2 > _MAX_TIMESTAMPS:
             return None
         # Made when they are first asked for: most runs time nothing.
@@ -243,6 +245,8 @@ class _Timestamps:
         if not self.names:
             return []
         names, self.names = self.names, []
+
+        # Pairs of device times in nanoseconds.
         raw = self.gpu.queue.read_buffer(self._buffer, 0, 16 * len(names))
         ticks = np.frombuffer(raw, np.uint64).reshape(-1, 2).astype(np.int64)
         return [(n, float(b - a) * 1e-6) for n, (a, b) in zip(names, ticks, strict=True)]

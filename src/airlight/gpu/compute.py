@@ -95,6 +95,7 @@ class ComputePass:
 
     def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
+        # Grids are grouped once for each size; most passes then are one dispatch.
         groups = self._groups.get(invocations) or self._grouped(invocations)
         if not self.in_bands:
             self._dispatch(commands, groups, values)
@@ -124,6 +125,7 @@ class ComputePass:
 
     def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:
         """The open compute pass with this pass's pipeline and bindings."""
+        # Within a pass the pipeline is set only where it changes.
         commands.make_room()
         encoder = commands.compute
         if commands.pipeline is not self.pipeline:
@@ -134,6 +136,7 @@ class ComputePass:
 
     def _grouped(self, invocations: tuple[int, ...]) -> tuple[int, ...]:
         """Workgroups for a grid of `invocations`. Raises DeviceError for too many."""
+        # Whole workgroups around the grid; shaders leave out what lies beyond it.
         counts = (*invocations, 1, 1)[:3]
         groups = tuple(-(-n // w) for n, w in zip(counts, self.workgroup, strict=True))
         self.gpu.require(

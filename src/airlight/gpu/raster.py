@@ -131,6 +131,8 @@ class RasterPipeline:
 
     def _joined(self, generated: str, text: str) -> Source:
         source = Source()
+
+        # Bindings first, then what is generated from them, then the pass's own file.
         source.add(declarations(self._slots), f"{self.label} slots")
         if self.second_slots:
             source.add(declarations(self._second, 1), f"{self.label} material slots")
@@ -153,6 +155,8 @@ class RasterPipeline:
         if not self.fragment_entry:
             return None
         extra = {"blend": self.blend} if self.blend else {}
+
+        # Only the first targets may be blended.
         extras = [extra if i < self._blended else {} for i in range(len(self.targets_used))]
         return {
             "module": module,

@@ -165,6 +165,8 @@ def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:
     """Where each of the parameters lies in a buffer, and what that holds."""
     places: dict[bytes, int] = {}
     data = bytearray()
+
+    # Equal parameters lie in the buffer once.
     for value in (v for d in dispatches for v in d.values.values() if isinstance(v, Struct)):
         if value.data not in places:
             places[value.data] = len(data)
@@ -175,6 +177,8 @@ def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:
 def _row(pipeline: Any, group: Any, offsets: list[int], dispatch: Dispatch) -> _Row:
     if _CALLS is None:
         return pipeline, group, offsets, dispatch.groups
+
+    # Handles of wgpu-native, and offsets as its calls take them.
     handles = [None if one is None else one._internal for one in (pipeline, group)]
     return handles[0], handles[1], ffi.new("uint32_t[]", offsets), dispatch.groups
 
@@ -193,6 +197,7 @@ def direct_calls(lib: Any, ffi: Any) -> tuple[Any, ...] | None:
     is a tenth of the Python of a foggy frame with its 400 dispatches. None where the library has
     other ones.
     """
+    # Calls are used only where their arguments are those that are known.
     found = []
     for name, wanted in _DISPATCH_CALLS.items():
         call = getattr(lib, f"wgpuComputePassEncoder{name}", None)

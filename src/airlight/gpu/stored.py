@@ -38,6 +38,7 @@ def stored(
     generated: str = "",
 ) -> Shader:
     """The pass `text` with its targets behind its slots, and a compute shader that calls it."""
+    # The pass's own function stays as it is, without a fragment's attributes.
     found = _found(text, generated)
     assert found is not None
     whole, members = found
@@ -47,6 +48,8 @@ def stored(
         f"    textureStore({target_name(k)}, pixel.xy, found{members[k]});"
         for k in range(len(formats))
     ]
+
+    # A thread for each pixel; those beyond the targets leave.
     x, y = WORKGROUP
     entry = [
         f"@compute @workgroup_size({x}, {y}, 1)",
@@ -70,6 +73,8 @@ def target_name(index: int) -> str:
 def _found(text: str, generated: str) -> tuple[str, dict[int, str]] | None:
     """Where the pass begins, and which members of what it returns go to which target."""
     found = ENTRY.search(text)
+
+    # One target by itself, or members of a struct by their locations.
     if found is None:
         return None
     if found[1]:
