@@ -90,6 +90,7 @@ class Presenter:
         is_raw, is_metered = look.layer in _RAW_LAYERS, look.exposure_stops is None
         with commands.stage("tone"):
             if is_metered and not is_raw and exposed_as is None:
+                # The first image sets the exposure at once.
                 speed = 1.0 if settled or not self._is_metered_before else 0.3
                 self._meter.encode(commands, self._combine.image, speed)
                 self._is_metered_before = True

@@ -43,11 +43,15 @@ class Commands:
             self.arena: Any = gpu.device.create_buffer(
                 label="uniforms", size=_ARENA_BYTES, usage=usage
             )
+
+        # Parameters are staged until the submit, each at its place.
         self._staging = bytearray(_ARENA_BYTES)
         self._used = 0
         self._places: dict[int, tuple[int, Struct]] = {}  # by id, which is theirs while kept here
         self.pipeline: Any = None
         self.recording: list[Dispatch] | None = None  # what is being recorded
+
+        # What is open: the frame's encoder, and its compute pass.
         self._encoder: Any = None
         self._compute: Any = None
         self.stage_ms: dict[str, float] = {}
@@ -128,6 +132,8 @@ class Commands:
         # Offsets are aligned as WebGPU asks of dynamic ones.
         data = params.data
         size = len(data)
+
+        # An arena that is full cannot grow: offsets of this frame's parameters point into it.
         if self._used + size > _ARENA_BYTES:
             raise RuntimeError(
                 "uniform arena is full: too many parameters of one pass or recording"
@@ -176,6 +182,8 @@ class Commands:
         finally:
             if self.is_timed:
                 self._close_compute()
+
+            # Nested stages count in the wall time of the outer one.
             if on_wall and not outer:
                 self.submit()
                 self.gpu.wait()
@@ -230,6 +238,8 @@ class _Timestamps:
             self._buffer = self.gpu.device.create_buffer(
                 label="stages", size=8 * _MAX_TIMESTAMPS, usage=usage
             )
+
+        # Two queries to a pass, where it begins and where it ends.
         first = self.count
         self.names.append(name)
         return {

@@ -58,6 +58,7 @@ class ComputePass:
             source.add(generated, f"{self.label} generated")
         path = shader_path(type(self))
         text = path.read_text()
+        # In bands another entry runs, which adds what lies before the band to the shader's ids.
         if self.in_bands:
             text, entry = banded(text)
             source.add(entry, f"{self.label} bands")

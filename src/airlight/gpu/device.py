@@ -153,6 +153,8 @@ class Gpu(Scope):
     def __init__(self, info: AdapterInfo, paths: CodePaths, asked: Asked = "auto") -> None:
         super().__init__()
         adapter = _enumerate()[info.index]
+
+        # A driver that runs out of memory may end the process: there must be some first.
         check_memory(TO_OPEN)
         self.info, self.paths, self.asked = info, paths, asked
         self.features = asked_features(asked, adapter.features)

@@ -146,5 +146,7 @@ class FullscreenPass(RasterPipeline):
             encoder.set_pipeline(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values | bound)
         encoder.dispatch_workgroups(-(-width // WORKGROUP[0]), -(-height // WORKGROUP[1]))
+
+        # Targets were counted where they were bound.
         if commands.tally is not None:
             commands.tally.ran(commands.stage_name, width * height)

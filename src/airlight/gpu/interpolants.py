@@ -79,6 +79,8 @@ def interpolated(
     named = {slot.name: slot for slot in slots}
     for slot in (*(s for s in slots if s.is_dynamic), *(named[name] for name in firsts)):
         part = _part(slot, firsts.get(slot.name, ()))
+
+        # One that does not fit is left out; a smaller one after it may fit.
         if used + len(part.words) > most_words:
             continue
         used += len(part.words)

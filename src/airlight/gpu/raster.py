@@ -66,6 +66,8 @@ class RasterPipeline:
             on_device(slots, gpu) for slots in (self.slots, self.second_slots)
         )
         self.targets_used = self.targets if targets is None else targets
+
+        # What the device cannot bind or draw to is refused before anything is made of it.
         check_slots(gpu, self.label, (*self._slots, *self._second))
         check_targets(gpu, self.label, self.targets_used)
         # The source, and what is generated for it.

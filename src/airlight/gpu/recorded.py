@@ -120,6 +120,8 @@ class Recording:
             pipeline = None if self._last is d.pipeline else d.pipeline
             self._rows.append(_row(pipeline, None if last == this else made[key], offsets, d))
             self._last, last = d.pipeline, this
+
+        # Rows hold bare handles, which are valid as long as these live.
         self._kept: tuple[Any, ...] = (params, dispatches, list(made.values()))
 
     def replay(self, commands: Commands) -> None:

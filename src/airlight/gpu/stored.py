@@ -38,7 +38,6 @@ def stored(
     generated: str = "",
 ) -> Shader:
     """The pass `text` with its targets behind its slots, and a compute shader that calls it."""
-    # The pass's own function stays as it is, without a fragment's attributes.
     found = _found(text, generated)
     assert found is not None
     whole, members = found
@@ -59,6 +58,8 @@ def stored(
         *lines,
         "}\n",
     ]
+
+    # The pass's own function stays as it is, without a fragment's attributes.
     plain = whole.replace("@fragment ", "").replace("@builtin(position) ", "")
     plain = plain.replace("@location(0) ", "")
     before = first_elements(slots, firsts) + "\n".join(entry)
@@ -73,10 +74,10 @@ def target_name(index: int) -> str:
 def _found(text: str, generated: str) -> tuple[str, dict[int, str]] | None:
     """Where the pass begins, and which members of what it returns go to which target."""
     found = ENTRY.search(text)
-
-    # One target by itself, or members of a struct by their locations.
     if found is None:
         return None
+
+    # One target by itself, or members of a struct by their locations.
     if found[1]:
         return found[0], {0: ""}
     struct = re.search(rf"struct {found[2]} \{{(.*?)\}}", generated + text, re.DOTALL)

@@ -123,6 +123,8 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     first = np.cumsum([0, *(len(p) for p in points[:-1])])
     ends = np.concatenate([p + start for p, start in zip(pairs, first, strict=True)])
     placed = np.concatenate(points)
+
+    # Points that are the same but for rounding become one; edges of no length go.
     step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
     edges = welded(np.round(placed / step))[ends]
     is_edge = edges[:, 0] != edges[:, 1]

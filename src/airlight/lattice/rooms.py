@@ -100,6 +100,8 @@ class Rooms:
             self._placed, self._boxes = meshes, np.array([low, high])
         low_m, high_m = self._boxes[:, :, None]
         is_near = ((points > low_m) & (points < high_m)).all(axis=-1)
+
+        # Only within a box is the winding number asked.
         return frozenset(
             int(number)
             for number in np.flatnonzero(is_near.any(axis=1))
@@ -118,6 +120,8 @@ class Rooms:
         for known in kept:
             if float(np.linalg.norm(point - known.point)) < known.reach_m:
                 return known.holds
+
+        # Else the winding number tells, for as far as no triangle is near.
         new = _Known(body, point, _clearance(body, point), winding_number(body, point) > 0.5)
         self._known[number] = [*kept[-_MOST_KNOWN:], new]
         return new.holds

@@ -26,7 +26,6 @@ def coarse_absorption_depth(x: ArrayLike, level: int) -> F64:
     """
     depth = np.asarray(x, dtype=np.float64)
     if level == 0:
-        # The physical place where hops are not coarsened.
         return mean_absorption_depth(depth)
     small = depth < _LIMIT_BELOW
     safe = np.where(small, 1.0, np.minimum(depth, 600.0))

@@ -40,6 +40,8 @@ class CoarseScene:
     def __init__(self, gpu: Gpu, scene: GpuScene, resolution: int) -> None:
         self._fine = scene
         self._coarse: GpuScene | None = None
+
+        # Only large scenes are simplified.
         self._version = -1
         self._sources: dict[int, NDArray[np.uint32]] = {}
         self._made: dict[int, tuple[Geometry, Geometry]] = {}
@@ -50,6 +52,8 @@ class CoarseScene:
         cell = float(np.linalg.norm(high - low)) / (_CELLS_A_TEXEL * resolution)
         for first, (geometry, stretch, instances) in _geometries(scene).items():
             drawn = instances * len(geometry.indices)
+
+            # Geometries that lose less than half of their triangles stay as they are.
             if drawn >= FEWEST_OF_A_GEOMETRY and stretch > 0.0:
                 triangles = coarse_triangles(geometry, cell / stretch)
                 if 2 * len(triangles) <= len(geometry.indices):

@@ -125,6 +125,8 @@ class GBuffer:
             targets = (self.albedo, self.normal, self.emission)
             inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
             visibility = VisibilityParams(clip_from_world=clip_from_world, inv_size=inv_size)
+
+            # One of the two clears the targets, even where nothing is drawn.
             if first or not then:
                 self._visibility.encode(
                     commands, scene, first, clip_from_world, depth, targets, visibility

@@ -128,6 +128,7 @@ class GpuScene:
             row = self._material_index[id(first.material)]
             if mesh.material is self._shown[row]:
                 continue
+            # Only emission may change: all else is part of pipelines and texture sets.
             if not differ_in_emission_alone(mesh.material, first.material):
                 raise SceneError(
                     f"mesh '{mesh.name}' has another material than before",
@@ -150,6 +151,8 @@ class GpuScene:
                 f"there are {len(meshes)} meshes where there were {len(self.first_vertices)}",
                 remedy="Make a new Renderer",
             )
+
+        # Meshes that shared a geometry still must, as they are drawn as its instances.
         wanted: dict[int, Geometry] = {}
         for mesh, first in zip(meshes, self.first_vertices, strict=True):
             if wanted.setdefault(first, mesh.geometry) is not mesh.geometry:
@@ -160,6 +163,8 @@ class GpuScene:
         # Geometries are compared by identity: a deformed one is another.
         uploaded = self._vertices.uploaded
         changed = [key for key, geometry in wanted.items() if geometry is not uploaded[key]]
+
+        # Recorded draws and cached lists know by these counts whether they still hold.
         for first in changed:
             geometry, had_colors = wanted[first], uploaded[first].colors is not None
             self.replaced += self._vertices.deform(first, geometry)

@@ -175,6 +175,8 @@ class MeshPass:
         # What is in the key by its id is stored beside it, so that nothing else gets that id.
         kept = (draws, commands, scene.instances, *bound.values())
         key = (commands.put(params), scene.replaced, *map(id, kept))
+
+        # The first time: encoded as it is, and remembered in place of the oldest.
         if key not in self._recorded:
             if len(self._recorded) >= _RECORDED:
                 self._recorded.pop(next(iter(self._recorded)))
@@ -249,6 +251,7 @@ class MeshPass:
         # A pipeline for each kind of draw, made when one comes first.
         key = (is_cutout, is_culled, draw.is_mirrored, maps, has_map_transform)
         if key not in self._pipelines:
+            # Mirrored meshes wind the other way.
             cull = "back" if is_culled else "none"
             self._pipelines[key] = kind(
                 self.gpu,
