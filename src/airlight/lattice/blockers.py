@@ -4,8 +4,8 @@ Each surfel's area, projected on the three axes and split by the side it faces, 
 lattice's corners. A propagation step across a face is blocked by the area that faces it, averaged
 over the face's four corners (NumPy twin: maths.lattice6.blocked_shares).
 
-differs: Kaplanyan2010 section 3.2 stores blockers as spherical harmonics, through which a full wall
-lets 16 to 22% of the light.
+differs: Kaplanyan2010 section 3.2 stores blockers as spherical harmonics, as which a full wall lets
+16 to 22% of the light through.
 """
 
 from __future__ import annotations
