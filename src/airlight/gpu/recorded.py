@@ -113,6 +113,8 @@ class Recording:
         last: tuple[Any, ...] = ()
         for d in dispatches:
             offsets = [places[d.values[name].data] for name in d.bindings.dynamic]
+
+            # Dispatches of the same bindings and resources share a bind group.
             key = (id(d.bindings), *(id(d.values[name]) for name in d.bindings.fixed))
             if key not in made:
                 made[key] = d.bindings.make(d.values, params)

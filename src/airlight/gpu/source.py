@@ -44,6 +44,8 @@ class Source:
             match = _USE.match(line)
             if match:
                 self._use(match[1], f"{name}:{number}")
+
+        # Each line with where it came from, for the compiler's messages.
         self.lines += own
         self.origins += [(name, number) for number in range(1, len(own) + 1)]
 

@@ -61,6 +61,8 @@ class LpvSolver(Solver):
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         largest = max(part.placement.cells for part in self.cascades)
         self.black = Buffer(gpu, "no light", 3 * largest * 16)
+
+        # Finer lattices take in light of larger ones at their borders, but the paper's do not.
         self.border: Border | None = None
         if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
             self.border = Border(gpu)

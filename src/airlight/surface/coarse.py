@@ -40,11 +40,11 @@ class CoarseScene:
     def __init__(self, gpu: Gpu, scene: GpuScene, resolution: int) -> None:
         self._fine = scene
         self._coarse: GpuScene | None = None
-
-        # Only large scenes are simplified.
         self._version = -1
         self._sources: dict[int, NDArray[np.uint32]] = {}
         self._made: dict[int, tuple[Geometry, Geometry]] = {}
+
+        # Only large scenes are simplified.
         if sum(len(m.geometry.indices) for m in scene.original) <= MOST_TRIANGLES:
             return
         # Vertices within a part of a texel become one, where that leaves half of the triangles.
@@ -140,6 +140,8 @@ def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
     corners = np.concatenate(remaining)
     turn = corners.argmin(axis=1)[:, None]
     corners = np.take_along_axis(corners, (turn + np.arange(3)) % 3, axis=1)
+
+    # Keys of three numbers below 2^21 fit into 64 bits; with more, repeated triangles stay.
     key = (corners[:, 0] * len(middle) + corners[:, 1]) * len(middle) + corners[:, 2]
     if len(middle) < 1 << 21:
         corners = corners[np.sort(np.unique(key, return_index=True)[1])]
