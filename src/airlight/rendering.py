@@ -85,6 +85,7 @@ class Renderer(DeviceLifetime):
     def _open(self) -> Gpu:
         gpu = open_gpu(self._wanted[2]).scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the image")
+        # The peak counts from here on, not what earlier renderers took.
         gpu.memory.forget_peak()
         return gpu
 
@@ -132,6 +133,7 @@ class Renderer(DeviceLifetime):
             changes |= dict(meshes=meshes, volumes=volumes, light_groups=light_groups)
             changes["exposure_stops"] = self.exposure_stops
             scene = changed(before if time is None else before.at(time), **changes)
+            # While the shutter is open each sample has a moment of its own.
             moments: Iterator[Scene] | None = None
             if time is not None and samples > 1 and has_moments(scene):
                 times_s = time + scene.camera.shutter_s * shutter_shares(samples)
