@@ -85,7 +85,6 @@ class Renderer(DeviceLifetime):
     def _open(self) -> Gpu:
         gpu = open_gpu(self._wanted[2]).scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the image")
-        # The peak counts from here on, not what earlier renderers took.
         gpu.memory.forget_peak()
         return gpu
 
@@ -289,7 +288,6 @@ def render(
         assert image is not None
         if not timed:
             return image
-        # Times are those of single samples, once everything is compiled.
         renderer.frame_ms.clear()
         renderer.python_ms.clear()
         for _ in range(4):
