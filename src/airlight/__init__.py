@@ -120,6 +120,7 @@ _MODULES = {"reference": "reference", "scenes": "scene.builtin"}
 
 def __getattr__(name: str) -> Any:
     if name in __all__ and name not in _MODULES:
+        # Names by their home, modules by import; found once, they are globals.
         home = _HOMES.get(name, "scene")
         value = getattr(importlib.import_module(f"{__name__}.{home}"), name)
     else:
@@ -132,6 +133,7 @@ def _module(name: str) -> Any:
     """A module of the package, as if it had been imported. Raises AttributeError."""
     import importlib.util
 
+    # Private names stay private, and a name that is no module is no attribute.
     dotted = f"{__name__}.{_MODULES.get(name, name)}"
     if name.startswith("_") or importlib.util.find_spec(dotted) is None:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

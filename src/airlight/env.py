@@ -52,6 +52,7 @@ def cache_folder(environment: Mapping[str, str] = os.environ, platform: str = sy
 
     Raises SettingsError where the home folder that it is in cannot be found.
     """
+    # An explicit folder wins over the system's.
     chosen = value("AIRLIGHT_CACHE", environment)
     try:
         return Path(chosen).expanduser() if chosen else _system_caches(environment, platform)

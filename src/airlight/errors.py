@@ -31,6 +31,7 @@ def one_line(text: str) -> str:
     Files from elsewhere may hold line breaks, control characters and texts of any length where
     names are, and messages quote them.
     """
+    # Both ends of a long message say most.
     if len(text) > LONGEST_LINE:
         text = f"{text[: LONGEST_LINE // 2]} ... {text[-LONGEST_LINE // 4 :]}"
     if text.isprintable():

@@ -61,6 +61,7 @@ class Source:
     @property
     def cell_m(self) -> float:
         """The shortest side of its cells, metres."""
+        # Lengths of the grid's edges in the world.
         lengths = np.linalg.norm(np.linalg.inv(self.uvw_from_world)[:3, :3], axis=0)
         return self.texels * float((lengths / np.array(self.texture.size)).min())
 

@@ -35,12 +35,14 @@ def taken_up() -> Iterator[None]:
     if signal.getsignal(signal.SIGINT) is not _leave:
         yield
         return
+    # Interrupts are noted, because an error may hide them.
     seen: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         seen.append(number)
         raise KeyboardInterrupt
 
+    # What cannot be raised where it happens is raised again.
     before, sys.unraisablehook = sys.unraisablehook, _unraisable
     signal.signal(signal.SIGINT, interrupt)
     try:
@@ -63,6 +65,7 @@ def _leave(number: int, frame: FrameType | None) -> NoReturn:
 
 def _interrupt_main() -> None:
     """The signal once more, for the main thread, which it wakes where the system can do that."""
+    # A signal to the thread itself ends its waiting.
     ident = threading.main_thread().ident
     if hasattr(signal, "pthread_kill") and ident is not None:
         signal.pthread_kill(ident, signal.SIGINT)

@@ -16,6 +16,7 @@ from .gpu.commands import Commands
 from .gpu.device import Gpu, open_gpu
 from .gpu.lifetime import DeviceLifetime
 from .lighting.kit import Context
+from .lighting.reach import MadeFor
 from .lighting.view import View
 from .maths.sampling import shutter_shares
 from .sampled_view import Progress, SampledView
@@ -30,7 +31,7 @@ from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
-from .scene.shown import ShownScenes, changed, drawn_alike, has_unlit
+from .scene.shown import ShownScenes, changed, has_unlit
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
@@ -68,7 +69,8 @@ class Renderer(DeviceLifetime):
     ) -> None:
         super().__init__("this Renderer")
         self._began_s = perf_counter()
-        self.scene = self._first = scene if isinstance(scene, Scene) else load(scene)
+        self.scene = scene if isinstance(scene, Scene) else load(scene)
+        self.made_for = MadeFor(self.scene)
         self.size = checked_size(self.scene.camera.image_size if size is None else size)
         check_extent(self.scene)
         self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
@@ -87,15 +89,16 @@ class Renderer(DeviceLifetime):
         return gpu
 
     def _create(self, made: ExitStack) -> None:
-        """Create all that is on the device, for the scene that is shown."""
+        """Create all that is on the device."""
         gpu, (technique, settings, _) = self.gpu, self._wanted
         self.commands = Commands(gpu)
-        first = self._nearby.of(self._shown.of(self._first))
-        self.meshes = GpuScene(gpu, first)
+        scene = self._nearby.of(self._shown.of(self.made_for.scene))
+        self.meshes = GpuScene(gpu, scene)
         at_once = self.commands if self._submits_at_once else None
-        context = Context(gpu, first, self.meshes, self.size, at_once)
+        context = Context(gpu, scene, self.meshes, self.size, at_once)
         self.technique = make_technique(context, technique, settings, nearby=self._nearby)
         made.callback(self.technique.release)
+        self.made_for = self.made_for.following(self.technique.follows_eye)
         self.view = View(gpu, self.size)
         self._sampled = SampledView(self.view, self.technique, self.commands, self._nearby)
 
@@ -124,17 +127,18 @@ class Renderer(DeviceLifetime):
         """
         begin = perf_counter()
         with self.used():
-            changes: dict[str, Any] = dict(camera=camera, lights=lights, environment=environment)
-            changes |= dict(meshes=meshes, volumes=volumes, light_groups=light_groups)
             before = self.scene
-            changes |= dict(exposure_stops=self.exposure_stops)
+            changes = dict[str, Any](camera=camera, lights=lights, environment=environment)
+            changes |= dict(meshes=meshes, volumes=volumes, light_groups=light_groups)
+            changes["exposure_stops"] = self.exposure_stops
             scene = changed(before if time is None else before.at(time), **changes)
+            # While the shutter is open each sample has a moment of its own.
             moments: Iterator[Scene] | None = None
             if time is not None and samples > 1 and has_moments(scene):
                 times_s = time + scene.camera.shutter_s * shutter_shares(samples)
                 moments = (changed(before.at(t), **changes) for t in times_s.tolist())
-            if not drawn_alike(scene, self._first):
-                self._first = scene
+            if (made_for := self.made_for.showing(scene)) is not self.made_for:
+                self.made_for = made_for
                 self._remake()
             with self.whole():
                 # Light transport, independent of the view; then the view, once per sample.
@@ -284,7 +288,6 @@ def render(
         assert image is not None
         if not timed:
             return image
-        # Times are those of single samples, once everything is compiled.
         renderer.frame_ms.clear()
         renderer.python_ms.clear()
         for _ in range(4):

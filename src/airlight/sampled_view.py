@@ -76,6 +76,8 @@ class SampledView:
         textures = self._technique.layers(self._view)
         means = self._accumulator if samples > 1 else None
         layers, radiance = read_layers(self._view, textures, means)
+
+        # Exposure follows the image itself, unless unlit surfaces were drawn for one.
         stops = scene.camera.exposure_stops
         if stops is None:
             is_known = has_unlit(scene)
@@ -84,6 +86,8 @@ class SampledView:
 
     def _accumulate(self, index: int) -> None:
         layers = self._technique.layers(self._view)
+
+        # The accumulator is made for the layers that the technique yields.
         if self._accumulator is None:
             self._accumulator = Accumulator(self._means, self._view.size, tuple(layers))
         with self._commands.stage("accumulate"):

@@ -21,6 +21,7 @@ def keep(path: Path, what: str, write: Callable[[Path], None]) -> str:
     """
     from ..scene.io.writing import whole_file
 
+    # A cache is a help: what keeps it from being written becomes a warning.
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as part:

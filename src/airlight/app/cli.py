@@ -72,6 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit."""
     interrupts.leave_quietly()
     code = run(arguments)
+    # Full or closed streams must not make Python complain while it ends.
     let_go()
     sys.exit(code)
 
@@ -113,6 +114,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 def _report(error: Exception) -> int:
     """Say that the mistake is ours, in one line."""
+    # A traceback is for whoever mends it, the line for whoever meets it.
     if env.is_on("AIRLIGHT_DEBUG"):
         traceback.print_exception(error)
     what = " ".join(str(error).split()) or "no message"

@@ -54,6 +54,7 @@ def command(
 
     reads(source)
     suffix = Path(source).suffix.lower()
+    # Options that the kind of file does not know are refused first.
     model_keys(source, **model)
     # Images by their ending; all else is a scene or a model.
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
@@ -78,6 +79,7 @@ def convert_image(source: Path, target: Path, shown: Mapping[str, Any] | None = 
     from ..scene.io.images import load_image, save_image
 
     image = load_image(source)
+    # Pixels of an 8-bit image have been through a curve already.
     if source.suffix.lower() in DISPLAY_SUFFIXES:
         image = replace(image, tone_map="none")
     save_image(displayed(image, shown) if shown else image, target)
@@ -166,6 +168,7 @@ def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any
     from ..scene.io.writing import whole_file
 
     original = scene
+    # Meshes that no file holds get one beside the scene file.
     if scene.meshes and not (source.startswith(BUILTIN_PREFIX) or _is_nameable(source)):
         source = str(_write_meshes(scene, target))
         # Of that file nothing else comes, so that the scene file says all the rest.
@@ -173,6 +176,7 @@ def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any
     text = scene_text(scene, original, source, target.parent, model=model)
     with whole_file(target) as part:
         part.write_text(text, encoding="utf-8")
+    # Notes are comments of the text, and are said as well.
     return [line[2:] for line in text.splitlines() if line.startswith("# ")]
 
 
@@ -185,6 +189,7 @@ def _write_meshes(scene: Scene, target: Path) -> Path:
     from ..scene.scene import Scene
 
     path = target.with_name(f"{target.stem}_meshes.glb")
+    # What another program has put there is not overwritten.
     if path.exists() and not is_written_here(path):
         raise OutputError(
             f"the meshes of {target} would go here, and another file is in their place",

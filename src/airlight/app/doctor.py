@@ -44,6 +44,7 @@ def command(adapter: str, as_json: bool) -> None:
 
     Lists the graphics adapters, why one is used, the extras, and how to get what is missing.
     """
+    # All is gathered before any of it is said, so that a failure hides nothing.
     graphics, problem = graphics_facts(adapter)
     cache, no_cache = cache_facts()
     facts = {
@@ -58,6 +59,7 @@ def command(adapter: str, as_json: bool) -> None:
         "cache": cache,
     }
     click.echo(json_text(facts) if as_json else _text(facts))
+    # The first problem is the exit code's, after everything was said.
     if problem := problem or no_cache:
         raise problem
 
@@ -88,6 +90,7 @@ def cache_facts() -> tuple[str, AirlightError | None]:
 
 def extras() -> dict[str, dict[str, Any]]:
     """For each extra: what it is for, installed versions by package (None: missing), the remedy."""
+    # Sources that were not installed have no list of requirements.
     try:
         requirements = metadata.requires("airlight") or []
     except metadata.PackageNotFoundError:
@@ -138,6 +141,7 @@ def _llvm_remedy() -> str:
 
 
 def _text(facts: Mapping[str, Any]) -> str:
+    # The program, adapters and why one is used, extras, switches and the cache.
     lines = [
         f"airlight {facts['airlight']}, Python {facts['python']}, {facts['system']}, "
         f"{facts['cpu_cores']} CPU cores",

@@ -37,6 +37,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     from ..exports.solved import export_lattice
 
     loaded = load_scene(scene, options["model"])
+    # Checked again: the scene may have read what would be written.
     _check_output(output)
     export_lattice(
         loaded,

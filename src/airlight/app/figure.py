@@ -148,6 +148,7 @@ def _complain(failed: dict[str, Exception], count: int) -> None:
 
     A mistake of ours among several figures is told in words, and ends with exit code 1.
     """
+    # One figure that was asked for fails with its own message.
     if len(failed) == 1 and count == 1:
         raise next(iter(failed.values()))
     if not failed:
@@ -156,6 +157,7 @@ def _complain(failed: dict[str, Exception], count: int) -> None:
     problem = f"{len(failed)} of {count} figures could not be drawn: {said}"
     if all(isinstance(error, AirlightError) for error in failed.values()):
         raise SettingsError(problem)
+    # Mistakes of ours among several figures are reported as such.
     click.echo(f"error: {problem}. Please report it, with AIRLIGHT_DEBUG=1.", err=True)
     raise click.exceptions.Exit(1)
 

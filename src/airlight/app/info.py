@@ -36,6 +36,7 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     ending = Path(file).suffix.lower()
     if "sun" in model and ending in (*VOLUME_SUFFIXES, *IMAGE_SUFFIXES):
         raise SettingsError("--sun lights scenes, and this is none", where=file)
+    # The file's ending says which of three kinds of facts it has.
     if ending in VOLUME_SUFFIXES:
         facts = grid_facts(Path(file))
     elif ending in IMAGE_SUFFIXES:
@@ -92,6 +93,7 @@ def _sun_facts(scene: Scene) -> list[dict[str, Any]]:
     """What its map has that light the scene as directional lights."""
     from ..scene.map_suns import SunLights
 
+    # What `SunLights` adds are the last lights.
     lights = SunLights().of(scene).lights[len(scene.lights) :]
     return [_light_facts(light) for light in lights]
 
@@ -151,6 +153,7 @@ def _textures(material: Material) -> list[Texture]:
 
 
 def _light_facts(light: Light) -> dict[str, Any]:
+    # A radius of 0 is none.
     known = {name: value for name, value in vars(light).items() if (name, value) != _NO_RADIUS}
     return {"type": type(light).__name__.removesuffix("Light").lower(), **known}
 
@@ -159,6 +162,7 @@ def _emitter_facts(scene: Scene) -> list[dict[str, Any]]:
     """Emissive surfaces and lights with extent as techniques group them; power in W, by channel."""
     from ..area.emitters import Emitters
 
+    # One sample for each, as only their number, place and power are told.
     found = Emitters(scene, samples=1, most=_MOST_EMITTERS)
     found.of(scene)
     return [

@@ -54,6 +54,7 @@ def together(*options: Decorator) -> Decorator:
     """Several options as one decorator; `--help` lists them in this order."""
 
     def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        # The last decorator is the first that `--help` lists.
         for option in reversed(options):
             command = option(command)
         return command

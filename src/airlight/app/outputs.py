@@ -21,6 +21,7 @@ def check_writable(path: Path, endings: Sequence[str] = ()) -> None:
     """
     from ..scene.io.writing import check_target
 
+    # The ending first, as it needs no look at the disk.
     if endings and path.suffix.lower() not in endings:
         raise OutputError(
             f"cannot write an image that ends in '{path.suffix}'",
@@ -50,6 +51,7 @@ def is_folder(path: Path) -> bool:
 
 def check_folder(folder: Path) -> None:
     """Raise OutputError where there is something else than a folder, or none can be."""
+    # A folder that is not there can be made; anything else in its place cannot.
     try:
         is_there = stat.S_ISDIR(folder.stat().st_mode)
     except FileNotFoundError:

@@ -15,6 +15,7 @@ Report = Callable[[str, float], None]
 @contextmanager
 def progress(*, quiet: bool = False) -> Iterator[Report]:
     """Gives a function to report with; what it shows is gone from a terminal afterwards."""
+    # Bars need a terminal; in a log each stage is a line.
     if quiet:
         yield lambda stage, fraction: None
     elif sys.stderr.isatty():
@@ -43,6 +44,7 @@ def _lines() -> Report:
     shown: list[str] = []
 
     def report(stage: str, fraction: float) -> None:
+        # Only stages are told: a line for each step would fill a log.
         if shown[-1:] != [stage]:
             shown.append(stage)
             click.echo(f"{stage} ...", err=True)

@@ -73,6 +73,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     airlight render room.toml -o room.png --watch
     """
     reads(scene)
+    # Mistakes in options are told before the scene is loaded.
     _check_outputs(output, options["stats"], options["layers"])
     check_settings(options["technique"], options["settings"])
     if options["denoise"]:
@@ -97,6 +98,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         if options["exposure"] is not None:  # which unlit surfaces follow
             camera = replace(loaded.camera, exposure_stops=options["exposure"])
             loaded = replace(loaded, camera=camera)
+        # The scene may have read files that the outputs would replace.
         check_outputs(output, stats_path)
         from ..rendering import render
 
@@ -107,6 +109,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         if options["denoise"]:
             report("denoising", 0.0)
             image = image.denoised()
+        # The least of the stamps: with --stats the timing goes on after the image.
         first_image_s = min([*finished_s, time.perf_counter()]) - _STARTED_S
         report("writing", 0.0)
         image.save(output, layers=options["layers"])

@@ -35,6 +35,7 @@ def show_warnings(scene: Scene, doubts: Sequence[str] = ()) -> None:
 
 def warn(texts: Sequence[str]) -> None:
     """One line each on stderr. Of very many the first, and how many more there are."""
+    # The same warning is told once, whatever raised it many times.
     told = list(dict.fromkeys(texts))
     for text in told[:MOST_WARNINGS]:
         click.echo(f"warning: {text}", err=True)

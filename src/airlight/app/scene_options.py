@@ -114,6 +114,7 @@ def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     if not changes:
         return scene
     camera = replace(scene.camera, **changes)
+    # Options that need others say what they lack.
     told = []
     if "focus_m" in changes and camera.aperture_m == 0.0:
         told.append("--focus does nothing without a lens: give it an --aperture")

@@ -28,6 +28,7 @@ def guarded() -> Iterator[None]:
     """
     before = {name: getattr(sys, name) for name in _NAMES}
     try:
+        # A process may lack a stream, as one without a console under Windows does.
         for name, stream in before.items():
             if stream is not None:
                 setattr(sys, name, cast(TextIO, _Stream(stream, _NAMES[name])))
@@ -50,6 +51,7 @@ def let_go() -> None:
             if stream is not None:
                 stream.flush()
         except OSError:
+            # What could not be written is dropped, or Python would try again at its end.
             with Path(os.devnull).open("wb") as nothing:
                 os.dup2(nothing.fileno(), descriptor)
 
@@ -78,6 +80,7 @@ class _Stream:
         try:
             yield
         except OSError as error:
+            # A closed pipe is its reader's choice, any other failure is an error.
             if error.errno == errno.EPIPE:
                 raise ClosedPipe from None
             raise OutputError(f"{self._name} cannot be written ({error.strerror})") from None

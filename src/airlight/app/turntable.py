@@ -36,8 +36,10 @@ def command(scene: str, output: Path, **options: Any) -> None:
     """
     is_video = output.suffix.lower() in VIDEO_SUFFIXES
     reads(scene)
+    # What a sequence could refuse is refused before the scene is loaded.
     check_sequence(output, {**options, "kind": None, "farm": None, "layers": False})
     loaded = around(load_scene(scene, options["model"]), options["seconds"], options["fps"])
+    # The last frame stands one step before the first, so that a video loops.
     last = max(0, round(options["seconds"] * options["fps"]) - 1)
     plan = plan_of(loaded, options, start_s=0.0, fps=options["fps"], first=0, last=last)
     make_sequence(plan, loaded, output, {**options, "farm": None, "keep_frames": not is_video})
@@ -56,12 +58,14 @@ def around(scene: Scene, seconds: float, fps: float) -> Scene:
     camera = scene.camera
     eye = np.array(camera.position)
     pivot = None
+    # In the open the camera goes around; within walls it would go through them.
     if not FreeSpace(scene).is_enclosed(eye):
         # Where the view is nearest to the middle: a file's camera may have its target anywhere.
         low, high = without_ground(scene).bounds
         look = np.subtract(camera.target, eye)
         look /= np.linalg.norm(look)
         ahead = float(look @ ((low + high) / 2.0 - eye))
+        # Where the middle lies behind the eye it is the pivot itself.
         x, y, z = (eye + look * ahead if ahead > 0.0 else (low + high) / 2.0).tolist()
         pivot = (x, y, z)
     track = OrbitTrack(camera, seconds, pivot)

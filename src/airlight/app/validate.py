@@ -28,6 +28,7 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
         check_techniques(scene, file)
         check_sequences(scene)
     except AirlightError as error:
+        # Programs get the refusal as a value, and the exit code as everyone.
         if as_json:
             click.echo(json_text(_refusal(file, error)))
         raise

@@ -22,6 +22,7 @@ def watched(scene: str, work: Callable[[], None]) -> None:
         raise SettingsError("--watch is for scene files", remedy="Nobody saves a builtin scene.")
     watch = Watch(Path(scene))
     while True:
+        # An error is said, and the next save may mend it.
         try:
             work()
         except AirlightError as error:

@@ -92,6 +92,8 @@ class Coverage:
             corners = seen_corners(emitter, clip_from_world, eye, gbuffer.size)
             if corners is not None:
                 found.append((emitter.shape, corners - (*jitter_px, 0.0)))
+
+        # Without an outline the G-buffer's own emission is as good.
         if not found:
             return gbuffer.emission
         if self._drawn is None or self._drawn.size[:2] != gbuffer.size:
@@ -141,6 +143,8 @@ def seen_corners(
     None where a polygon is not exactly what is seen of the emitter.
     """
     shape = emitter.shape
+
+    # Only what is seen as one whole polygon has an outline.
     if not emitter.is_outlined or shape.corners is None:
         return None
     # From behind or nearly edge on, no front is seen whose area could be computed.
@@ -150,6 +154,8 @@ def seen_corners(
     clip = np.concatenate([shape.corners, np.ones((len(shape.corners), 1))], 1) @ clip_from_world.T
     if float(clip[:, 3].min()) < _CLOSE:
         return None
+
+    # From clip space to pixels, y downwards.
     ndc = clip[:, :3] / clip[:, 3:]
     return np.asarray((ndc * (0.5, -0.5, 1.0) + (0.5, 0.5, 0.0)) * (*size, 1.0))
 

@@ -210,6 +210,7 @@ class Emitters:
         points, normals = found.positions[rows], found.normals[rows]
         middle = weight @ points
         mean = weight @ normals
+        # Where normals cancel out any direction serves.
         length = float(np.linalg.norm(mean))
         normal = mean / length if length > 1e-6 else np.array((0.0, 1.0, 0.0))
         # How large it is: as a disk of its area, or as far as its light is spread.
@@ -271,6 +272,7 @@ def _one_of(bodies: I64, points: F64, weight: F64, share: float | None) -> F64:
 def _spots(spot: SpotLight) -> list[SpotLight]:
     """Four spots on the ball of one, spread as its disk is."""
     side, up = orthonormal_frame(np.array(spot.direction))
+    # The corners of a square as wide as the radius, a quarter of the power each.
     r, g, b = (0.25 * c for c in spot.intensity)
     return [
         replace(

@@ -57,6 +57,8 @@ class Blocks:
 def emissive_blocks(scene: Scene) -> Blocks | None:
     """What the scene's media emit, in blocks that stay where they are while emission changes."""
     found = []
+
+    # The medium first, then volumes, as rows of media are counted.
     if scene.medium is not None and max(scene.medium.emission) > 0.0:
         found.append(_of_medium(scene.medium, scene))
     found += [_of_volume(v) for v in scene.volumes if v.is_emissive]
@@ -92,6 +94,7 @@ def split(blocks: Blocks, rows: I64, count: int) -> list[I64]:
 
 def light_of(blocks: Blocks, rows: I64, chosen: int | None = None) -> LightSample:
     """All that a group emits, from its middle; or from its block `chosen`, a row of `blocks`."""
+    # Blocks by their mean channel.
     light = blocks.intensity[rows]
     weight = light.mean(axis=1)
     # A group that is dark for now stays where it is.
@@ -138,6 +141,8 @@ class GlowingMedia:
     def group(self, samples: int, budget: int, room: int) -> None:
         """Decide the groups: `samples` for one medium, `budget` for many, `room` for all."""
         assert self._blocks is not None
+
+        # As many groups as there is room for, samples by what the groups leave of the budget.
         media = int(self._blocks.volume.max()) + 1
         most = max(1, min(EACH * media, MOST, room))
         found = grouped(self._blocks, most)
@@ -148,6 +153,8 @@ class GlowingMedia:
         """Take the emission of a frame; returns whether it changed."""
         if not self.groups:
             return False
+
+        # Media are compared by identity: a changed one is another.
         seen = (scene.medium, *scene.volumes)
         same = len(seen) == len(self._seen)
         if same and all(a is b for a, b in zip(seen, self._seen, strict=True)):
@@ -232,6 +239,7 @@ def _of_medium(medium: Medium, scene: Scene) -> _Columns:
 
 def _shape_values(is_ball: bool) -> F64:
     """(16, 16, 16, 1): how much of each voxel is inside a box or the ball in it."""
+    # Each of 16 voxels a side by 4 x 4 x 4 points.
     fine = (np.arange(64) + 0.5) / 32.0 - 1.0
     z, y, x = np.meshgrid(fine, fine, fine, indexing="ij")
     inside = np.where(x * x + y * y + z * z <= 1.0, 1.0, 0.0) if is_ball else np.ones_like(x)
@@ -241,6 +249,8 @@ def _shape_values(is_ball: bool) -> F64:
 def _summed(values: NDArray[np.floating]) -> tuple[F64, F64]:
     """Centres of light (n, 3), 0..1 along x, y, z, and sums (n, 3) of blocks of voxels."""
     starts = [_starts(n) for n in values.shape[:3]]
+
+    # Sums over blocks of the mean channel.
     shape = values.shape[:3]
     weight = values.mean(axis=3, dtype=np.float32)
     total = _reduced(weight, starts)
@@ -262,11 +272,13 @@ def _summed(values: NDArray[np.floating]) -> tuple[F64, F64]:
 
 
 def _starts(size: int) -> I64:
+    # Blocks of nearly equal numbers of voxels.
     count = min(size, BLOCKS_PER_AXIS)
     return np.asarray(np.arange(count) * size // count)
 
 
 def _reduced(values: NDArray[np.floating], starts: list[I64]) -> F64:
+    # One axis after the other.
     summed = np.asarray(values)
     for axis, at in enumerate(starts):
         summed = np.add.reduceat(summed, at, axis=axis, dtype=np.float64)

@@ -133,6 +133,7 @@ class Grouping:
 
     def is_outlined(self, rows: I64, shape: Shape) -> bool:
         """Whether what is seen of a group is its polygon, with the same glow all over."""
+        # Holes and transmittance would show what lies behind the polygon.
         source = self.sources[int(self.cut.source[rows[0]])]
         material = source.surface.material
         is_whole = not (material.is_blended or material.alpha_cutoff or material.transmission)
@@ -156,6 +157,7 @@ class Grouping:
 
     def is_round(self, rows: I64) -> bool:
         """Whether pieces face all sides, and send to all."""
+        # The mean normal, by power: short where pieces face all sides.
         weight = self.weights[rows]
         mean = weight @ self.found.normals[rows] / max(float(weight.sum()), 1e-300)
         return float(np.linalg.norm(mean)) < _ONE_SIDED
@@ -166,12 +168,14 @@ class Grouping:
 
     def is_hollow(self, rows: I64) -> bool:
         """Whether pieces of one body face their middle, as a part of the inside of a dome does."""
+        # How far its middle lies in front of it, beside its own size.
         extent = float(np.sqrt(self.found.areas[rows].sum()))
         is_one = np.ptp(self.cut.body[rows]) == 0
         return bool(is_one) and self._outwards(rows) < -_HOLLOW * extent
 
     def _outwards(self, rows: I64) -> float:
         """How far, m, pieces are in front of a middle that they face away from, in the mean."""
+        # Offsets from the middle along the normals, in the mean by power.
         found, weight = self.found.taken(rows), self.weights[rows]
         weight = weight / max(float(weight.sum()), 1e-300)
         return float(weight @ ((found.positions - weight @ found.positions) * found.normals).sum(1))
@@ -195,6 +199,7 @@ class Grouping:
 
     def _own_features(self, rows: I64) -> F64:
         """Coordinates by which a group is cut into strata: along its plane, where it is flat."""
+        # Flat groups are cut in their plane, others in space.
         points, normals = self.found.positions[rows], self.found.normals[rows]
         mean = normals.mean(axis=0)
         if np.linalg.norm(mean) > 0.999:
@@ -265,6 +270,7 @@ def grouping(scene: Scene) -> Grouping:
 
 def _weights(own: list[Source], cut: Layout, found: Pieces) -> F64:
     """Power (n,), W; lights that are dark for now have a little, meshes' dark parts none."""
+    # Lights may come on later: a little power keeps them in a group.
     is_light = np.array([s.light >= 0 for s in own], bool)[cut.source]
     brightest = float((found.power / np.maximum(found.areas, 1e-30)).max(initial=0.0))
     least = _DIM * max(brightest, 1e-12) * found.areas

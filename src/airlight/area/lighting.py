@@ -108,6 +108,7 @@ class _AreaLighting(FullscreenPass):
 
 def kinds(emitters: Sequence[Emitter]) -> dict[str, bool]:
     """Which kinds of emitters and samples there are, by the shader's names for them."""
+    # A kind that does not occur is compiled out.
     found = {emitter.shape.kind for emitter in emitters}
     return {
         "HAS_POLYGONS": Kind.POLYGON in found,
@@ -127,6 +128,7 @@ def kinds(emitters: Sequence[Emitter]) -> dict[str, bool]:
 
 def is_flat(emitter: Emitter) -> bool:
     """Whether all samples of an emitter face the same way, and so see along the same axes."""
+    # Samples that send to all sides see along axes of their own.
     directions = np.array([sample.light.direction for sample in emitter.samples])
     is_one = bool(np.abs(directions - directions[0]).max() < 1e-9)
     return is_one and not any(sample.is_cube for sample in emitter.samples)
@@ -205,6 +207,8 @@ class AreaLighting:
         self.gpu, self.shadows, self.media, self._points = gpu, shadows, media, points
         self._has_gloss = any(m.specular > 0.0 or m.metallic > 0.0 for m in materials)
         self._passes: dict[tuple[bool, ...], _AreaLighting] = {}
+
+        # The table is read as two vectors of four a row.
         table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
         table[:, :6] = cosine_table().reshape(-1, 6)
         self._cosines = buffer_of(gpu, "transformed cosines", table)
@@ -256,6 +260,7 @@ class AreaLighting:
 
     def _pass(self) -> _AreaLighting:
         """The pass for the kinds of emitters that there are in this frame."""
+        # Emitters may change their kinds: a pass for each set of them.
         has = {**kinds(self.shadows.emitters.list), "HAS_GLOSS": self._has_gloss}
         key = tuple(has.values())
         if key not in self._passes:

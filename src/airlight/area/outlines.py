@@ -24,6 +24,8 @@ def is_outline(shape: Shape, group: Pieces) -> bool:
     points = group.corners.reshape(-1, 3)
     # Each of the polygon's corners is one of a piece: none was cut off or bridged.
     apart = np.linalg.norm(shape.corners[:, None] - points, axis=-1).min(axis=1)
+
+    # The polygon's area, by triangles about its centre.
     turned = np.cross(shape.corners - shape.centre, np.roll(shape.corners, -1, 0) - shape.centre)
     area = 0.5 * float(np.linalg.norm(turned.sum(axis=0)))
     # Pieces that glow alike and leave no gap: their areas add up to the polygon's.
@@ -55,6 +57,7 @@ def apart(emitters: Sequence[Emitter]) -> tuple[Emitter, ...]:
 
 def _overlap(a: Shape, b: Shape) -> bool:
     """Whether polygons lie in one plane, and no edge of either has all of the other beyond it."""
+    # Polygons far from one plane, or facing apart, do not cover each other.
     radius = max(a.radius, b.radius)
     if abs(float((b.centre - a.centre) @ a.normal)) > 2.0 * _EXACT * radius:
         return False
@@ -64,9 +67,12 @@ def _overlap(a: Shape, b: Shape) -> bool:
 
 
 def _splits(corners: F64, others: F64, radius: float) -> bool:
+    # Outward normals of the first polygon's edges, in its plane.
     after = np.roll(corners, -1, axis=0)
     normal = np.cross(after - corners, np.roll(after, -1, axis=0) - after).sum(axis=0)
     outward = np.cross(after - corners, normal)
     outward /= np.maximum(np.linalg.norm(outward, axis=1, keepdims=True), 1e-30)
+
+    # An edge that has all other corners beyond it parts the two.
     off = np.einsum("ekx,ex->ek", others - corners[:, None], outward)
     return bool((off.min(axis=1) > -_EXACT * radius).any())

@@ -30,6 +30,7 @@ class Segment:
 
 def long_part(found: Pieces) -> Segment | None:
     """The segment that pieces lie along, as long as even light of their variance; None if wide."""
+    # The long part's axis and half length, and how far it spreads across.
     light = found.areas * found.radiance.sum(axis=1) + 1e-30 * found.areas
     middle, variances, axes = principal(found.corners, light)
     half = float(np.sqrt(3.0 * variances[2]))

@@ -73,6 +73,7 @@ def fitted(group: Pieces, *, is_one: bool = False) -> Shape:
 
 def _outline(points: F64, centre: F64, normal: F64) -> tuple[F64, float]:
     """The convex polygon around flat points, and its area; round ones keep their area."""
+    # In the plane of the polygon.
     side, up = orthonormal_frame(normal)
     # The convex hull in its plane.
     flat = np.stack([(points - centre) @ side, (points - centre) @ up], axis=1)
@@ -127,6 +128,7 @@ def _centroid(corners: F64) -> F64:
 
 def _sphere(group: Pieces, light: F64) -> Shape | None:
     """The sphere that all pieces lie on, facing outwards; its area is theirs."""
+    # The box's middle, and the mean distance of corners from it.
     points = group.corners.reshape(-1, 3)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     radius = float(np.linalg.norm(points - middle, axis=1).mean())

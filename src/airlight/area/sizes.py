@@ -27,6 +27,7 @@ class Size:
 
 def rectangle(found: Pieces, normal: F64) -> Size:
     """A rectangle of the same area as these pieces, as long and wide as second moments say."""
+    # The longest axis of the pieces, in their plane, and how much shorter the other is.
     _, variances, axes = principal(found.corners, found.areas)
     tangent = axes[:, 2] - (axes[:, 2] @ normal) * normal
     aspect = max(math.sqrt(variances[1] / max(variances[2], 1e-300)), _THINNEST)
@@ -45,6 +46,7 @@ def own_reach(found: Pieces, bodies: I64, middle: F64) -> F64:
 
     `bodies` (n,): which of the pieces are connected.
     """
+    # The connected body that lies nearest to the point.
     apart = found.corners - middle
     nearest = bodies[int((apart**2).sum(axis=(1, 2)).argmin())]
     return np.asarray(np.abs(apart[bodies == nearest]).max(axis=(0, 1)))

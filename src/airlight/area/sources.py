@@ -47,6 +47,7 @@ def has_extent(light: Light) -> bool:
 
 def sources(scene: Scene) -> list[Source]:
     """All that glows; what the meshes of area lights show is among the lights."""
+    # Meshes of area lights come with their lights.
     eye = np.array(scene.camera.position)
     glowing = {
         row: mesh
@@ -84,6 +85,7 @@ def _ball(light: PointLight | SpotLight) -> AreaLight:
 
 def _sides(mesh: Mesh, eye: F64) -> tuple[int, ...]:
     """Which sides glow; of a closed body that glows on both: the outer, or that around the eye."""
+    # One-sided surfaces glow in front; open sheets on both sides.
     if not mesh.material.two_sided:
         return (1,)
     outer = _outer_side(mesh.geometry)
@@ -101,6 +103,7 @@ def _outer_side(geometry: Geometry) -> int:
 
 def snapped(geometry: Geometry) -> Geometry:
     """The geometry with vertices in one place that rounding alone keeps apart."""
+    # Rounded to a grid far below any detail.
     positions = geometry.positions
     unit = max(float(np.ptp(positions, axis=0).max()), 1e-30) * 2.0**-18
     rounded = (np.round(positions / unit) * unit + 0.0).astype(np.float32)
@@ -109,6 +112,7 @@ def snapped(geometry: Geometry) -> Geometry:
 
 def texture_light(texture: Texture, uv: F64) -> F64:
     """Linear RGB (n, 3), 0 to 1, of the texels at `uv` (n, 2)."""
+    # The nearest texel; coordinates repeat.
     height, width = texture.pixels.shape[:2]
     place = (uv * texture.scale + texture.offset) % 1.0
     x = np.minimum((place[:, 0] * width).astype(int), width - 1)
@@ -119,6 +123,7 @@ def texture_light(texture: Texture, uv: F64) -> F64:
 
 def moved(source: Source, scene: Scene) -> Source:
     """The same source as it stands in `scene`."""
+    # The mesh, the area light or the ball of the scene in this frame.
     if source.mesh >= 0:
         return replace(source, surface=scene.meshes[source.mesh])
     light = scene.lights[source.light]

@@ -74,6 +74,7 @@ def _halves(
     features: F64, power: F64, rows: I64, share: float, least_low: int, least_high: int
 ) -> tuple[I64, I64]:
     """Rows in two across their longest side, the first with `share` of the power."""
+    # Across the side that is longest in any of the features.
     axis = int(np.ptp(features[rows], axis=0).argmax())
     # Cut where the running power reaches the share, with enough rows left on either side.
     ordered = rows[np.argsort(features[rows, axis], kind="stable")]

@@ -52,6 +52,7 @@ class Moments:
 
     def covariance(self) -> F64:
         """(n, 3, 3) m^2 of each row."""
+        # About the mean of the light.
         weight = np.maximum(self.weight, 1e-300)[:, None]
         mean = self.first / weight
         spread: F64 = self.second / weight[..., None] - np.einsum("ni,nj->nij", mean, mean)
@@ -59,6 +60,7 @@ class Moments:
 
     def off(self) -> F64:
         """(n,): how far each row's light lies off its principal axis, times its weight."""
+        # What lies across the axis, and a little of what lies along it.
         variances = np.maximum(np.linalg.eigvalsh(self.covariance()), 0.0)
         own = variances[:, 0] + variances[:, 1] + _LENGTH * variances[:, 2]
         return np.asarray(self.weight * own)
@@ -68,6 +70,7 @@ def principal(corners: F64, areas: F64) -> tuple[F64, F64, F64]:
     """The middle (3,), m, variances (3,), m^2, least first, and axes (3, 3), columns, of triangles
     (n, 3, 3), m, that glow as `areas` (n,) say.
     """
+    # Second moments about the middle; the largest variance is along the axis.
     weight = areas / max(float(areas.sum()), 1e-300)
     middle = weight @ corners.mean(axis=1)
     spread = Moments.of(corners - middle, weight).second.sum(axis=0)

@@ -87,6 +87,7 @@ class CornerData(Struct):
 
 def frame(sample: Sample) -> F64:
     """Axes (3, 3), rows, of a sample's views: those of the world, or about its normal."""
+    # A cube's axes are the world's; a hemisphere's stand about its normal.
     if sample.is_cube:
         return np.eye(3)
     normal = np.array(sample.light.direction)
@@ -102,6 +103,7 @@ def reach(emitter: Emitter, low: F64, high: F64) -> tuple[float, float]:
 
     What is nearer than a sample's own `near` does not shadow it: see `planes`.
     """
+    # As far as any corner of the box is from any sample.
     positions = np.array([sample.light.position for sample in emitter.samples])
     apart = box_corners(low, high)[:, None] - positions
     far = float(np.linalg.norm(apart, axis=-1).max()) * 1.01
@@ -121,6 +123,7 @@ def depth_terms(near: float, far: float) -> tuple[float, float]:
 
 def map_spans(resolution: int) -> tuple[float, float]:
     """Widths of maps `resolution` texels wide, of a hemisphere and a cube, with their borders."""
+    # On small maps the border is an eighth of the width at most.
     kept = 1.0 - 2.0 * min(_BORDER / resolution, 0.125)
     return HEMISPHERE_SPAN / kept, CUBE_SPAN / kept
 
@@ -164,6 +167,7 @@ def _clip(near: float, far: float, span: float, shift: float) -> F64:
 
     At distance 1 a view is `span` wide, about -`shift` both ways.
     """
+    # Perspective, moved aside where a view is of a hemisphere.
     scale = 2.0 / span
     gain = far / (far - near)
     return np.array(
@@ -210,6 +214,7 @@ def corner_rows(emitters: Sequence[Emitter]) -> Any:
     """MOST_CORNERS rows of `CornerData` for each emitter."""
     packed = np.zeros(max(1, MOST_CORNERS * len(emitters)), CornerData.dtype)
     for row, emitter in enumerate(emitters):
+        # Corners fill the first of an emitter's rows.
         corners = emitter.shape.corners
         if corners is not None:
             first = row * MOST_CORNERS

@@ -24,6 +24,7 @@ def threads_joined(points: F64, part: I64, body: I64) -> I64:
     `points` (T, 3, 3), m: triangles; `body` (T,): which of them are connected. Each facet of a tube
     would be a light, and none of them a polygon.
     """
+    # Areas of triangles, and of the bodies that they make.
     doubled = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     areas = 0.5 * np.linalg.norm(doubled, axis=1)
     total = np.bincount(body, areas)

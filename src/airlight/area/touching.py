@@ -56,6 +56,7 @@ def _glow(material: Material) -> tuple[object, ...]:
 
 def _meeting(rows: list[int], meshes: Mapping[int, Mesh]) -> list[list[int]]:
     """Groups of several of these meshes, the smallest first, that share edges."""
+    # Only as many triangles as a cut light would have.
     triangles = np.cumsum([len(meshes[row].geometry.indices) for row in rows])
     rows = rows[: int(np.searchsorted(triangles, _MOST, side="right"))]
     if len(rows) < 2:
@@ -80,6 +81,7 @@ def _meeting(rows: list[int], meshes: Mapping[int, Mesh]) -> list[list[int]]:
 
 def _placed(mesh: Mesh) -> F64:
     """The corners (T, 3, 3) of a mesh's triangles, m, whose front is the mesh's."""
+    # Mirrored meshes are wound the other way, so that their front stays.
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
     placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
     indices = mesh.geometry.indices
@@ -88,6 +90,7 @@ def _placed(mesh: Mesh) -> F64:
 
 def _merged(meshes: Sequence[Mesh]) -> Geometry:
     """Their triangles in the world, one mesh's after the other's."""
+    # Corners are not shared: touching meshes are found by place alone.
     corners = np.concatenate([_placed(mesh) for mesh in meshes]).reshape(-1, 3)
     indices = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
     return Geometry(corners.astype(np.float32), indices, np.zeros((len(corners), 3), np.float32))

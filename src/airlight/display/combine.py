@@ -46,6 +46,7 @@ class Combine:
         self._make_means(size)
 
     def _make_means(self, size: tuple[int, int]) -> None:
+        # Two, because a pass cannot read the texture that it draws into.
         self._means = [
             Texture(self.gpu, f"mean {i}", size, "rgba32float", target=True, written=True)
             for i in range(2)

@@ -9,8 +9,6 @@ from ..gpu.layout import Struct, f32, vec2u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 
-"""The image is looked at in at most this many columns and rows."""
-
 
 class MeterParams(Struct):
     """The image's size, and how fast the exposure follows."""

@@ -35,6 +35,7 @@ class Look:
 
 def layer_names(images: dict[str, Texture]) -> tuple[str, ...]:
     """The layers that a view of a technique with these `images` can show."""
+    # Radiance layers add up to the image; the raw ones are shown alone.
     radiance = [name for name in images if name not in _RAW_LAYERS]
     raw = [name for name in images if name in _RAW_LAYERS]
     return (IMAGE, *radiance, *raw, "albedo", "normal", "depth")
@@ -44,6 +45,7 @@ class Presenter:
     """Images of one size at a time, onto surfaces of one format and any size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
+        # A scope of its own, so that all memory goes back at once.
         self.size, self.gpu = size, gpu.scope()
         self._combine, self._meter = Combine(self.gpu, size), Meter(self.gpu)
         self._tone, self._show = Tone(self.gpu, size), Show(self.gpu, format)
@@ -88,6 +90,7 @@ class Presenter:
         is_raw, is_metered = look.layer in _RAW_LAYERS, look.exposure_stops is None
         with commands.stage("tone"):
             if is_metered and not is_raw and exposed_as is None:
+                # The first image sets the exposure at once.
                 speed = 1.0 if settled or not self._is_metered_before else 0.3
                 self._meter.encode(commands, self._combine.image, speed)
                 self._is_metered_before = True
@@ -124,6 +127,7 @@ class Presenter:
 
 def _chosen(images: dict[str, Texture], view: View, layer: str) -> list[Texture]:
     """The textures whose sum is shown; the image where a technique has no such layer."""
+    # Layers of the G-buffer, one of the technique's, or the sum of its radiance.
     g = view.gbuffer
     own = {"albedo": g.albedo, "normal": g.normal}
     if layer == "depth":

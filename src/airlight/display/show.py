@@ -43,6 +43,7 @@ class Show:
     """Draws onto views of textures of one `format`; one that ends in -srgb encodes by itself."""
 
     def __init__(self, gpu: Gpu, format: str) -> None:
+        # A format that encodes by itself takes linear values from the shader.
         self._pass = _Show(
             gpu, targets=(format,), constants={"is_encoding": float(format.endswith("-srgb"))}
         )
@@ -60,6 +61,7 @@ class Show:
 
         `compared`: another such image, and the share of the width from which on it is seen.
         """
+        # Without another image the split lies beyond the right edge.
         other, split = compared or (shown, 2.0)
         params = ShowParams(corner=place.corner, extent=place.extent, split=split)
         self._pass.draw(

@@ -57,6 +57,8 @@ class Tone:
         """Fill `shown`. Raises SettingsError for an unknown curve."""
         if curve not in TONE_CURVES:
             raise SettingsError(f"unknown tone curve '{curve}'", remedy=nearest(curve, TONE_CURVES))
+
+        # The shader knows curves by their place in the table.
         params = ToneParams(
             exposure=exposure_stops,
             is_metered=int(is_metered),

@@ -74,6 +74,8 @@ class LatticeLight:
     def weight(self, points: ArrayLike) -> F64:
         """(n,): 1 inside, falling to 0 towards the border. Twin: lattice_weight."""
         p = self._own(points)
+
+        # As the shader has it: rising over a width at the low side, falling at the high one.
         low, low_width, high, high_width = self.fade
         inside = np.minimum((p - low) / low_width, (high - p) / high_width).min(axis=1)
         return np.asarray(np.clip(inside, 0.0, 1.0))
@@ -93,6 +95,7 @@ class LatticeLight:
         return self._read(_trilinear(self.surfaces, uvw), n[:, None, :])
 
     def _read(self, states: NDArray[Any], n: F64) -> F64:
+        # A lobe that is nowhere negative, or the two bands as they are.
         if self.rule == "lobe":
             return surface_irradiance(states, n, 1.0, scale=1.0)
         along = (states[..., 1:] * n).sum(axis=-1)
@@ -130,6 +133,7 @@ class LightField:
         Each lattice fades into the next coarser one, the last into nothing. `normals` (n, 3) are
         unit vectors.
         """
+        # What a finer lattice leaves of a point is the next one's.
         p = np.asarray(points, np.float64)
         total, left = np.zeros(p.shape), np.ones(len(p))
         for lattice in self.lattices:

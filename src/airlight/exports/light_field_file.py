@@ -164,6 +164,7 @@ def _header(field: LightField, arrays: dict[str, Any]) -> dict[str, Any]:
 
 
 def _about(name: str) -> dict[str, str]:
+    # A lattice's arrays by the name behind their number; all others are volumes.
     unit, meaning = _MEANINGS.get(
         name.partition("_")[2], ("W m^-2 sr^-1", "(z, y, x, rgb): see volumes")
     )
@@ -190,6 +191,7 @@ def _make_folder(target: Path) -> None:
 
 
 def _read_folder(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    # Names come from the header, and lead nowhere outside of the folder.
     header = json.loads(read_text(folder / HEADER_FILE))
     files = {name: inside(folder, f"{name}.npy", folder) for name in header["arrays"]}
     return header, {name: read_npy(file) for name, file in files.items()}
@@ -213,6 +215,7 @@ def _field(header: dict[str, Any], arrays: dict[str, Any]) -> LightField:
 
 
 def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> LatticeLight:
+    # Files of earlier versions have no axes: cells lay along the world's.
     air = arrays.get(f"{name}air")
     return LatticeLight(
         axes=np.array(about.get("axes_xyz", np.eye(3)), np.float64),

@@ -39,10 +39,13 @@ class Lookup:
 
         Both are along the lattice's axes. Twin: lattice_coordinates in wgsl/lattice.wgsl.
         """
+        # Warped to the walls, then before the surface, then away from closed faces.
         warped = self.warped(p, n)
         upright = self._eased(self._lookup_coordinates(warped, n), _rim_shares(n))
         if self.rule == "linear":
             return upright
+
+        # Surfaces that lie along no axis are looked up between cells before their plane.
         oblique = 1.0 - _smoothstep(0.9, 0.97, np.abs(n).max(axis=1, keepdims=True))
         return upright + oblique * (self._oblique_coordinates(warped, n) - upright)
 
@@ -53,6 +56,7 @@ class Lookup:
 
     def _oblique_coordinates(self, warped: F64, n: F64) -> F64:
         """Twin: oblique_coordinates in wgsl/lattice.wgsl."""
+        # From a point before the surface, no nearer to closed faces than they allow.
         count = np.array(self.count)
         at = np.clip(self._lifted(warped, n) + BEFORE_OBLIQUE * n, 0.5, count - 0.5)
         cell = np.floor(at)
@@ -101,6 +105,8 @@ class Lookup:
         """
         if self.dead_ends is None:
             return np.zeros(step.shape, np.bool_)
+
+        # Hops are numbered +x -x +y -y +z -z.
         _, at = self._cells(cell)
         hop = 2 * np.arange(3) + (step < 0.0)
         return np.asarray((self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1 == 1)
@@ -126,12 +132,14 @@ class Lookup:
 
     def _wall_above(self, cell: NDArray[np.intp], axis: int) -> F64:
         """The shift of the wall on the high face along `axis`; 0 at the lattice's end."""
+        # A wall on a high face is the low wall of the next cell.
         last = self.count[axis] - 1
         x, y, z = (np.minimum(cell[:, k] + (k == axis), self.count[k] - 1) for k in range(3))
         return np.where(cell[:, axis] == last, 0.0, self.walls[z, y, x, axis])
 
     def _eased(self, coordinates: F64, rim: F64) -> F64:
         """Twin: lattice_eased in wgsl/lattice.wgsl; `rim` (n, 3) as from `_rim_shares`."""
+        # Towards the middle of the cell where its face is closed.
         cell, _ = self._cells(coordinates)
         t = np.clip(coordinates - cell, 0.0, 1.0) - 0.5
         eased = cell + 0.5 + self._open_offset(cell, t, rim)
@@ -160,6 +168,7 @@ def _rim_shares(n: F64) -> F64:
 
 def _raised(coordinates: F64, n: F64) -> F64:
     """The offset before a surface, in cells. Twin: lookup_offset in wgsl/lattice.wgsl."""
+    # Half a cell from where cells meet, a whole one from the middle of a cell.
     along = coordinates * np.sign(n)
     f = along - np.floor(along)
     return np.asarray(n * (0.5 + np.minimum(f, 1.0 - f)))

@@ -40,6 +40,8 @@ def export_lattice(
     """
     if technique in ("direct", "single"):
         raise _no_light(technique)
+
+    # One frame solves the light; none of its pixels is read.
     with Renderer(scene, technique, (16, 16), settings=settings, adapter=adapter) as renderer:
         renderer.frame(read=False)
         field = light_field(renderer, technique)
@@ -128,6 +130,8 @@ def _airs(source: LatticeSource) -> list[F32]:
     """The radiance that media scatter, where the technique marches lattices, the finest first."""
     bands, largest = _bands(source.bound), source.placement
     weights = source.scale * np.array([1.0, *[source.direct] * 3])
+
+    # A pass scales what it reads by its largest cells; finer cells have less area.
     found = []
     for placement in source.levels:
         # Lattices share textures, which hold the power of cells.
@@ -152,6 +156,7 @@ def _volume_lights(used: Technique, renderer: Renderer) -> tuple[VolumeLight, ..
 
 def _world_from_unit(solver: PopSolver, origin: tuple[float, float, float]) -> F64:
     """Where the cells of a medium's grid are, in the world."""
+    # The device's positions are near the camera; the world's origin lies elsewhere.
     placed = np.array(np.linalg.inv(solver.medium.placement.uvw_from_world), np.float64)
     placed[:3, 3] += origin
     return placed

@@ -55,10 +55,13 @@ def light_grids(field: LightField) -> list[VdbGrid]:
     unit = "W m^-2 sr^-1, linear Rec.709"
     grids = []
     for k, cells in enumerate(field.lattices):
+        # Voxel centres lie in the middle of cells.
         placed = np.eye(4)
         placed[:3, :3] = cells.axes.T * cells.cell
         placed[:3, 3] = cells.axes.T @ (np.array(cells.origin) + 0.5 * cells.cell)
         text = f"mean radiance of bounced and scattered light, {unit}"
+
+        # The constant term is the mean over all directions.
         mean = np.maximum(cells.surfaces[..., 0], 0.0)
         grids.append(VdbGrid(f"lattice{k}_mean_radiance", mean, placed, text))
         if cells.air is not None:
@@ -110,6 +113,7 @@ def _grid(grid: VdbGrid) -> tuple[bytes, bytes]:
 
 def _tree(values: F32) -> tuple[bytes, bytes]:
     """The topology and the leaves' values of a tree that holds `values` (x, y, z, n) from 0 on."""
+    # Padded to whole leaves; only voxels of the lattice itself are active.
     size, channels = np.array(values.shape[:3]), values.shape[3]
     leaf_count = -(-size // _LEAF)
     padded = np.zeros((*(leaf_count * _LEAF), channels), "<f4")
@@ -153,6 +157,7 @@ def _children(
 
 def _node(children: list[NDArray[np.int64]], side: int) -> bytes:
     """An inner node without tiles: its masks, and no values."""
+    # Bits of existing children, and none of tiles.
     mask = np.zeros((side,) * 3, bool)
     mask[tuple(np.array(children).T)] = True
     bits = np.packbits(mask.ravel(), bitorder="little").tobytes()

@@ -33,19 +33,26 @@ def cascades_coloured(
     request: Request, scene: Scene | None = None, count: int = COUNT
 ) -> tuple[list[tuple[str, U8 | None]], list[dict[str, Any]]]:
     """Panels (the image, its indirect light, the cascades in colours), and what each lights."""
+    # One sample: depth averaged over several would belong to no surface.
     seen = scene or atrium()
     with renderer(request, seen, {"cascades": count}) as made:
         image = made.frame(samples=1)
         levels, origin = made.technique.kit.lattices.placements, made.origin
     assert image is not None
+
+    # Each lattice's share of the light at every pixel's surface.
     given = shares(levels, surface_points(seen.camera, image.layers["depth"]) - origin)
     stops = exposure_of(seen, image.radiance)
+
+    # The image, its indirect light, and the lattices' colours, exposed alike.
     bounced = image.layers["indirect"]
     panels: list[tuple[str, U8 | None]] = [
         ("the image", shown(image.radiance, stops)),
         ("indirect light", shown(bounced, stops)),
         ("cascades: red, green, blue from the finest", shown(coloured(image, given), stops)),
     ]
+
+    # What each lattice is, and how much of the image it lights.
     numbers = [
         {"cell_m": level.cell, "cells": list(level.count), "share_of_pixels": float(part.mean())}
         for level, part in zip(levels, given, strict=True)
@@ -55,6 +62,7 @@ def cascades_coloured(
 
 def coloured(image: Image, given: F64) -> F32:
     """The image's light in the colours of the cascades; `given` (L, H, W) their shares."""
+    # Grey light, so that hue says nothing but the lattice.
     grey = image.radiance.mean(axis=-1, keepdims=True)
     tint = np.tensordot(given, COLOURS[: len(given)], axes=(0, 0))
     return np.asarray(1.5 * grey * tint, np.float32)
@@ -62,6 +70,7 @@ def coloured(image: Image, given: F64) -> F32:
 
 def surface_points(camera: Camera, depth: F32) -> F64:
     """World points (H, W, 3) of pixels, `depth` in metres along their rays; far where it is not."""
+    # The camera's frame.
     height, width = depth.shape
     eye = np.array(camera.position)
     forward = np.subtract(camera.target, eye)
@@ -69,6 +78,8 @@ def surface_points(camera: Camera, depth: F32) -> F64:
     right = np.cross(forward, camera.up)
     right /= np.linalg.norm(right)
     up = np.cross(right, forward)
+
+    # A ray through the middle of each pixel, as long as its depth.
     half = np.tan(np.radians(camera.fov_y_deg) / 2.0)
     x = ((np.arange(width) + 0.5) / width * 2.0 - 1.0) * half * width / height
     y = (1.0 - (np.arange(height) + 0.5) / height * 2.0) * half

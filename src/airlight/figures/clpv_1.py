@@ -16,9 +16,12 @@ WANTED: dict[str, Any] = {"cascades": 3, "resolution": 32}
 
 def draw(request: Request) -> Drawn:
     """Direct light alone, clear air with `lpv` (three cascades), haze with `lpv-march`."""
+    # The sheet begins with direct light alone, taken from the first image.
     panels: list[tuple[str, F32]] = []
     numbers: dict[str, Any] = {}
     clear = atrium()
+
+    # Clear air, then haze; both by three nested lattices where the technique has them.
     for label, scene, technique in (
         ("with indirect light, 3 cascades", clear, "lpv"),
         ("haze, the lattice marched", in_haze(clear), "lpv-march"),
@@ -38,6 +41,8 @@ def draw(request: Request) -> Drawn:
             "mean_indirect": mean_light(image.layers["indirect"]),
             "mean_direct": mean_light(image.layers["direct"]),
         }
+
+    # The scene's own exposure for all: haze is to look brighter.
     stops = clear.camera.exposure_stops or 0.0
     rows = [("atrium", exposed(request, panels, stops))]
     return Drawn(sheet(request, "Indirect light in the atrium", rows), numbers)

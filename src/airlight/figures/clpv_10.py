@@ -23,6 +23,7 @@ FULL_CHANGE = 0.05  # relative change that gets the brightest colour
 
 def draw(request: Request) -> Drawn:
     """One bounce without occlusion, as the paper's; ours; and how much moves beyond the sun."""
+    # The paper's settings and ours, under the same moving sun.
     scene = from_here(atrium(), (-1.6, 1.55, 0.5), (1.5, 1.0, 2.6))
     modes: dict[str, dict[str, bool]] = {
         "one bounce, no occlusion": {"occlusion": False, "bounces": False},
@@ -34,8 +35,12 @@ def draw(request: Request) -> Drawn:
     for label, settings in modes.items():
         request.report(label, len(rows) / len(modes))
         images = turning(request, scene, settings)
+
+        # Light of every step at each pixel, and how far it is off a straight line in time.
         light = np.stack([luminance(image.layers["indirect"]) for image in images])
         jumps = flicker(light)
+
+        # Panels of the first step; flicker on a scale of its own.
         stops = exposure_of(scene, images[0].radiance)
         change = (jumps / FULL_CHANGE).astype(np.float32)
         cells: list[tuple[str, U8 | None]] = [
@@ -50,6 +55,7 @@ def draw(request: Request) -> Drawn:
 
 
 def _told(light: Any, jumps: F32) -> dict[str, float]:
+    # Change from step to step, over the mean light; the flicker is the part that jumps.
     change = np.abs(np.diff(light, axis=0)).mean() / max(light.mean(), 1e-30)
     return {
         "mean_indirect": float(light.mean()),
@@ -62,6 +68,7 @@ def _told(light: Any, jumps: F32) -> dict[str, float]:
 def turning(request: Request, scene: Scene, settings: dict[str, Any]) -> list[Image]:
     """Images while the sun turns; the same pixels see the same surfaces in each."""
     with renderer(request, scene, settings) as made:
+        # The sun alone moves, in steps of one angle.
         images = [made.frame(lights=moved(scene.lights, step)) for step in range(STEPS)]
     return [image for image in images if image is not None]
 

@@ -28,6 +28,7 @@ _SHELL_M = 0.2
 
 def draw(request: Request) -> Drawn:
     """A shelf of 22 mm boards, a dark room behind a wall of three thicknesses, a hidden box."""
+    # Thin boards, a wall, and a box that no view sees.
     told: dict[str, Any] = {}
     leaks: dict[str, Any] = {}
     shadows: dict[str, Any] = {}
@@ -38,10 +39,13 @@ def draw(request: Request) -> Drawn:
 
 
 def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
+    # The room from before its shelf.
     scene = from_here(room(), (-0.2, 1.3, -0.6), (2.4, 1.0, -1.3))
     truth = truth_of(request, scene)
     first = rendered(request, scene)
     stops = exposure_of(scene, first.radiance)
+
+    # Finer cells than the default's show whether a leak is one of resolution.
     fine = {} if request.quick else {"resolution": 64}
     cells = []
     for label, image in (
@@ -53,6 +57,8 @@ def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
         told[label] = {"mean_indirect": mean_light(image.layers["indirect"])}
         if truth is not None:
             told[label] |= scores(image.layers["indirect"], truth.image.layers["indirect"])
+
+    # The path tracer's image is smoothed to be looked at; scores took it as it is.
     if truth is not None:
         smooth = smoothed(truth.image.layers["indirect"], first)
         cells.append((told_of(truth), shown(smooth, stops)))
@@ -62,11 +68,15 @@ def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
 def _walls(request: Request, leaks: dict[str, Any]) -> list[Any]:
     rows: list[Any] = []
     modes: dict[str, dict[str, str]] = {"paper's scheme": {"scheme": "paper"}, "ours": {}}
+
+    # In each mode the light without a wall is what shares count from.
     for label, settings in modes.items():
         open_ = rendered(request, two_rooms(None), settings)
         stops = exposure_of(two_rooms(None), open_.radiance)
         cells = [("no wall", shown(open_.radiance, stops))]
         lit, told = mean_light(open_.layers["indirect"]), {}
+
+        # What comes through a wall of each thickness.
         for wall_m in WALLS_M:
             image = rendered(request, two_rooms(wall_m), settings)
             share = mean_light(image.layers["indirect"]) / max(lit, 1e-30)
@@ -82,10 +92,13 @@ def two_rooms(wall_m: float | None) -> Scene:
 
     Behind the wall (`wall_m` thick; None: no wall) it is dark.
     """
+    # A closed shell, and a wall across its middle.
     x, y, z = ROOM_M[0] / 2.0, ROOM_M[1], ROOM_M[2] / 2.0
     slabs = shell((-x, 0.0, -z), (x, y, z), _SHELL_M)
     if wall_m is not None:
         slabs.append(box((-0.5 * wall_m, 0.0, -z), (0.5 * wall_m, y, z)))
+
+    # All of one white finish, lit on one side alone.
     white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))
     here = [placed_at(0.0, 0.0, 0.0)]
     meshes = tuple(mesh for slab in slabs for mesh in white.meshes(slab, here, "slab"))

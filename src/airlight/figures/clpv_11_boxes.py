@@ -38,6 +38,7 @@ SHADOW_M = ((0.45, -2.6), (1.25, -1.8))
 
 def boxes_row(request: Request, told: dict[str, Any]) -> tuple[str, list[Any]]:
     """One bounce around the boxes, and how much of it the last of them leaves behind itself."""
+    # With the hidden box and without it: the difference is its shadow.
     scene, less = three_boxes(), three_boxes(2)
     truth, without = truth_of(request, scene), truth_of(request, less)
     where = floor_behind(scene.camera, request.size)
@@ -51,6 +52,8 @@ def boxes_row(request: Request, told: dict[str, Any]) -> tuple[str, list[Any]]:
         left = _left(image.layers["indirect"], open_.layers["indirect"], where)
         told[label] = {"light_left_in_the_last_shadow": left}
         cells.append((f"{label}: {left:.0%} left", shown(image.layers["indirect"], stops)))
+
+    # The path tracer's shadow on the same part of the floor.
     if truth is not None and without is not None:
         light, other = (t.image.layers["one_bounce"] for t in (truth, without))
         where = averaged(where.astype(np.float32), light) > 0.5
@@ -70,10 +73,14 @@ def _left(light: F32, without: F32, where: NDArray[np.bool_]) -> float:
 def floor_behind(camera: Camera, size: tuple[int, int]) -> NDArray[np.bool_]:
     """(H, W): pixels whose rays meet the floor within SHADOW_M; no box is before that."""
     width, height = size
+
+    # Rays of all pixels, to where they meet the floor.
     eye = np.array(camera.position)
     rays = surface_points(camera, np.ones((height, width), np.float32)) - eye
     t = -eye[1] / np.minimum(rays[..., 1], -1e-9)
     x, z = (eye[axis] + t * rays[..., axis] for axis in (0, 2))
+
+    # Of those points the ones behind the last box.
     low, high = SHADOW_M
     is_within = (x > low[0]) & (x < high[0]) & (z > low[1]) & (z < high[1])
     return np.asarray((rays[..., 1] < 0.0) & is_within)
@@ -84,12 +91,15 @@ def three_boxes(count: int = len(BOXES_Z_M)) -> Scene:
 
     The eye stands before the row: the first box hides the others, but not their shadows.
     """
+    # White solids: the floor, the lit wall, and boxes on the floor.
     white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))
     (x, z), y = _HALF_M, _HIGH_M
     solids = [box((-4.2, -0.2, -4.0), (4.0, 0.0, 4.0)), box((-4.2, 0.0, -4.0), (-4.0, 3.0, 4.0))]
     solids += [box((-x, 0.0, at - z), (x, y, at + z)) for at in BOXES_Z_M[:count]]
     here = [placed_at(0.0, 0.0, 0.0)]
     meshes = tuple(mesh for solid in solids for mesh in white.meshes(solid, here, "box"))
+
+    # The spot lights the wall alone; the boxes see its reflection.
     spot = SpotLight((-2.2, 1.4, -2.2), (-1.0, -0.45, 0.0), (60.0,) * 3, 15.0, 22.0)
     camera = Camera((0.0, 1.9, 5.5), (0.5, 0.4, -0.4), fov_y_deg=42.0, exposure_stops=None)
     return Scene(name="three-boxes", meshes=meshes, lights=(spot,), camera=camera)

@@ -24,6 +24,8 @@ ITERATIONS = (1, 4, 8, 16)
 def draw(request: Request) -> Drawn:
     """Indirect light: above by cells a side, below by iterations (no occlusion, as the paper)."""
     scene = cornell() if request.quick else dataclasses.replace(atrium(), environment=None)
+
+    # Iterations alone change the second row: nothing stops light, and no tail is added.
     rows = []
     numbers: dict[str, Any] = {"scene": scene.name}
     plain = {"occlusion": False, "bounces": False, "scheme": "paper", "tail": False}
@@ -32,11 +34,14 @@ def draw(request: Request) -> Drawn:
         ("cells a side", "resolution", sides, {"iterations": 8}),
         ("iterations", "iterations", ITERATIONS, plain),
     ):
+        # All values of one setting, the rest fixed.
         images: dict[int, Image] = {}
         for value in values:
             request.report(f"{value} {name}", len(images) / len(values))
             images[value] = rendered(request, scene, {**fixed, setting: value})
         numbers[name] = _told(scene, images)
+
+        # Exposed by the last one, a stop brighter: indirect light alone is shown.
         stops = exposure_of(scene, images[values[-1]].radiance) + 1.0
         lit = [(str(v), image.layers["indirect"]) for v, image in images.items()]
         rows.append((name, exposed(request, lit, stops)))
@@ -45,6 +50,7 @@ def draw(request: Request) -> Drawn:
 
 def _told(scene: Scene, images: dict[int, Image]) -> dict[str, Any]:
     """Per value: spacing, mean light, and the difference from the last one, relative L2."""
+    # Relative to the image of the largest value.
     low, high = scene.bounds
     last = luminance(list(images.values())[-1].layers["indirect"])
     told = {}

@@ -34,6 +34,8 @@ def draw(request: Request) -> Drawn:
         "error": "relative L2 of fluence after one scale",
         "relative_l2": {},
     }
+
+    # Two bands, as lattices have them, and four.
     for bands in (2, 4):
         for label, lights in SETTINGS.items():
             errors, cells = _row(lights, bands)
@@ -45,6 +47,7 @@ def draw(request: Request) -> Drawn:
 def _row(
     lights: Sequence[Segment], bands: int
 ) -> tuple[dict[str, float], list[tuple[str, U8 | None]]]:
+    # Each scheme is scaled to fit best, so that shapes are compared.
     truth = flatland.analytic(lights, bands=bands)
     cells: list[tuple[str, U8 | None]] = [("analytic", polar_image(truth))]
     errors = {}
@@ -60,10 +63,13 @@ def polar_image(coefficients: F64, cell_px: int = CELL_PX, brightest: float | No
 
     Plots are as large as the root of what they plot over `brightest`; all alike without it.
     """
+    # Fluence as colour, in stops below that of a half circle of unit radiance.
     light = np.maximum(flatland.fluence(coefficients), 1e-9)[::-1]
     stops = np.clip(np.log2(light / np.pi) / 8.0 + 1.0, 0.0, 1.0)
     colours = heat(cast(F32, (0.8 * stops).astype(np.float32)))
     pixels = colours.astype(np.float64).repeat(cell_px, axis=0).repeat(cell_px, axis=1)
+
+    # Lobes over it.
     cover = _lobes(coefficients[::-1], cell_px, brightest)
     pixels += (LOBE - pixels) * cover[..., None]
     return np.rint(pixels).astype(np.uint8)
@@ -71,6 +77,7 @@ def polar_image(coefficients: F64, cell_px: int = CELL_PX, brightest: float | No
 
 def peaks(coefficients: F64) -> F64:
     """(rows, columns): each cell's intensity where it is largest."""
+    # Enough directions for any lobe of so few bands.
     around = np.arange(64) * (2.0 * np.pi / 64)
     values = coefficients @ flatland.basis(around, (coefficients.shape[-1] + 1) // 2).T
     return np.asarray(np.maximum(values.max(axis=-1), 1e-12))
@@ -78,15 +85,20 @@ def peaks(coefficients: F64) -> F64:
 
 def _lobes(coefficients: F64, cell_px: int, brightest: float | None) -> F64:
     """How far each pixel is covered by a lobe or its outline, (rows cell_px, columns cell_px)."""
+    # Polar coordinates of a cell's pixels about its middle.
     rows, columns, count = coefficients.shape
     bands = (count + 1) // 2
     at = np.arange(cell_px) + 0.5 - 0.5 * cell_px
     right, down = np.meshgrid(at, at)
     angle, radius = np.arctan2(-down, right), np.hypot(right, down)
+
+    # How far the lobe reaches in each pixel's direction.
     intensity = coefficients @ flatland.basis(angle, bands).reshape(-1, count).T
     peak = peaks(coefficients)[..., None]
     size = 1.0 if brightest is None else np.sqrt(np.minimum(peak / brightest, 1.0))
     reach = 0.48 * cell_px * size * np.maximum(intensity, 0.0) / peak
+
+    # Inside of the lobe faint, its rim bright.
     inside = np.clip(reach - radius.ravel() + 0.5, 0.0, 1.0)
     edge = inside * np.clip(1.5 - (reach - radius.ravel()), 0.0, 1.0)
     cover = (0.25 * inside + 0.6 * edge).reshape(rows, columns, cell_px, cell_px)

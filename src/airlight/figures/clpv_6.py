@@ -25,6 +25,8 @@ Row = tuple[str, list[tuple[str, U8 | None]]]
 def draw(request: Request) -> Drawn:
     """Whole images, indirect light alone, and where it is too bright (green) or dark (red)."""
     scene = cornell() if request.quick else in_clay(dataclasses.replace(atrium(), environment=None))
+
+    # One bounce by path tracing, for which the image is exposed.
     request.report("path tracing one bounce", 0.0)
     truth = traced(request, scene)
     bounced = truth.image.layers["one_bounce"]
@@ -32,6 +34,8 @@ def draw(request: Request) -> Drawn:
     stops = exposure_of(scene, whole)
     rows: list[Row] = []
     numbers: dict[str, Any] = {"scene": scene.name, "reference": _about(truth), "schemes": {}}
+
+    # Both schemes with one bounce, and their errors.
     for label, scheme in SCHEMES.items():
         request.report(label, 0.5)
         image = rendered(request, scene, {"scheme": scheme, "bounces": False})
@@ -40,9 +44,13 @@ def draw(request: Request) -> Drawn:
         if not rows:
             smooth = smoothed(bounced, image)
             rows.append(_traced(truth, smooth, stops))
+
+        # The paper's intensities are in other units: it is judged by its shapes.
         scale = 1.0 if scheme != "paper" else 1.0 / max(told["energy_ratio"], 1e-30)
         rows.append(_row(label, image, scale, smooth, stops))
         direct = averaged(image.layers["direct"], bounced)
+
+    # The same bounce by imperfect shadow maps, beside the same direct light.
     request.report("imperfect shadow maps", 0.8)
     height, width = bounced.shape[:2]
     indirect = indirect_of(dataclasses.replace(request, size=(width, height)), scene)
@@ -73,6 +81,7 @@ def _row(label: str, image: Image, scale: float, smooth: F32, stops: float) -> R
 
 def scores(indirect: F32, truth: F32) -> dict[str, float]:
     """Errors of the light, and its energy over the truth's, at the truth's size."""
+    # At the truth's size, over the size of its light.
     indirect = averaged(indirect, truth)
     size = max(float(np.linalg.norm(truth)), 1e-30)
     return {

@@ -17,6 +17,7 @@ MODES: dict[str, dict[str, bool]] = {
 
 def draw(request: Request) -> Drawn:
     """Whole images above, indirect light alone below."""
+    # Alike but for what stands in light's way.
     scene = cornell() if request.quick else atrium()
     images: dict[str, Image] = {}
     numbers: dict[str, Any] = {"scene": scene.name, "modes": {}}
@@ -28,6 +29,8 @@ def draw(request: Request) -> Drawn:
             "frame_ms": image.stats["frame_ms"],
             "iterations": image.stats["iterations"],
         }
+
+    # Exposed alike: what is lost to occlusion looks dark.
     stops = exposure_of(scene, next(iter(images.values())).radiance)
     whole = [(label, image.radiance) for label, image in images.items()]
     alone = [(label, image.layers["indirect"]) for label, image in images.items()]

@@ -23,6 +23,8 @@ def draw(request: Request) -> Drawn:
     """A column per roughness of a dark polished floor in the Cornell box; below, path traced."""
     ours, traced = [], []
     numbers: dict[str, Any] = {"scene": "cornell", "roughness": {}}
+
+    # For each roughness ours, and a path tracer's image smoothed in its indirect light alone.
     for roughness in ROUGHNESSES:
         request.report(f"roughness {roughness}", roughness)
         scene = with_polished_floor(roughness)
@@ -47,6 +49,7 @@ def with_polished_floor(roughness: float) -> Scene:
     Half of what falls on it is mirrored, half is absorbed or scattered: light that a metal mirrors
     falls elsewhere than what a lattice takes for scattered.
     """
+    # A sheet a little above the box's floor, nearer to a metal than to a wall.
     box = cornell()
     stone = Material(name="stone", base_color=(0.45, 0.45, 0.45), roughness=roughness, metallic=0.6)
     sheet_ = rectangle((-2.7, _ABOVE_M, -2.7), (5.4, 0.0, 0.0), (0.0, 0.0, 5.4))

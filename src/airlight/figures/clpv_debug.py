@@ -23,10 +23,13 @@ def draw(request: Request) -> Drawn:
     """Slices through the middle of `builtin:room`, what the lattice holds, and which cascade
     gives how much of the light on the atrium's surfaces.
     """
+    # A small lattice is cut open; nearly all of its cells are below white.
     lattice = solved(request, {"resolution": 12 if request.quick else 32})
     light = luminance(lattice.fluence)
     brightest = float(np.percentile(light, 99.5))
     middle = dict(zip("zyx", (n // 2 for n in light.shape), strict=True))
+
+    # One slice across each axis, through the middle.
     cells: list[tuple[str, U8 | None]] = [
         (f"across {axis} = {middle[axis]}", _square(lattice, axis, middle[axis], brightest))
         for axis in "xyz"
@@ -39,6 +42,8 @@ def draw(request: Request) -> Drawn:
         "mean_directedness": float(np.linalg.norm(lattice.direction, axis=-1).mean()),
         "closed_share_of_faces": float(np.mean(1.0 - lattice.openness)),
     }
+
+    # And which of the nested lattices lights what.
     coloured, numbers["cascades"] = cascades_coloured(request)
     rows: list[tuple[str, list[tuple[str, U8 | None]]]] = [("slice", cells), ("atrium", coloured)]
     return Drawn(sheet(request, "Lattices cut open, and cascades", rows), numbers)
@@ -53,6 +58,7 @@ def solved(request: Request, settings: Mapping[str, Any]) -> SolvedLattice:
 
 def read_lattice(technique: Technique) -> SolvedLattice:
     """What a technique with a lattice of indirect light has solved, from the device."""
+    # The textures of lattice and blockers, as the device has them.
     solver = technique.find(LpvSolver)
     assert solver is not None
     textures, blockers, place = solver.textures, technique.kit.blockers, technique.kit.placement
@@ -75,6 +81,7 @@ def read_lattice(technique: Technique) -> SolvedLattice:
 
 def _square(lattice: SolvedLattice, across: str, index: int, brightest: float) -> U8:
     """A slice in the middle of a square ground, so that all three are drawn to one scale."""
+    # On a square as large as the longest side.
     image = slice_image(lattice, across, index, brightest=brightest, cell_px=CELL_PX)
     side = max(lattice.openness.shape[:3]) * CELL_PX
     square = np.full((side, side, 3), 22, dtype=np.uint8)

@@ -42,9 +42,12 @@ KEPT = "GV Injection here: all meshes moving. Blockers of static meshes are cach
 
 def draw(request: Request) -> Drawn:
     """The atrium with one lattice of 32 cells along its longest side, 8 iterations, a 256^2 map."""
+    # One lattice of the paper's size, timed in a few frames.
     scene, frames = (cornell(), 1) if request.quick else (atrium(), 9)
     settings = {**PAPER_LATTICE, **(known("lpv", QUICK) if request.quick else {})}
     found: dict[str, Any] = {}
+
+    # Each mode alone; where surfaces block, blockers are timed while everything moves.
     for label, mode in MODES.items():
         request.report(label, len(found) / len(MODES))
         case = Case(label, scene.name, request.size, {**settings, **mode})
@@ -53,6 +56,8 @@ def draw(request: Request) -> Drawn:
             moving = passes_while_moving(request, scene, {**settings, **mode}, min(frames, 3))
             found[label]["passes_while_all_moves"] = moving
             found[label]["passes"]["blockers while all moves"] = moving.get("blockers", 0.0)
+
+    # Our stages under the paper's names.
     ours = under_the_papers_names([found[label]["passes"] for label in MODES])
     first = next(iter(found.values()))
     device, cells = first["device"], first["lattice"]
@@ -74,6 +79,7 @@ def passes_while_moving(
 
     Raises SettingsError, DeviceError.
     """
+    # The first frame compiles; each one after it has moved meshes.
     with renderer(request, scene, settings) as made:
         made.frame(read=False)
         told = []
@@ -85,6 +91,7 @@ def passes_while_moving(
 
 def under_the_papers_names(passes: Sequence[Mapping[str, float]]) -> dict[str, tuple[float, ...]]:
     """Per stage of the paper the milliseconds of each mode's passes; their sum as Total."""
+    # A paper's stage may be several of ours.
     ours = {
         name: tuple(sum(mode.get(stage, 0.0) for stage in stages) for mode in passes)
         for name, stages in STAGES.items()
@@ -100,6 +107,7 @@ def size_of(cells: Sequence[int]) -> str:
 
 def _table(device: str, ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as an image."""
+    # One column of ours beside the paper's machines.
     machines = ("GTX285", "Xbox 360", "PS3")
     lines: list[tuple[str, ...]] = [
         ("Stage, ms", f"here: {device}"[:38], *(f"{m}, 32^3" for m in machines))

@@ -52,6 +52,7 @@ def write_gallery(folder: Path) -> Path:
 
 def page(folder: Path) -> str:
     """The page as HTML text. Raises SceneError."""
+    # Figures that are drawn, by paper, and the names of the missing ones.
     drawn = {name: told for name in FIGURES if (told := _told(folder, name))}
     links = "".join(f'<a href="#{name}">{escape(name)}</a> ' for name in drawn)
     sections = "".join(_section(paper, title, drawn, folder) for paper, title in PAPERS.items())
@@ -69,6 +70,7 @@ def page(folder: Path) -> str:
 
 def _told(folder: Path, name: str) -> dict[str, Any] | None:
     """What NAME.json says, or None where the figure is not there."""
+    # A figure is there when its numbers and its image are.
     path = folder / f"{name}.json"
     if not path.is_file() or not path.with_suffix(".png").is_file():
         return None
@@ -92,6 +94,7 @@ def _section(paper: str, title: str, drawn: Mapping[str, Any], folder: Path) -> 
 
 
 def _article(name: str, known: Figure, told: Mapping[str, Any], folder: Path) -> str:
+    # Numbers as rows of a table, folded under the image.
     image = folder / f"{name}.png"
     beside = f"Beside {escape(known.source)}. " if known.source else ""
     rows = "".join(
@@ -111,6 +114,7 @@ def _article(name: str, known: Figure, told: Mapping[str, Any], folder: Path) ->
 
 def _rows(value: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """(dotted key, value) of nested mappings; long lists are cut."""
+    # Mappings and lists of mappings are followed, all else is a value.
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _rows(inner, f"{path} \N{RIGHTWARDS ARROW} {key}" if path else str(key))
@@ -139,6 +143,7 @@ def _missing(names: list[str]) -> str:
 
 def _data_url(path: Path) -> str:
     """The image as JPEG, no wider than _WIDEST_PX. Raises SceneError."""
+    # JPEG in RGB, no wider than the page shows it.
     try:
         with PIL.Image.open(io.BytesIO(read_bytes(path))) as opened:
             image = opened.convert("RGB")

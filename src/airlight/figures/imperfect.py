@@ -49,17 +49,23 @@ def indirect_of(request: Request, scene: Scene, seed: int = 1) -> F32:
 
     Raises SettingsError, DeviceError.
     """
+    # Virtual lights where the lights' views see surfaces, and the pixels that they light.
     rng = np.random.default_rng(seed)
     lights = virtual_lights(request, scene, rng)
     image = _seen(request, scene)
     points = surface_points(scene.camera, image.layers["depth"]).reshape(-1, 3)  # 1e6 m: nothing
     normals = image.layers["normal"].reshape(-1, 3)
+
+    # Points of all surfaces, of which each light takes its own.
     pool, apart_m = _surface_samples(scene)
     irradiance = np.zeros((len(points), 3))
     for k in range(len(lights.power)):
+        # What the light sees in its hemisphere, by a few points.
         frame = _frame(lights.normal[k])
         some = pool[rng.integers(0, len(pool), POINTS)]
         seen = depth_map((some - lights.position[k]) @ frame.T)
+
+        # Pixels relative to the light, and both cosines.
         from_light = points - lights.position[k]
         away = from_light @ frame.T
         square = np.maximum(np.sum(away**2, axis=1), 1e-12)
@@ -77,10 +83,13 @@ def virtual_lights(request: Request, scene: Scene, rng: np.random.Generator) -> 
     """LIGHTS texels of the lights' views, chosen by the power that they reflect."""
     found: list[tuple[F64, ...]] = []
     for light in scene.lights:
+        # A view from the light, without all other light.
         camera = _view_of(light, scene)
         alone = dataclasses.replace(scene, lights=(light,), environment=None, camera=camera)
         image = _seen(dataclasses.replace(request, size=(_VIEW_PX, _VIEW_PX)), alone)
         depth, normal = (image.layers[name] for name in ("depth", "normal"))
+
+        # Where its texels see surfaces, and along which rays.
         where = surface_points(camera, np.where(np.isfinite(depth), depth, 1.0).astype(np.float32))
         rays = where - np.array(camera.position)
         rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
@@ -89,6 +98,8 @@ def virtual_lights(request: Request, scene: Scene, rng: np.random.Generator) -> 
         angle = (2.0 * np.tan(0.5 * np.radians(camera.fov_y_deg)) / _VIEW_PX) ** 2 * ahead**3
         slope = np.maximum(-np.sum(rays * normal, axis=-1), 0.02)
         area = np.where(np.isfinite(depth), depth, 0.0) ** 2 * angle / slope
+
+        # What the texel's surface reflects, its power in W.
         power = np.pi * image.layers["direct"] * area[..., None]
         parts = (where, normal, power, area)
         found.append(tuple(np.asarray(a, np.float64).reshape(area.size, -1) for a in parts))
@@ -97,6 +108,8 @@ def virtual_lights(request: Request, scene: Scene, rng: np.random.Generator) -> 
     # As many as there are lights, evenly along the sum of all power.
     at = (np.arange(LIGHTS) + rng.random(LIGHTS)) / LIGHTS * flux.sum()
     chosen = np.minimum(np.searchsorted(np.cumsum(flux), at), len(flux) - 1)
+
+    # Each carries an equal part of all power, in its texel's colour.
     each = flux.sum() / LIGHTS / np.maximum(flux[chosen], 1e-30)
     scaled = (power[chosen] * each[:, None], area[chosen, 0] * each)
     return VirtualLights(where[chosen], normal[chosen], *scaled)
@@ -107,6 +120,7 @@ def depth_map(points: F64) -> F64:
 
     A paraboloid's projection; where no point lies, what coarser levels of the map say.
     """
+    # The nearest point in each texel that has one.
     points = points[points[:, 2] > 0.0]
     column, row = _texels(points)
     nearest = np.full((MAP_PX, MAP_PX), np.inf)
@@ -128,6 +142,7 @@ def depth_map(points: F64) -> F64:
 
 def is_lit(seen: F64, away: F64, bias_m: float) -> NDArray[np.bool_]:
     """(N,) bool: whether points `away` (N, 3) of a light lie no farther than its map has seen."""
+    # Nearer than the map's depth, but for how far apart its points are.
     column, row = _texels(away)
     return np.asarray(
         (away[:, 2] > 0.0) & (np.linalg.norm(away, axis=1) <= seen[row, column] + bias_m)
@@ -136,6 +151,7 @@ def is_lit(seen: F64, away: F64, bias_m: float) -> NDArray[np.bool_]:
 
 def _texels(away: F64) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Columns and rows of directions in a paraboloid's map."""
+    # A paraboloid maps a hemisphere to the unit disc.
     length = np.linalg.norm(away, axis=1)
     on_disc = away[:, :2] / np.maximum(length + np.abs(away[:, 2]), 1e-30)[:, None]
     texel = ((0.5 * on_disc + 0.5) * MAP_PX).astype(np.intp).clip(0, MAP_PX - 1)
@@ -156,6 +172,8 @@ def _view_of(light: Light, scene: Scene) -> Camera:
         assert light.cone is not None
         target = np.add(light.position, light.cone[0])
         return Camera(light.position, cast(Vec3, tuple(target)), fov_y_deg=2.0 * light.cone[1])
+
+    # From so far that rays are nearly parallel, over the whole scene's sphere.
     low, high = (np.asarray(corner, np.float64) for corner in scene.bounds)
     middle, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
     far = radius / np.tan(np.radians(0.5 * _SUN_FOV_DEG))
@@ -165,6 +183,7 @@ def _view_of(light: Light, scene: Scene) -> Camera:
 
 def _surface_samples(scene: Scene) -> tuple[F64, float]:
     """World points (N, 3) over all surfaces, and how far apart, m, POINTS of them would be."""
+    # Surfels are in objects' space: to the world by their instances.
     made = surfels(scene.meshes, list(range(len(scene.meshes))), _POOL)
     matrices = np.stack([np.asarray(mesh.world_from_object) for mesh in scene.meshes])
     own = matrices[made["instance"]]
@@ -175,6 +194,7 @@ def _surface_samples(scene: Scene) -> tuple[F64, float]:
 
 def _frame(normal: F64) -> F64:
     """(3, 3): rows are two tangents and the normal."""
+    # Any axis that is not nearly along the normal.
     other = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.5 else np.array([0.0, 1.0, 0.0])
     tangent = np.cross(normal, other)
     tangent /= np.linalg.norm(tangent)

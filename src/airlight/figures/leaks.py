@@ -26,12 +26,15 @@ MODES: Mapping[str, Mapping[str, Any]] = {"paper's scheme": {"scheme": "paper"},
 def draw(request: Request) -> Drawn:
     """The room's shelf, boards of 22 mm: each scheme's indirect light, and what of it leaked."""
     scene = cornell() if request.quick else shelf()
+
+    # The truth's indirect light says which surfaces are dark.
     truth = traced(request, scene)
     light = truth.image.layers["indirect"]
     stops = exposure_of(scene, light)
     numbers: dict[str, Any] = {"dark_share_of_surfaces": float(dark_places(light).mean())}
     rows: list[tuple[str, list[tuple[str, U8 | None]]]] = []
     for label, settings in MODES.items():
+        # Each scheme at the truth's size, and its light beyond the truth's.
         image = rendered(request, scene, settings)
         if not rows:
             smooth = smoothed(light, image)
@@ -54,12 +57,14 @@ def shelf() -> Scene:
 
 def dark_places(truth: F32) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """(H, W): where the reference's indirect light is dark, but something is there."""
+    # Below a share of the mean, but not the background.
     light = luminance(truth)
     return np.asarray((light > 0.0) & (light < DARK_SHARE * light.mean()))
 
 
 def leaked(indirect: F32, truth: F32) -> F64:
     """(H, W) luminance, W m^-2 sr^-1, beyond the reference's on places that it has dark."""
+    # Only on dark places, and only light well beyond the truth's.
     light, true = luminance(indirect), luminance(truth)
     has_leaked = dark_places(truth) & (light > EXCESS * true)
     return np.where(has_leaked, light - true, 0.0)
@@ -72,6 +77,7 @@ def leaked_share(indirect: F32, truth: F32) -> float:
 
 def leak_image(indirect: F32, truth: F32, stops: float) -> U8:
     """The reference toned down to grey, what leaked in red over it; (H, W, 3)."""
+    # The truth faint and grey, leaks in red on the same exposure.
     grey = 0.25 * luminance(displayed(truth, stops))
     leak = leaked(indirect, truth)
     red = luminance(displayed(np.repeat(leak[..., None], 3, -1).astype(np.float32), stops))

@@ -21,6 +21,7 @@ SHAFTS = ("minmax", "volumes", "jitter")
 
 def draw(request: Request) -> Drawn:
     """The foggy atrium by three techniques, and its shafts by three schemes, exposed alike."""
+    # The same scene with all orders of scattering, one, and none.
     scene = haze_box() if request.quick else atrium_fog()
     images: dict[str, Image] = {}
     numbers: dict[str, Any] = {"scene": scene.name, "techniques": {}}
@@ -33,6 +34,8 @@ def draw(request: Request) -> Drawn:
             "frame_ms": image.stats["frame_ms"],
         }
     shafts = _shafts(request, scene, numbers)
+
+    # Exposed by the first: what is missing looks dark.
     stops = exposure_of(scene, next(iter(images.values())).radiance)
     panels = [(label, image.radiance) for label, image in images.items()]
     schemes = [(label, image.radiance) for label, image in shafts.items()]
@@ -48,6 +51,7 @@ def _shafts(request: Request, scene: Scene, numbers: dict[str, Any]) -> dict[str
 
     `off_minmax`: relative L2 of the shafts' layer from that of minmax.
     """
+    # Every scheme beside the exact one, at full resolution.
     numbers["shafts"] = {}
     images: dict[str, Image] = {}
     for scheme in SHAFTS:

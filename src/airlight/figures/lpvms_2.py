@@ -14,6 +14,7 @@ from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, 
 
 def draw(request: Request) -> Drawn:
     """The box of haze: its surfaces, with the marched lattice, and with single scattering."""
+    # Layers are added one by one, so that each image shows what one of them brings.
     scene = haze_box()
     request.report("haze", 0.0)
     image = rendered(request, scene, {"single": "off"}, technique="lpv-scatter")

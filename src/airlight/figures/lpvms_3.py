@@ -21,10 +21,13 @@ def draw(request: Request) -> Drawn:
 
     The lobe is the sharpest of two bands that is nowhere negative.
     """
+    # A lobe along the way whose two bands are just not negative.
     way = np.array([2.0, 1.0, 0.0]) / np.sqrt(5.0)
     state = np.zeros((1, 3, 3, 3, 4))
     state[0, 1, 1, 1, 0] = 1.0
     state[0, 1, 1, 1, 1:] = way
+
+    # A step without a medium, with absorption alone, and with scattering alone.
     clear, _ = lattice26.deposit_step(state, [0.0], [1.0], 1.0)
     dark, _ = lattice26.deposit_step(state, [DEPTH], [0.0], 1.0)
     whole, scattered = lattice26.deposit_step(state, [DEPTH], [1.0], 1.0)
@@ -37,6 +40,8 @@ def draw(request: Request) -> Drawn:
         "scattered": shared,
         "together": whole,
     }
+
+    # Lobes of all steps to the scale of the brightest.
     brightest = float(peaks(flat(state)).max())
     cells: list[tuple[str, U8 | None]] = [
         ("transfer functions", polar_image(flat(_transfer()), CELL_PX))
@@ -44,6 +49,8 @@ def draw(request: Request) -> Drawn:
     for label, step in steps.items():
         name = f"{label}: {float(step[..., 0].sum()):.2f}"
         cells.append((name, polar_image(flat(step), CELL_PX, brightest)))
+
+    # Powers, and the transfer functions of the three kinds of hops.
     table = lattice26.hops()
     numbers: dict[str, Any] = {
         "optical_depth_of_a_cell": DEPTH,
@@ -59,6 +66,7 @@ def draw(request: Request) -> Drawn:
 
 def _transfer() -> F64:
     """(1, 3, 3, 3, 4): what goes to each neighbour of a cell, from light of all directions."""
+    # Light of all directions: what each hop takes of it.
     table = lattice26.hops()
     made = np.zeros((1, 3, 3, 3, 4))
     x, y, z = (1 + table.offsets).T
@@ -72,6 +80,7 @@ def flat(state: F64) -> F64:
 
     Negative parts of lobes are not drawn; powers are.
     """
+    # From (a, bx, by) in space to circular harmonics in the plane.
     plane = state[0, 1]
     a, b = plane[..., 0] / (4.0 * np.pi), plane[..., 1:3] / (4.0 * np.pi)
     even = np.sqrt(2.0 * np.pi) * a[..., None]

@@ -35,10 +35,13 @@ def dark_hall() -> Scene:
     Most of what lights the walls is the light of the beam that fog scatters: modes without it leave
     them dark, as in the paper.
     """
+    # The hall of Fig. 6 c, its camera and light moved so that a beam lights the walls.
     scene = one_iteration()
     camera = Camera((-2.4, 2.2, 2.8), (0.4, 1.5, -1.2), fov_y_deg=75.0, exposure_stops=None)
     spot = SpotLight((-3.2, 3.2, 0.4), (3.2, -2.0, -0.4), (90.0, 81.0, 67.5), 9.0, 12.0)
     medium = Medium(*extinction_and_albedo(SCATTERING, 0.0))
+
+    # Boards are dark, or they would light the hall by reflection.
     meshes = tuple(
         _of_reflectance(mesh, BOARD) if mesh.name.startswith("board") else mesh
         for mesh in scene.meshes
@@ -61,6 +64,7 @@ def _of_reflectance(mesh: Mesh, reflectance: float) -> Mesh:
 
 def draw(request: Request) -> Drawn:
     """Six techniques in the papers' order, exposed alike; scores where a truth is traced."""
+    # All techniques, and their scores beside the truth where there is one.
     scene = dark_hall()
     truth = truth_of(request, scene)
     images: dict[str, Image] = {}
@@ -76,6 +80,8 @@ def draw(request: Request) -> Drawn:
                 for name in ("relmse", "relative_l2", "flip", "hdr_flip", "energy_ratio")
             }
         numbers["techniques"][label] = told
+
+    # The first one's exposure for all, in two rows.
     stops = exposure_of(scene, next(iter(images.values())).radiance)
     panels = exposed(request, [(name, image.radiance) for name, image in images.items()], stops)
     rows: list[Any] = [("", panels[:3]), ("", panels[3:])]

@@ -44,6 +44,7 @@ def draw(request: Request) -> Drawn:
 
 
 def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]) -> list[Any]:
+    # The paper's settings, ours, ours iterated where a scene asks for one iteration, ours gathered.
     truth = truth_of(request, scene)
     kept: dict[str, Any] = {} if request.quick else {"resolution": RESOLUTION}
     once = scene.settings.get("lpv-scatter", {})

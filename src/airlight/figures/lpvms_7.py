@@ -28,6 +28,7 @@ def draw(request: Request) -> Drawn:
 
 
 def _beside(request: Request, scene: Scene) -> tuple[Cells, dict[str, Any]]:
+    # The truth first: it sets size and exposure.
     truth = traced(request, scene)
     image = rendered(request, scene, technique="lpv-scatter")
     small = as_large_as(image, truth.image.radiance)

@@ -47,6 +47,8 @@ def draw(request: Request) -> Drawn:
     """The foggy atrium, its surfaces and its light moving: medians of a few frames."""
     scene, frames = (haze_box(), 1) if request.quick else (atrium_fog(), 5)
     sides = (8, 12) if request.quick else SIDES
+
+    # Both of the paper's sizes.
     found: dict[int, dict[str, float]] = {}
     sizes: list[str] = []
     device = ""
@@ -54,6 +56,8 @@ def draw(request: Request) -> Drawn:
         request.report(f"{side} cells", len(found) / len(sides))
         found[side], device, cells = measured(request, scene, side, frames)
         sizes.append(" x ".join(map(str, cells)))
+
+    # Our stages under the paper's names.
     ours = {
         name: tuple(sum(found[side].get(stage, 0.0) for stage in stages) for side in sides)
         for name, stages in STAGES.items()
@@ -74,6 +78,7 @@ def measured(
     request: Request, scene: Scene, side: int, frames: int
 ) -> tuple[dict[str, float], str, list[int]]:
     """Milliseconds per stage with `side` cells along the longest side, the device, all sides."""
+    # As the paper has it: all surfaces and the light move in every frame.
     settings = {**LATTICE, "resolution": side}
     with renderer(request, scene, settings, technique="lpv-scatter") as made:
         made.frame(read=False)
@@ -100,6 +105,7 @@ def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
 
 def _table(device: str, sizes: Sequence[str], ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as an image."""
+    # Ours and the paper's, size by size.
     lines: list[tuple[str, ...]] = [
         ("Stage, ms", *(f"here {size}" for size in sizes), *(f"GTX480 {side}^3" for side in SIDES))
     ]

@@ -89,6 +89,7 @@ def rendered(
 
     Raises SettingsError, DeviceError.
     """
+    # The first frame compiles; the median is of those after it.
     with renderer(request, scene, settings or {}, technique=technique) as made:
         for _ in range(TIMED_FRAMES + 1 if timed else 0):
             made.frame(read=False)
@@ -108,6 +109,7 @@ def renderer(
     """
     from ..rendering import Renderer
 
+    # Every figure's panels have these, unless it says otherwise.
     kept = known(technique, {**LATTICE_ALONE, **(QUICK if request.quick else {})})
     return Renderer(
         scene, technique, request.size, settings={**kept, **settings}, adapter=request.adapter
@@ -142,6 +144,7 @@ def sheet(
     request: Request, title: str, rows: Sequence[tuple[str, Sequence[tuple[str, U8 | None]]]]
 ) -> U8:
     """Panels in rows, captions above."""
+    # Captions grow with the sheet: it is read when it is shown whole.
     width_px = max(request.size[0], MIN_SHEET_CELL_PX)
     columns = max(len(cells) for _, cells in rows)
     readable = min(columns * width_px // CAPTIONS_IN_WIDTH, width_px // 24)
@@ -163,6 +166,7 @@ def from_here(scene: Scene, position: Any, target: Any, fov_y_deg: float = 55.0)
 
 def in_clay(scene: Scene, reflectance: float = 0.6) -> Scene:
     """Every surface grey and matt, cut-outs kept: light alone, as Kaplanyan2010 Fig. 6."""
+    # Materials are replaced once each, so that instances stay instances.
     made: dict[int, Material] = {}
     for mesh in scene.meshes:
         if id(mesh.material) not in made:
@@ -174,6 +178,7 @@ def in_clay(scene: Scene, reflectance: float = 0.6) -> Scene:
 
 
 def _clay(material: Material, reflectance: float) -> Material:
+    # Only a texture that cuts holes is needed, for its alpha.
     texture = material.base_color_texture
     cut = texture if material.alpha_cutoff > 0.0 else None
     return Material(

@@ -24,11 +24,14 @@ def polar_plots(curves: Sequence[tuple[tuple[int, int, int], F64]], side_px: int
     `curves`: colours, and values at equally spaced azimuths from +x towards +y of the image. One
     scale per plot, the root of the value: weak light stays visible.
     """
+    # Drawn at twice the size, then reduced: lines are smooth.
     rows, columns = curves[0][1].shape[:2]
     side = _OVERSAMPLED * side_px
     image = PIL.Image.new("RGB", (side, side), PAPER)
     pen = PIL.ImageDraw.Draw(image)
     step = side / max(rows, columns)
+
+    # One scale for all curves of a plot.
     largest = np.max([np.max(values, axis=-1) for _, values in curves], axis=0)
     for row in range(rows):
         for column in range(columns):
@@ -48,6 +51,7 @@ def polar_plots(curves: Sequence[tuple[tuple[int, int, int], F64]], side_px: int
 
 
 def _outline(values: F64, largest: float, radius_px: float) -> list[tuple[float, float]]:
+    # Closed: the last direction is the first one again.
     angle = 2.0 * np.pi * np.arange(len(values) + 1) / len(values)
     size = radius_px * np.sqrt(np.maximum(np.append(values, values[0]), 0.0) / max(largest, 1e-30))
     points: NDArray[np.float64] = np.stack([size * np.cos(angle), size * np.sin(angle)], axis=-1)

@@ -10,6 +10,7 @@ OTHER_SIDE_DEG = 180.0  # the map is turned, not the plume: the sun at the eye's
 
 def draw(request: Request) -> Drawn:
     """Dense smoke, g = 0.85, no absorption, before two sides of the map; the first also traced."""
+    # White smoke before the sun's side of the map, and its truth.
     scene = white_plume(0.85)
     image = drawn(request, scene)
     truth = traced(request, scene)
@@ -18,6 +19,8 @@ def draw(request: Request) -> Drawn:
     shown = [(f"64 ordinates of 20^3{off(told)}", image.radiance)]
     if truth is not None:
         shown.append(("Monte Carlo", truth.radiance))
+
+    # The map turned instead of the camera: the smoke is lit from the eye's side.
     other = drawn(request, turned(scene, OTHER_SIDE_DEG))
     shown.append(("against the other side", other.radiance))
     numbers = {

@@ -28,6 +28,7 @@ _STEPS = 96
 
 def draw(request: Request) -> Drawn:
     """The plume of Fig. 11: ours, the baseline with its prefilter and without, and the truth."""
+    # Ours by numbers of ordinates and cells, and by the other scheme.
     scene = plume()
     truth = traced(request, scene)
     images: dict[str, Image] = {}
@@ -36,6 +37,8 @@ def draw(request: Request) -> Drawn:
             continue
         request.report(name, index / len(POP))
         images[name] = drawn(request, scene, settings)
+
+    # What lies behind the smoke is ours for the baseline, too.
     first = next(iter(images.values()))
     shown = {name: image.radiance for name, image in images.items()}
     behind = first.radiance - first.layers["scattered"]
@@ -45,6 +48,8 @@ def draw(request: Request) -> Drawn:
             request.report(name, 0.8)
             light = by_shdom(scene, request.size, bands, prefilter=prefilter)
             shown[name] = (behind + light).astype(np.float32)
+
+    # Errors of whole images, and of the scattered light alone.
     through = first.layers["transmittance"]
     numbers = {
         name: {
@@ -53,6 +58,8 @@ def draw(request: Request) -> Drawn:
         }
         for name, p in shown.items()
     }
+
+    # Ours and the truth in one row, the baseline in another.
     stops = exposure_of(scene, first.radiance)
     captions = {k: f"{k}{off(numbers[k])}" for k in shown}
     ours = [(captions[k], v) for k, v in shown.items() if k in images]
@@ -67,6 +74,8 @@ def medium_of(scene: Scene, count: tuple[int, int, int]) -> MediumGrid:
     """The first volume (not turned) on `count` = (x, y, z) cells, its corner at 0."""
     volume = scene.volumes[0]
     assert volume.density is not None
+
+    # Twice as fine for rays as for the solver.
     low, high = np.asarray(volume.bounds)
     x, y, z = count
     fine = box_averaged(volume.density, (2 * x, 2 * y, 2 * z))
@@ -81,9 +90,13 @@ def by_shdom(scene: Scene, size: tuple[int, int], bands: int, *, prefilter: bool
 
     assert scene.environment is not None
     assert scene.environment.map is not None
+
+    # The medium on the baseline's cells, under the map's series.
     medium = medium_of(scene, SHDOM_CELLS)
     sky = scene.environment.map.astype(np.float64)
     done = solve(medium, environment_series(sky, bands, prefilter=prefilter), bands)
+
+    # Its light towards the eye, marched as ours is.
     eye = np.array(scene.camera.position) - np.asarray(scene.volumes[0].bounds)[0]
     away = eye - medium.centres
     towards = away / np.linalg.norm(away, axis=-1, keepdims=True)
@@ -92,6 +105,7 @@ def by_shdom(scene: Scene, size: tuple[int, int], bands: int, *, prefilter: bool
 
 def marched(scene: Scene, medium: MediumGrid, emission: F64, size: tuple[int, int]) -> F32:
     """In-scattered radiance per unit sigma_s (z, y, x, 3), marched front to back on the host."""
+    # Rays in the box's own coordinates, from where they enter it.
     volume = scene.volumes[0]
     origin, direction = _rays(scene, size)
     low = np.asarray(volume.bounds)[0]
@@ -101,6 +115,8 @@ def marched(scene: Scene, medium: MediumGrid, emission: F64, size: tuple[int, in
     dt = np.maximum(t1 - t0, 0.0) / _STEPS
     assert volume.density is not None
     voxels = np.array(volume.density.shape[::-1]) / medium.extent
+
+    # Front to back: each step's share of the source, behind what lies before it.
     total, passed = np.zeros(direction.shape), np.ones(direction.shape)
     for k in range(_STEPS):
         p = start + (t0 + (k + 0.5) * dt)[..., None] * direction
@@ -115,6 +131,7 @@ def marched(scene: Scene, medium: MediumGrid, emission: F64, size: tuple[int, in
 
 def _rays(scene: Scene, size: tuple[int, int]) -> tuple[F64, F64]:
     """The eye (3,) and directions (h, w, 3) through the pixels' centres."""
+    # The camera's frame, and rays through the middles of pixels.
     camera, (width, height) = scene.camera, size
     forward = np.subtract(camera.target, camera.position)
     forward = forward / np.linalg.norm(forward)

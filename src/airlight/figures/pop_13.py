@@ -16,6 +16,7 @@ STEPS = (1, 4, 8, 16, 36)
 
 def draw(request: Request) -> Drawn:
     """The cube of Fig. 12 at g = 0.7 after more and more iterations; red Monte Carlo."""
+    # The truth, and the factor that the paper's light is scaled by once it has converged.
     true = truth(G, 20_000 if request.quick else 8_000_000)
     side = max(request.size[1], 240)
     rows: list[Any] = []
@@ -24,6 +25,8 @@ def draw(request: Request) -> Drawn:
     shown = [n for n in HOPS if n <= last]
     converged = by_hops(G, last, is_paper=True).radiance.mean()
     scale = float(true.radiance.mean() / converged)
+
+    # Hops of two schemes, and steps of the solver of the third.
     for name, values in (("paper", shown), ("split", shown), ("delta-beam", list(STEPS))):
         request.report(name, 0.3)
         cells = []

@@ -22,12 +22,17 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 def draw(request: Request) -> Drawn:
     """The plume at g = 0.9 by the number of ordinates: errors, what many change, a frame's time."""
+    # The plume with a sharper phase function, and a truth of it.
     scene = plume(0.9)
     truth = traced(request, scene)
     rows: list[Any] = []
     numbers: dict[str, Any] = {"g": 0.9}
     stops = 0.0
+
+    # What many ordinates make is the truth of the choice of few.
     best = drawn(request, scene, {"ordinates": MANY})
+
+    # Each way to choose them, by their number.
     for row, (variant, settings) in enumerate(VARIANTS.items()):
         images: list[Any] = []
         told: dict[str, dict[str, Any]] = {}
@@ -36,12 +41,16 @@ def draw(request: Request) -> Drawn:
             done = row / len(VARIANTS) + index / len(VARIANTS) / len(ORDINATES)
             request.report(f"{variant}, {count} ordinates", done)
             made[str(count)] = image = drawn(request, scene, {"ordinates": count, **settings})
+
+            # One exposure for the whole sheet.
             stops = exposure_of(scene, image.radiance) if not rows else stops
             found = scores(image, truth)
             told[str(count)] = dict(found)
             if row == 0:
                 told[str(count)]["moving_ms"] = moving_ms(request, scene, {"ordinates": count})
             images.append((f"{count}{off(found)}", image.radiance))
+
+        # Images, and below each how far it is from many ordinates.
         rows.append((variant, exposed(request, images, stops)))
         rows.append((f"beside {MANY}", differences(made, best)))
         numbers[variant] = told

@@ -14,12 +14,15 @@ ANISOTROPIES = {"isotropic": 0.0, "g = 0.7": 0.7, "anisotropic, g = 0.96": 0.96}
 
 def draw(request: Request) -> Drawn:
     """The builtin cloud, ours above and traced below, and against the sun; as fast for every g."""
+    # The cloud with three phase functions.
     rows: dict[str, list[Any]] = {"ours": [], "Monte Carlo": [], "ours, against the sun": []}
     numbers: dict[str, Any] = {}
     for index, (name, g) in enumerate(ANISOTROPIES.items()):
         if request.quick and index:
             continue
         request.report(name, index / len(ANISOTROPIES))
+
+        # Lit from the eye's side, beside its truth.
         scene = clouds(g)
         image = drawn(request, scene)
         truth = traced(request, scene)
@@ -28,6 +31,8 @@ def draw(request: Request) -> Drawn:
         rows["ours"] += exposed(request, [(f"{name}{off(told)}", image.radiance)], stops)
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(name, truth.radiance)], stops)
+
+        # Against the sun, where forward scattering shows.
         shaded = against_the_sun(scene)
         behind = drawn(request, shaded)
         stops = exposure_of(shaded, behind.radiance)

@@ -32,6 +32,7 @@ def puff(time_s: float) -> Scene:
 
 def draw(request: Request) -> Drawn:
     """Frames half a second apart, and how unsteady the light is between frames 40 ms apart."""
+    # Frames far apart to be looked at, then close ones to be measured, on one renderer.
     images: list[tuple[str, F32]] = []
     quick = QUICK_POP if request.quick else {}
     with renderer(request, puff(0.0), quick, technique="pop") as made:
@@ -41,6 +42,8 @@ def draw(request: Request) -> Drawn:
             luminance(_frame(made, puff(STEP_S * k))) for k in range(3 if request.quick else STEPS)
         ]
         spent = made.frame_ms[1:]
+
+    # All are exposed as the first frame is.
     stops = exposure_of(puff(0.0), images[0][1])
     numbers = {"frame_ms": float(np.median(spent)), "step_s": STEP_S, **steadiness(series)}
     row = [("plume", exposed(request, images, stops))]
@@ -59,6 +62,7 @@ def steadiness(series: list[F64]) -> dict[str, float]:
 
     Both relative to the mean light. Jerk is the second difference: 0 for light that changes evenly.
     """
+    # First and second differences in time, over the mean light.
     stack = np.stack(series).astype(np.float64)
     mean = max(float(stack.mean()), 1e-30)
     return {

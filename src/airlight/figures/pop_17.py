@@ -19,6 +19,7 @@ VARIANTS: Mapping[str, tuple[str, Mapping[str, Any]]] = {
 
 def draw(request: Request) -> Drawn:
     """The builtin smoke in its court: ours, without surfaces' light, with bounces, and alone."""
+    # Light from surfaces to the medium and back, less and more of it.
     scene = smoke()
     truth = traced(request, scene)
     images = {}
@@ -26,10 +27,14 @@ def draw(request: Request) -> Drawn:
         request.report(name, index / len(VARIANTS))
         quick = known(technique, {**QUICK, **QUICK_POP}) if request.quick else {}
         images[name] = rendered(request, scene, {**quick, **settings}, technique=technique)
+
+    # The medium alone, which shows what surfaces bring to it.
     alone = dataclasses.replace(scene, meshes=())
     quick = dict(QUICK_POP) if request.quick else {}
     images["pop, medium alone"] = rendered(request, alone, quick, technique="pop")
     stops = exposure_of(scene, images["pop"].radiance)
+
+    # Errors of the whole, and how much light media scatter in each.
     numbers: dict[str, Any] = {name: errors(images[name].radiance, truth) for name in VARIANTS}
     told = {
         name: float(i.layers["scattered"].mean())

@@ -23,12 +23,15 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 def draw(request: Request) -> Drawn:
     """A slab of optical depth 1.5: each ordinate a point; its part of the map; and the default."""
+    # Sharper and sharper phase functions, by three ways to sum up ordinates.
     rows: dict[str, list[Any]] = {name: [] for name in (*VARIANTS, "Monte Carlo")}
     numbers: dict[str, Any] = {}
     chosen = ANISOTROPIES[:1] if request.quick else ANISOTROPIES
     stops = 0.0
     for index, g in enumerate(chosen):
         request.report(f"g = {g}", index / len(chosen))
+
+        # The same slab by each of them, exposed by the first.
         scene = slab(g)
         truth = traced(request, scene)
         images = {name: drawn(request, scene, settings) for name, settings in VARIANTS.items()}
@@ -41,5 +44,7 @@ def draw(request: Request) -> Drawn:
         if truth is not None:
             rows["Monte Carlo"] += exposed(request, [(f"g = {g}", truth.radiance)], stops)
         numbers[f"g {g}"] = told
+
+    # Without a truth its row is empty.
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Prefiltered ordinates", kept), numbers)

@@ -28,6 +28,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
 
 def ways() -> dict[str, dict[str, Any]]:
     """Name -> settings that the technique has."""
+    # Ways that settings of the technique make equal are drawn once.
     found: dict[str, dict[str, Any]] = {}
     for name, settings in VARIANTS.items():
         kept = known("pop", settings)
@@ -38,18 +39,25 @@ def ways() -> dict[str, dict[str, Any]]:
 
 def draw(request: Request) -> Drawn:
     """27 ordinates for a medium of g = 0.98, chosen in five ways, and how far each is from 512."""
+    # Smoke of a sharp phase function, where few ordinates show.
     scene = white_plume(G)
     truth = traced(request, scene)
     shown, told, images = [], {}, {}
+
+    # Each way's image and its errors.
     for name, settings in ways().items():
         images[name] = image = drawn(request, scene, {"ordinates": ORDINATES, **settings})
         told[name] = scores(image, truth)
         shown.append((f"{name}{off(told[name])}", image.radiance))
+
+    # Many ordinates are what all of the ways tend to.
     best = drawn(request, scene, {"ordinates": MANY})
     shown.append((f"{MANY} ordinates", best.radiance))
     stops = exposure_of(scene, shown[0][1])
     if truth is not None:
         shown.append(("Monte Carlo", truth.radiance))
+
+    # Images, how far each is from many ordinates, and the truths.
     few = len(images)
     rows = [
         ("", exposed(request, shown[:few], stops)),

@@ -46,6 +46,8 @@ def draw(request: Request) -> Drawn:
     The paper's scheme is too bright by the factor that its captions name, and shown darker.
     """
     rows, numbers = [], {}
+
+    # Each map, timed before its images are drawn.
     for name, angle, position in CASES[: 1 if request.quick else 2]:
         scene = turned(milk(position), angle)
         request.report(f"{name}: timing", 0.0)
@@ -58,6 +60,8 @@ def draw(request: Request) -> Drawn:
         told["speed_up"] = sum(times["all hops"].values()) / sum(times["residuum"].values())
         numbers[name] = told
         rows.append((name, cells))
+
+    # The paper's own numbers, for the same counts of hops.
     numbers["paper"] = {"speed_up": 4.0, "hops": [FULL, SWITCHED, SHARED]}
     return Drawn(sheet(request, "Milk: all hops, and an isotropic residuum", rows), numbers)
 
@@ -65,10 +69,13 @@ def draw(request: Request) -> Drawn:
 def _cells(
     request: Request, scene: Scene, images: dict[str, Image], times: dict[str, dict[str, float]]
 ) -> tuple[list[Any], dict[str, Any]]:
+    # The default scheme's light is what the paper's is measured by.
     cells: list[Any] = []
     told: dict[str, Any] = {}
     usual = mean_light(images["delta-beam"].layers["scattered"])
     full = images["all hops"].layers["scattered"]
+
+    # Each scheme's time, and where it is the paper's, by how much it is too bright.
     for label, image in images.items():
         spent, light = sum(times[label].values()), image.layers["scattered"]
         told[label] = {"ms": times[label], "solving_ms": spent, "hops": image.stats.get("hops")}
@@ -88,9 +95,12 @@ def _cells(
 
 def timed(request: Request, scene: Scene) -> dict[str, dict[str, float]]:
     """Milliseconds of the stages that solve, of each scheme: the least of alternated rounds."""
+    # Small images: only the solve is timed.
     quick = _QUICK if request.quick else {}
     small = Request(_TIMED_SIZE_PX, request.quick, request.adapter)
     rounds: list[dict[str, dict[str, float]]] = []
+
+    # All renderers stay open, and take their rounds one after the other.
     with contextlib.ExitStack() as opened:
         made = {
             label: opened.enter_context(
@@ -98,8 +108,12 @@ def timed(request: Request, scene: Scene) -> dict[str, dict[str, float]]:
             )
             for label, settings in SCHEMES.items()
         }
+
+        # The first frame compiles.
         for one in made.values():
             one.frame(read=False)
+
+        # The map turns in every round, or nothing would be solved again.
         for turn in range(1 if request.quick else _ROUNDS):
             rounds.append({})
             for label, one in made.items():

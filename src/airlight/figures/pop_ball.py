@@ -35,13 +35,17 @@ class Profile:
 
 def leaving(radius_m: float, sigma_s: float, g: float, photons: int, seed: int = 0) -> Profile:
     """Scattered light of a lamp of 1 W/sr, air of albedo 1 and scattering `sigma_s` per metre."""
+    # Photons leave the lamp in all directions, and fly until all have left the ball.
     rng = np.random.default_rng(seed)
     way = _isotropic(rng, photons)
     place = np.zeros((photons, 3))
     counts = np.zeros(RINGS)
     for order in range(_LAST_SCATTERING):
+        # A free flight; who is beyond the radius has left on this one.
         place = place + way * (rng.standard_exponential(len(way)) / sigma_s)[:, None]
         gone = np.einsum("ni,ni->n", place, place) > radius_m**2
+
+        # Photons that were never scattered are the lamp itself, not its light in the air.
         if order:
             impact = np.linalg.norm(np.cross(place[gone], way[gone]), axis=1)
             counts += np.histogram(impact, RINGS, (0.0, radius_m))[0]
@@ -62,8 +66,11 @@ def _isotropic(rng: np.random.Generator, count: int) -> F64:
 
 def _turned(way: F64, g: float, rng: np.random.Generator) -> F64:
     """Directions (n, 3) after a scattering by Henyey-Greenstein."""
+    # Isotropic scattering needs no frame.
     if g == 0.0:
         return _isotropic(rng, len(way))
+
+    # The inverse of Henyey and Greenstein's cumulative, and any direction across.
     part = (1.0 - g * g) / (1.0 - g + 2.0 * g * rng.random(len(way)))
     cosine = np.clip((1.0 + g * g - part**2) / (2.0 * g), -1.0, 1.0)[:, None]
     across = np.cross(way, _isotropic(rng, len(way)))

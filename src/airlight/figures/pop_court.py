@@ -28,23 +28,30 @@ def courtyard(height_px: int = 512) -> Environment:
 
     Radiance 0.02 to BRIGHTEST, W m^-2 sr^-1.
     """
+    # At twice the size; `up` is the height at which a direction meets the walls.
     towards = latlong_texel_directions(2 * height_px, 4 * height_px)
     horizontal = np.maximum(np.abs(towards[..., 0]), np.abs(towards[..., 2]))
     up = _EYE_M + _HALF_M * towards[..., 1] / np.maximum(horizontal, 1e-9)
+
+    # Sky above the eaves, ground below the horizon, walls between.
     light = np.where((up > _EAVES_M)[..., None], _sky(towards), _walls(towards, up))
     light = np.where((up < 0.0)[..., None], _ground(towards), light)
+
+    # Averaged and softened, and the sun's glow held below its brightest.
     smooth = _softened(light.reshape(height_px, 2, 2 * height_px, 2, 3).mean(axis=(1, 3)))
     return Environment(map=np.minimum(smooth, BRIGHTEST).astype(np.float32), source="courtyard")
 
 
 def _softened(light: F64) -> F64:
     """Edges two texels wide: enlarged by linear filtering they are straight, not stairs."""
+    # A tent along rows, which join, then along columns, which end.
     beside = 0.25 * (np.roll(light, 1, 1) + 2.0 * light + np.roll(light, -1, 1))
     above, below = np.vstack([beside[:1], beside[:-1]]), np.vstack([beside[1:], beside[-1:]])
     return np.asarray(0.25 * (above + 2.0 * beside + below))
 
 
 def _sky(towards: F64) -> F64:
+    # The clear sky, clouds of noise before it, and the sun's glow over both.
     height_px, width_px = towards.shape[:2]
     clear = clear_sky(SUN_TRAVEL, height_px=height_px, scale=_SKY).map
     assert clear is not None
@@ -61,12 +68,15 @@ def _sky(towards: F64) -> F64:
 
 def _walls(towards: F64, up: F64) -> F64:
     """Arcades: stone in courses, openings that are dark below and lit by lamps above."""
+    # Where along the wall a direction meets it, and how far from a bay's middle.
     x, z = towards[..., 0], towards[..., 2]
     facing_x = np.abs(x) > np.abs(z)
     along = _HALF_M * np.where(
         facing_x, z / np.maximum(np.abs(x), 1e-9), x / np.maximum(np.abs(z), 1e-9)
     )
     aside = np.abs(np.mod(along, _BAY_M) - 0.5 * _BAY_M)
+
+    # Two storeys of arches, the upper ones small and lit from inside.
     storey = up > 0.62 * _EAVES_M
     rise = np.where(storey, up - 0.62 * _EAVES_M, up)
     half, spring = np.where(storey, 0.4, _ARCH_M), np.where(storey, 1.0, _SPRING_M)
@@ -82,12 +92,14 @@ def _walls(towards: F64, up: F64) -> F64:
 
 
 def _joint(along: F64, up: F64) -> NDArray[np.bool_]:
+    # Joints of every other course lie half a stone aside.
     shifted = along + 0.5 * np.mod(np.floor(up / 0.5), 2.0)
     return np.asarray(np.mod(shifted, 1.0) < 0.06)
 
 
 def _ground(towards: F64) -> F64:
     """Cobbles, paler towards the middle of the court."""
+    # Where a direction meets the ground; stones of one size in rows.
     distance = _EYE_M / np.maximum(-towards[..., 1], 1e-3)
     at = distance[..., None] * towards[..., ::2]
     cobble = 0.85 + 0.15 * np.prod(np.cos(np.pi * at / 0.7), axis=-1)

@@ -35,6 +35,7 @@ class Angular:
 
     def scores(self, truth: Angular) -> dict[str, float]:
         """The error, and the light of all cells and azimuths over the truth's."""
+        # Energy beside the error: a scheme may be right but for its brightness.
         ratio = float(self.radiance.mean() / truth.radiance.mean())
         return {
             "relative_l2": self.error(truth),
@@ -51,6 +52,7 @@ class Angular:
 
 def directions() -> F64:
     """Directions (mu, phi, finer, 3) of the bins that are plotted, `tracer`'s middle ones."""
+    # Finer directions within each bin, whose mean the tracer tallies.
     part = (np.arange(FINER) + 0.5) / FINER - 0.5
     mu = 2.0 * part / MU_BINS
     phi = 2.0 * np.pi * (np.arange(PHI_BINS)[:, None] + part) / PHI_BINS
@@ -67,6 +69,7 @@ def _binned(of_direction: F64) -> F64:
 
 def truth(g: float, photons: int) -> Angular:
     """Monte Carlo, both halves of the cube taken together. Raises ReferenceFailure."""
+    # Light of one slice by direction, from below.
     from ..reference.tracer import Beam, BoxMedium, Slice, trace
 
     light = trace(
@@ -77,6 +80,8 @@ def truth(g: float, photons: int) -> Angular:
         plane=Slice(1, SLICE),
         directions=(MU_BINS, PHI_BINS),
     )
+
+    # The slice's two halves mirror each other: their mean halves the variance.
     one_side, error = (
         v[1][:, :, MU_BINS // 2] for v in (light.slice_radiance, light.slice_radiance_error)
     )
@@ -97,13 +102,18 @@ def _medium(g: float) -> db.MediumGrid:
 
 def by_beams(g: float, steps: int = 60) -> Angular:
     """The scheme delta-beam."""
+    # One beam through a homogeneous cube.
     medium = _medium(g)
     done = db.light(medium, [db.beam(medium, (0.0, 0.0, 1.0), np.ones(1), 1.0)], steps)
     d = directions()
+
+    # Light that the beam scattered forwards, as a lobe about it.
     _, quasi, a = done.quasi_forward(done.beams[0])
     q, lobe = (np.broadcast_to(v, done.fluence.shape)[:, SLICE, :, 0] for v in (quasi, a))
     way = d[..., 2][..., None, None]
     forward = q * henyey_greenstein(way, lobe)
+
+    # Diffuse light as a lobe along its flux, as sharp as that is beside the fluence.
     flux, phi = done.flux[:, :, SLICE, :, 0], np.maximum(done.fluence[:, SLICE, :, 0], 0.0)
     size = np.maximum(np.linalg.norm(flux, axis=0), 1e-30)
     mu = np.clip(np.einsum("mpfa,azx->mpfzx", d, flux / size), -1.0, 1.0)
@@ -113,6 +123,7 @@ def by_beams(g: float, steps: int = 60) -> Angular:
 
 def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
     """The schemes split and paper."""
+    # A grid of cubes along the light; what is under way is watched in every hop.
     medium = _medium(g)
     hops = hop.parallel_hops((CELLS,) * 3, 1.0 / CELLS)
     d = directions()
@@ -123,6 +134,7 @@ def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
         lobe = np.minimum(a[:, SLICE, :, 0], 0.999)
         total[...] += light[:, SLICE, :, 0] * henyey_greenstein(way, lobe)
 
+    # Hops of what was put in at first.
     power = hop.first_light(
         hops, medium, medium.density, np.ones((*medium.density.shape, 1)), is_paper=is_paper
     )
@@ -137,6 +149,8 @@ def by_hops(g: float, iterations: int, *, is_paper: bool = False) -> Angular:
         iterations=iterations,
         watch=watch,
     )
+
+    # What joined the residuum has been solved for, and is added as the scheme shows it.
     if not is_paper:
         carried = np.zeros((3, *done.carried.shape))
         carried[2] = done.carried

@@ -36,11 +36,14 @@ _SPP_SHARE = 2  # of a path-traced panel's samples: air costs many scatterings a
 
 def plume(g: float = 0.9) -> Scene:
     """Smoke, 10 m across with the coefficients of Fig. 11, before the courtyard."""
+    # The builtin smoke scaled to the figure's size.
     volume = smoke().volumes[0]
     (x0, y0, z0), (x1, y1, z1) = volume.bounds
     scale = PLUME_M / (y1 - y0)
     low = (scale * x0, -0.5 * PLUME_M, scale * z0)
     high = (scale * x1, 0.5 * PLUME_M, scale * z1)
+
+    # The paper's coefficients in place of its own.
     extinction = np.add(PLUME_SCATTERING, PLUME_ABSORPTION)
     albedo = np.divide(PLUME_SCATTERING, extinction)
     made = Volume(
@@ -78,6 +81,7 @@ def slab(g: float) -> Scene:
 
 def milk(position: Vec3 = (1.5, 2.0, 7.0)) -> Scene:
     """The builtin knot, 4 m across, of milk with the coefficients of Fig. 8, albedo 0.9993."""
+    # The knot stands for the paper's dragon, thinner and so denser.
     density, (low, high) = knot_density(), np.array(MILK_BOUNDS)
     scale = MILK_M / (high - low).max()
     half = 0.5 * scale * (high - low)
@@ -120,6 +124,7 @@ def drawn(request: Request, scene: Scene, settings: Mapping[str, Any] | None = N
 
 def moving_ms(request: Request, scene: Scene, settings: Mapping[str, Any] | None = None) -> float:
     """The median of frames of `pop` under a turning map; were it still, nothing would be solved."""
+    # The map turns from frame to frame; frames after the first are timed.
     asked = {**(settings or {}), **(QUICK_POP if request.quick else {})}
     start = scene.environment.rotation_deg if scene.environment else 0.0
     with renderer(request, scene, asked, technique="pop") as made:
@@ -138,6 +143,7 @@ def traced(request: Request, scene: Scene) -> Image | None:
         return None
     from ..reference import mitsuba
 
+    # Fewer samples than for surfaces: paths in media are long.
     spp = max(mitsuba.MIN_SPP, request.reference_spp // _SPP_SHARE)
     width, height = request.size
     halves = width % 2 == 0 and height % 2 == 0
@@ -158,10 +164,13 @@ def differences(images: Mapping[str, Image], best: Image) -> list[Any]:
 
     Black where it is the same, white where it is off by half of what is bright in `best`.
     """
+    # Only where the medium is: the background is the same in all.
     usual = luminance(best.layers["scattered"])
     is_air = best.layers["transmittance"].min(axis=-1) < _CLEAR
     bright = float(np.quantile(usual[is_air], _MOST)) if is_air.any() else 1.0
     cells = []
+
+    # Off by half of what is bright is white.
     for name, image in images.items():
         light = image.layers["scattered"]
         error = np.abs(luminance(light) - usual) / max(0.5 * bright, 1e-30)
@@ -180,6 +189,7 @@ def as_large_as(image: F32, truth: Image) -> F32:
 
 def errors(image: F32, truth: Image | None) -> dict[str, float]:
     """Energy ratio, relative L2, and the L2 that the truth's own noise makes."""
+    # Without a truth only the mean can be told.
     if truth is None:
         return {"mean": mean_light(image)}
     noise = float(np.sqrt(truth.layers["variance"].sum() / np.sum(truth.radiance**2)))
@@ -211,15 +221,21 @@ def scattered_errors(
     """
     if truth is None:
         return errors(light, None)
+
+    # Blocks of pixels that show the medium, without what lies behind it.
     is_air = as_large_as(through, truth).min(axis=-1, keepdims=True) < _CLEAR
     shown = as_large_as(behind, truth)
     seen = _in_blocks((truth.radiance - shown) * is_air)
     variance = np.divide(
         _in_blocks(truth.layers["variance"] * is_air), _BLOCK_PX**2, dtype=np.float32
     )
+
+    # Blocks whose background outshines the medium say nothing of it.
     dazzling = _in_blocks(shown * is_air).max(axis=-1, keepdims=True)
     peaks = seen.max(axis=-1)[_in_blocks(is_air)[..., 0] > 0.0]
     kept = dazzling <= (_DAZZLING * np.quantile(peaks, _MOST) if peaks.size else 0.0)
+
+    # Ours, masked as the truth is.
     mine = _in_blocks(as_large_as(light, truth) * is_air)
     return errors(mine * kept, Image(seen * kept, {"variance": variance * kept}))
 

@@ -38,6 +38,8 @@ def draw(request: Request) -> Drawn:
     """`builtin:room`, at half of a panel's size."""
     scene = cornell() if request.quick else room()
     counts = SAMPLES[:2] if request.quick else SAMPLES
+
+    # Half a panel's size: the path tracer is to reach many samples.
     small = dataclasses.replace(request, size=(request.size[0] // 2, request.size[1] // 2))
     spp, most = (QUICK_SPP, QUICK_SPP) if request.quick else (TRUTH_SPP, MOST_SPP)
     truth = reference_for(scene, small.size, spp, report=request.report)
@@ -45,13 +47,19 @@ def draw(request: Request) -> Drawn:
     ours: list[tuple[str, F32]] = []
     theirs: list[tuple[str, F32]] = []
     curve = []
+
+    # One renderer for all counts; its first frame compiles.
     with renderer(small, scene, {"gather": "always"}) as made:
         made.frame(read=False)
+
+        # What Mitsuba takes for each sample, so that it can be given the same time.
         fixed_s, rate_s = _pace(small, scene)
         for index, count in enumerate(counts):
             request.report(f"{count} samples", index / len(counts))
             cpu_s, image = _timed(lambda count=count: made.frame(samples=count))  # type: ignore[misc]
             assert image is not None
+
+            # As many samples as fit into the time that ours took.
             wanted = min(max(mitsuba.MIN_SPP, round(cpu_s / rate_s)), most)
             traced_s, traced = _timed(lambda wanted=wanted: _traced(small, scene, wanted))  # type: ignore[misc]
             row = {
@@ -66,6 +74,8 @@ def draw(request: Request) -> Drawn:
             ours.append((_told(count, row["cpu_s"], row["relative_l2"]), image.radiance))
             of_theirs = (wanted, row["mitsuba_cpu_s"], row["mitsuba_relative_l2"])
             theirs.append((_told(*of_theirs), traced.radiance))
+
+    # All exposed as the truth.
     stops = exposure_of(scene, light)
     rows: list[Any] = [
         ("airlight", exposed(request, ours, stops)),
@@ -97,6 +107,7 @@ def _traced(request: Request, scene: Scene, spp: int) -> Image:
 
 def _pace(request: Request, scene: Scene) -> tuple[float, float]:
     """Seconds that Mitsuba takes to begin, and for each further sample a pixel."""
+    # Two counts of samples part the fixed time from that of each sample.
     few_s, _ = _timed(lambda: _traced(request, scene, mitsuba.MIN_SPP))
     spp = QUICK_SPP if request.quick else PROBE_SPP
     more_s, _ = _timed(lambda: _traced(request, scene, spp))
@@ -106,6 +117,7 @@ def _pace(request: Request, scene: Scene) -> tuple[float, float]:
 
 def _timed(work: Callable[[], T]) -> tuple[float, T]:
     """Seconds of this process and of its children on all processors."""
+    # Processor time of this process and its children.
     before, begin_s = os.times(), time.perf_counter()
     made = work()
     after, wall_s = os.times(), time.perf_counter() - begin_s
@@ -116,6 +128,7 @@ def _timed(work: Callable[[], T]) -> tuple[float, T]:
 
 def _off(radiance: F32, truth: F32) -> float:
     """Relative L2, both clamped where the truth's brightest pixels begin."""
+    # Clamped, so that a few bright pixels do not rule the error.
     most = np.percentile(truth, CLAMPED)
     clamped = np.minimum(truth, most).astype(np.float64)
     away = np.linalg.norm(np.minimum(radiance, most) - clamped)
@@ -124,6 +137,7 @@ def _off(radiance: F32, truth: F32) -> float:
 
 def _race(curve: Sequence[dict[str, Any]], asked: float) -> dict[str, float | None]:
     """When each is so near first; None where it is not."""
+    # Both curves at the same error.
     ours = reached([row["cpu_s"] for row in curve], [row["relative_l2"] for row in curve], asked)
     theirs = reached(
         [row["mitsuba_cpu_s"] for row in curve],
@@ -144,6 +158,8 @@ def reached(seconds: Sequence[float], errors: Sequence[float], asked: float) -> 
             continue
         if index == 0:
             return second
+
+        # Between two measurements the error falls as a power of time.
         earlier, more = seconds[index - 1], errors[index - 1]
         share = np.log(more / asked) / np.log(more / max(error, 1e-9))
         return float(earlier * (second / earlier) ** share)

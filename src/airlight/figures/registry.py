@@ -125,6 +125,7 @@ def keep(name: str, drawn: Drawn, about: dict[str, Any], folder: Path) -> Path:
     from ..app.outputs import write_json
     from ..scene.io.writing import whole_file
 
+    # The image, then its numbers, each whole.
     path = folder / f"{name}.png"
     with whole_file(path) as part:
         part.write_bytes(png_bytes(drawn.image))

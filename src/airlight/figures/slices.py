@@ -46,6 +46,7 @@ class SolvedLattice:
     @property
     def direction(self) -> F64:
         """(Z, Y, X, 3): net flux over what would flow if all went one way, from luminance."""
+        # Luminance of both bands; 3 a is the most that b can be.
         a = luminance(self.intensity[..., 0])
         b = np.stack([luminance(self.intensity[..., k]) for k in (1, 2, 3)], axis=-1)
         return b / np.maximum(3.0 * np.abs(a), 1e-30)[..., None]
@@ -64,6 +65,7 @@ def from_texels(
     """What the device's textures hold: (Z, Y, X, 4) half floats, stored units over `power_scale`;
     openness as bytes of hops (+x -x +y -y) and (+z -z .. ..).
     """
+    # To W sr^-1 and shares.
     channels = [np.asarray(t, dtype=np.float64) / power_scale for t in (red, green, blue)]
     hops = np.concatenate([open_xy, open_z[..., :2]], axis=-1).astype(np.float64) / 255.0
     return SolvedLattice(np.stack(channels, axis=-2), hops, cell_m)
@@ -86,10 +88,13 @@ def slice_image(
     The colour goes from black at 2^-8 of `brightest` to white; walls are bright lines on the
     side of the cell that is closed; arrows, as long as light is directed, show where it goes.
     """
+    # Fluence as stops below the brightest.
     light = cut(luminance(lattice.fluence), across, index)
     stops = np.log2(np.maximum(light, 1e-30) / max(brightest, 1e-30)) / 8.0 + 1.0
     colours = heat(cast(F32, np.clip(stops, 0.0, 1.0).astype(np.float32)))
     pixels = magnified(colours.astype(np.float64), cell_px)
+
+    # Arrows of the light's direction in the slice, and lines where faces are closed.
     right, up = _in_slice(lattice.direction, across, index)
     along = arrows(np.stack([right, up], axis=-1), cell_px)
     pixels += (ARROW - pixels) * (0.85 * along)[..., None]
@@ -105,6 +110,7 @@ def magnified(cells: F64, cell_px: int) -> F64:
 
 def _in_slice(vectors: F64, across: str, index: int) -> tuple[F64, F64]:
     """Components (right, up) of world vectors (Z, Y, X, 3)."""
+    # Axes of the world that lie in the slice.
     right, up = AXES[across]
     plane = cut(vectors, across, index)
     # The plan's image has -z at its top.
@@ -131,6 +137,7 @@ def _places(cell_px: int) -> tuple[F64, F64]:
 
 def walls(sides: F64, cell_px: int) -> F64:
     """Cover (rows cell_px, columns cell_px) in [0, 1] of lines along closed sides."""
+    # A line along each closed side, as bright as it is closed.
     right, up = _places(cell_px)
     edge = 0.5 * cell_px - 2.0 * _LINE_PX
     near = np.stack([right < -edge, right > edge, up < -edge, up > edge]).astype(np.float64)
@@ -144,8 +151,12 @@ def arrows(vectors: F64, cell_px: int) -> F64:
     A dot marks where it starts.
     """
     right, up = _places(cell_px)
+
+    # From the cell's middle along its vector; no arrow leaves its cell.
     reach = 0.45 * cell_px * vectors / np.maximum(np.linalg.norm(vectors, axis=-1), 1.0)[..., None]
     x, y = reach[..., 0, None, None], reach[..., 1, None, None]
+
+    # The nearest point of the stroke, and how far the pixel is from it.
     share = np.clip((right * x + up * y) / np.maximum(x * x + y * y, 1e-9), 0.0, 1.0)
     distance = np.hypot(right - share * x, up - share * y)
     width = _LINE_PX * (1.4 - 0.9 * share)  # thick where it starts

@@ -27,6 +27,7 @@ def traced(request: Request, scene: Scene) -> Reference:
 
     A truth without layers is told to `request.warn`. Raises ReferenceFailure.
     """
+    # A quarter of the pixels and of the time; ours are averaged to as many.
     width, height = request.size
     halves = width % 2 == 0 and height % 2 == 0
     size = (width // 2, height // 2) if halves else request.size
@@ -45,6 +46,7 @@ def truth_of(request: Request, scene: Scene) -> Reference | None:
 
 def noise_l2(truth: Reference, layer: str) -> float:
     """The relative L2 that a perfect image of a layer would score because the truth is noisy."""
+    # The root of the variances' sum over the size of the light.
     light, variance = (truth.image.layers[layer + end] for end in ("", "_variance"))
     each = variance if variance.ndim == light.ndim else variance[..., None]
     noise = float(np.sqrt(np.broadcast_to(each, light.shape).sum()))
@@ -63,6 +65,8 @@ def averaged(pixels: F32, truth: F32) -> F32:
     height, width = truth.shape[:2]
     if pixels.shape[:2] == (height, width):
         return pixels
+
+    # Means of squares of four pixels.
     blocks = pixels.reshape(height, 2, width, 2, *pixels.shape[2:])
     return np.asarray(blocks.mean(axis=(1, 3), dtype=np.float64), np.float32)
 
@@ -78,6 +82,7 @@ def without_noise(truth: Reference, guide: Image) -> F32:
 
     As it was traced where the truth has no layers: shafts and shadows must keep their edges.
     """
+    # Indirect and scattered light has no sharp edges of its own; direct light keeps its.
     radiance, layers = truth.image.radiance, truth.image.layers
     if not truth.has_layers:
         return radiance
@@ -99,10 +104,13 @@ def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
         width = ((rim, rim), (rim, rim), (0, 0))[: pixels.ndim]
         return np.asarray(np.pad(pixels, width, mode="edge"), np.float32)
 
+    # A border for neighbours beyond the image, as wide as they are looked for.
     small = as_large_as(guide, light)
     layers = {name: rimmed(small.layers[name]) for name in ("normal", "depth")}
     light = rimmed(light)
     guide = Image(light, layers)
+
+    # Light without sparks is averaged closely, that of sparks widely.
     even = np.asarray(light * _kept(light, guide)[..., None], np.float32)
     wide = _mean(_mean(light - even, guide, radius_px, 1), guide, radius_px, radius_px)
     whole = _mean(even, guide, radius_px, 1) + wide
@@ -111,12 +119,15 @@ def smoothed(light: F32, guide: Image, radius_px: int = 4) -> F32:
 
 def _kept(colours: F32, guide: Image) -> F32:
     """(H, W): how much of each pixel's light (H, W, 3) is no spark's."""
+    # The neighbours that show the same surface, sorted by their light.
     light = luminance(colours)
     around = [
         np.where(alike[..., 0] > 0.5, np.roll(light, shift, (0, 1)), np.inf)
         for shift, alike in _neighbours(guide, _MEDIAN_PX, 1)
     ]
     ordered = np.sort(np.stack(around), axis=0)
+
+    # A pixel keeps what is within so many times their median.
     middle = (np.isfinite(ordered).sum(axis=0, keepdims=True) - 1) // 2
     median = np.take_along_axis(ordered, np.maximum(middle, 0), axis=0)[0]
     limit = SPARK * np.where(np.isfinite(median), median, 0.0)
@@ -125,6 +136,7 @@ def _kept(colours: F32, guide: Image) -> F32:
 
 def _mean(light: F32, guide: Image, radius_px: int, step_px: int) -> F32:
     """Over neighbours alike, those far off counting less; pixels on edges, like none, over all."""
+    # With the guide, and without it for pixels that no neighbour is like.
     total, plain = np.zeros_like(light), np.zeros_like(light)
     weights, all_weights = np.zeros((*light.shape[:2], 1), np.float32), 0.0
     for shift, alike in _neighbours(guide, radius_px, step_px):
@@ -142,6 +154,7 @@ def _neighbours(
     guide: Image, radius_px: int, step_px: int
 ) -> Iterator[tuple[tuple[int, int], F32]]:
     """Shifts, and how far (H, W, 1), 0 to 1, the pixel so shifted shows the same surface."""
+    # Normals and depths tell surfaces apart; the sky is like itself alone.
     normal = guide.layers["normal"]
     depth = np.minimum(guide.layers["depth"], _SKY_M)[..., None]
     is_sky = (depth >= _SKY_M).astype(np.float32)

@@ -79,6 +79,7 @@ def chosen_asked(wanted: str | None = None) -> Asked:
 
     Raises SettingsError for another word.
     """
+    # A word of the caller's, or the environment's.
     text = env.value(SWITCH) if wanted is None else wanted
     if text.lower() not in _KNOWN:
         raise SettingsError(
@@ -96,6 +97,7 @@ def asked_features(asked: Asked, there: Collection[str]) -> list[str]:
 
 def asked_limits(asked: Asked, paths: CodePaths, there: Mapping[str, int]) -> dict[str, int]:
     """The limits to request from an adapter that has those in `there`."""
+    # WebGPU's defaults, raised where code paths make use of more, as far as the adapter goes.
     more: dict[str, int] = {} if asked == "default" else {**_MORE}
     if more and paths.stored_uniforms:
         more |= _UNIFORMS_IN_STORAGE

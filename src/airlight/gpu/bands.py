@@ -62,6 +62,7 @@ def banded(text: str) -> tuple[str, str]:
 
 def longest(groups: tuple[int, ...]) -> tuple[int, int]:
     """The axes along which a dispatch of `groups` is divided: into layers, and those into rows."""
+    # The longest axis leads; of equal ones the last, whose workgroups lie farthest apart.
     first, second, *_ = sorted(range(len(groups)), key=lambda axis: (-groups[axis], -axis))
     return first, second
 
@@ -73,6 +74,7 @@ def part(
 
     They are whole layers, or within one.
     """
+    # The first row, by its layer and its place within; whole layers where there are as many.
     layers, rows = longest(groups)
     begin, size = [0] * len(groups), list(groups)
     begin[layers], begin[rows] = divmod(first, groups[rows])
@@ -92,11 +94,14 @@ class Pace:
 
         Those are whole layers of so many rows, or lie within a `layer`.
         """
+        # Of an unknown pass a small share; else equal bands that take about the time aimed for.
         left, unit_s = count - first, self._unit_s.get(key)
         if unit_s is None:
             size = min(left, -(-count // _FIRST_SHARE))
         else:
             size = -(-left // max(1, round(left * unit_s / AIM_S + 0.4)))
+
+        # Up to the end of a layer, then in whole layers.
         before = first % layer
         return size - size % layer if size >= layer > before == 0 else min(size, layer - before)
 

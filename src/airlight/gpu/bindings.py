@@ -56,6 +56,7 @@ class Bindings:
 
     def make(self, values: dict[str, Any], params: Any) -> Any:
         """A bind group of these resources, not cached; parameters lie in the buffer `params`."""
+        # Parameters are bound once, from the start of their buffer: offsets come with each use.
         entries = []
         for index, slot in enumerate(self.slots):
             if slot.is_dynamic and slot.struct is not None:

@@ -87,6 +87,7 @@ def chosen_paths(wanted: str | None = None, *, is_cpu: bool) -> CodePaths:
 
     auto: those made for the adapter, by whether it `is_cpu`. Raises SettingsError for another word.
     """
+    # A word of the caller's, or the environment's.
     text = env.value(SWITCH) if wanted is None else wanted
     key = text.lower()
     if key not in _KNOWN:

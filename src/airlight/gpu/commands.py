@@ -43,11 +43,15 @@ class Commands:
             self.arena: Any = gpu.device.create_buffer(
                 label="uniforms", size=_ARENA_BYTES, usage=usage
             )
+
+        # Parameters are staged until the submit, each at its place.
         self._staging = bytearray(_ARENA_BYTES)
         self._used = 0
         self._places: dict[int, tuple[int, Struct]] = {}  # by id, which is theirs while kept here
         self.pipeline: Any = None
         self.recording: list[Dispatch] | None = None  # what is being recorded
+
+        # What is open: the frame's encoder, and its compute pass.
         self._encoder: Any = None
         self._compute: Any = None
         self.stage_ms: dict[str, float] = {}
@@ -118,6 +122,7 @@ class Commands:
 
         The same Struct has one offset, however often a frame uses it.
         """
+        # Parameters that were stored before have one copy in a frame.
         found = self._places.get(id(params))
         if found is not None:
             return found[0]
@@ -127,6 +132,8 @@ class Commands:
         # Offsets are aligned as WebGPU asks of dynamic ones.
         data = params.data
         size = len(data)
+
+        # An arena that is full cannot grow: offsets of this frame's parameters point into it.
         if self._used + size > _ARENA_BYTES:
             raise RuntimeError(
                 "uniform arena is full: too many parameters of one pass or recording"
@@ -175,6 +182,8 @@ class Commands:
         finally:
             if self.is_timed:
                 self._close_compute()
+
+            # Nested stages count in the wall time of the outer one.
             if on_wall and not outer:
                 self.submit()
                 self.gpu.wait()
@@ -217,6 +226,7 @@ class _Timestamps:
         return 2 * len(self.names)
 
     def next(self, name: str) -> dict[str, Any] | None:
+        # Frames of more passes than there are queries are timed in part.
         if self.count + 2 > _MAX_TIMESTAMPS:
             return None
         # Made when they are first asked for: most runs time nothing.
@@ -228,6 +238,8 @@ class _Timestamps:
             self._buffer = self.gpu.device.create_buffer(
                 label="stages", size=8 * _MAX_TIMESTAMPS, usage=usage
             )
+
+        # Two queries to a pass, where it begins and where it ends.
         first = self.count
         self.names.append(name)
         return {
@@ -243,6 +255,8 @@ class _Timestamps:
         if not self.names:
             return []
         names, self.names = self.names, []
+
+        # Pairs of device times in nanoseconds.
         raw = self.gpu.queue.read_buffer(self._buffer, 0, 16 * len(names))
         ticks = np.frombuffer(raw, np.uint64).reshape(-1, 2).astype(np.int64)
         return [(n, float(b - a) * 1e-6) for n, (a, b) in zip(names, ticks, strict=True)]

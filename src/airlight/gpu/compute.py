@@ -58,6 +58,7 @@ class ComputePass:
             source.add(generated, f"{self.label} generated")
         path = shader_path(type(self))
         text = path.read_text()
+        # In bands another entry runs, which adds what lies before the band to the shader's ids.
         if self.in_bands:
             text, entry = banded(text)
             source.add(entry, f"{self.label} bands")
@@ -95,6 +96,7 @@ class ComputePass:
 
     def dispatch(self, commands: Commands, invocations: tuple[int, ...], **values: Any) -> None:
         """Run over a grid of `invocations` (x, y, z); `values` name every slot."""
+        # Grids are grouped once for each size; most passes then are one dispatch.
         groups = self._groups.get(invocations) or self._grouped(invocations)
         if not self.in_bands:
             self._dispatch(commands, groups, values)
@@ -124,6 +126,7 @@ class ComputePass:
 
     def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:
         """The open compute pass with this pass's pipeline and bindings."""
+        # Within a pass the pipeline is set only where it changes.
         commands.make_room()
         encoder = commands.compute
         if commands.pipeline is not self.pipeline:
@@ -134,6 +137,7 @@ class ComputePass:
 
     def _grouped(self, invocations: tuple[int, ...]) -> tuple[int, ...]:
         """Workgroups for a grid of `invocations`. Raises DeviceError for too many."""
+        # Whole workgroups around the grid; shaders leave out what lies beyond it.
         counts = (*invocations, 1, 1)[:3]
         groups = tuple(-(-n // w) for n, w in zip(counts, self.workgroup, strict=True))
         self.gpu.require(

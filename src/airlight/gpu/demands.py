@@ -67,6 +67,7 @@ _KINDS: dict[str, Callable[[Slot], bool]] = {
 
 def target_bytes(formats: Iterable[str]) -> int:
     """Bytes that a sample of all render targets takes, as the limit on them counts."""
+    # Each format starts at a multiple of its alignment, as WebGPU counts.
     end = 0
     for format in formats:
         size, align = _TARGET_BYTES[format]
@@ -88,6 +89,7 @@ def check_slots(gpu: Gpu, label: str, slots: Iterable[Slot]) -> None:
 
 def check_workgroup(gpu: Gpu, label: str, workgroup: tuple[int, int, int]) -> None:
     """Raise DeviceError where the device has smaller workgroups than the pass `label`."""
+    # Each side of a workgroup, then all of it.
     for axis, size in zip("xyz", workgroup, strict=True):
         gpu.require(f"max-compute-workgroup-size-{axis}", size, f"pass '{label}'", remedy=REMEDY)
     x, y, z = workgroup

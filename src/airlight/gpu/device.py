@@ -94,6 +94,7 @@ def _enumerate() -> list[Any]:
 
 def adapters() -> list[AdapterInfo]:
     """Every usable adapter, best first; empty where there is no driver."""
+    # Indices stay those of wgpu's list, whatever the order of preference.
     infos = [
         AdapterInfo(
             name=a.info["device"],
@@ -133,6 +134,7 @@ def choose(found: Sequence[AdapterInfo], wanted: str = "auto") -> AdapterInfo:
 
 def chosen_reason(found: Sequence[AdapterInfo], chosen: AdapterInfo, wanted: str = "auto") -> str:
     """Why `chosen` was chosen, in words."""
+    # By name, alone, or by its kind.
     if wanted.lower() not in ("auto", ""):
         return f"asked for by '{wanted}'"
     if len(found) == 1:
@@ -151,6 +153,8 @@ class Gpu(Scope):
     def __init__(self, info: AdapterInfo, paths: CodePaths, asked: Asked = "auto") -> None:
         super().__init__()
         adapter = _enumerate()[info.index]
+
+        # A driver that runs out of memory may end the process: there must be some first.
         check_memory(TO_OPEN)
         self.info, self.paths, self.asked = info, paths, asked
         self.features = asked_features(asked, adapter.features)
@@ -188,6 +192,7 @@ class Gpu(Scope):
 
     def scope(self) -> Gpu:
         """The same device with a scope of its own within this one, released no later than it."""
+        # A copy of the device's handle with an empty scope, which this one owns.
         inner = copy.copy(self)
         Scope.__init__(inner)
         self.own(inner)
@@ -219,6 +224,7 @@ class Gpu(Scope):
         Raises DeviceError.
         """
         with self.guarded():
+            # A fence that no thread waits for, or a new one.
             try:
                 fence = self._fences.pop()
             except IndexError:
@@ -254,6 +260,7 @@ def open_gpu(wanted: str = "auto", paths: str | None = None, asked: str | None =
     """
     enter_driver()
     with _OPENING:
+        # Lost devices are forgotten, and adapters enumerated again.
         for dead in [key for key, gpu in _opened.items() if not is_alive(gpu)]:
             del _opened[dead]
             _found.clear()  # a driver that was reset may have others

@@ -47,6 +47,7 @@ class Guarded:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        # airlight's own errors say all already; others are told apart by what they mean.
         if isinstance(error, Exception) and not isinstance(error, AirlightError):
             refusal = refused(self._gpu, error)
             if refusal is not None:

@@ -51,25 +51,27 @@ class FullscreenPass(RasterPipeline):
 
     def _shader(self, firsts: Mapping[str, tuple[str, ...]], text: str, generated: str) -> Shader:
         gpu, formats = self.gpu, self.targets_used
-        # CPU adapters: a compute shader that stores pixels, where nothing is blended.
+        # GPUs: a compute shader that stores pixels, where nothing is blended or tested.
         if gpu.paths.stored_screens and not (self.blend or self.depth):
             if is_storable(text, formats, generated):
                 made = stored(self._slots, firsts, text, formats, generated)
                 if fits(gpu, made.slots):
                     return made
         elif gpu.paths.flat_interpolants:
-            # Else what is the same for all pixels comes as flat interpolants.
+            # CPU adapters: what is the same for all pixels comes as flat interpolants.
             most = 4 * gpu.limits.get("max-inter-stage-shader-variables", MOST_WORDS // 4)
             made = interpolated(self._slots, firsts, text, most)
             if made.entry != "fragment":
                 return made
-        # On GPUs a triangle that covers the screen.
+        # Else a triangle over the image, whose fragments read their parameters themselves.
         before = _VERTEX + first_elements(self._slots, firsts)
         return Shader(self._slots, before, text, "fragment")
 
     def _compiled(self) -> Any:
         if self.stage != "compute":
             return super()._compiled()
+
+        # No vertex stage: the entry is a compute shader.
         device = self.gpu.device
         module = compile_wgsl(device, self._source, self.label)
         layout = device.create_pipeline_layout(
@@ -117,6 +119,7 @@ class FullscreenPass(RasterPipeline):
         band: tuple[tuple[int, ...], int, int],
     ) -> None:
         """Of targets of a size, which the first `band` clears, so many rows from one on."""
+        # The first band clears the targets; later ones, and what is blended, keep what is there.
         size, first, count = band
         kept = len(targets) if first else self._blended
         colors = color_attachments(targets[:kept], keep=True) + color_attachments(targets[kept:])
@@ -135,11 +138,15 @@ class FullscreenPass(RasterPipeline):
         """The same as a compute pass."""
         width, height = targets[0].size[:2]
         bound = {target_name(k): target for k, target in enumerate(targets)}
+
+        # Targets are bound behind the slots, as images.
         encoder = commands.compute
         if commands.pipeline is not self.pipeline:
             commands.pipeline = self.pipeline
             encoder.set_pipeline(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values | bound)
         encoder.dispatch_workgroups(-(-width // WORKGROUP[0]), -(-height // WORKGROUP[1]))
+
+        # Targets were counted where they were bound.
         if commands.tally is not None:
             commands.tally.ran(commands.stage_name, width * height)

@@ -79,6 +79,8 @@ def interpolated(
     named = {slot.name: slot for slot in slots}
     for slot in (*(s for s in slots if s.is_dynamic), *(named[name] for name in firsts)):
         part = _part(slot, firsts.get(slot.name, ()))
+
+        # One that does not fit is left out; a smaller one after it may fit.
         if used + len(part.words) > most_words:
             continue
         used += len(part.words)
@@ -94,6 +96,7 @@ def interpolated(
 
 def first_elements(slots: tuple[Slot, ...], names: Mapping[str, tuple[str, ...]]) -> str:
     """WGSL of `first_NAME()` of storage buffers, read from them."""
+    # Buffers keep their names; only the struct's name is asked.
     structs = {slot.name: slot.struct.__name__ for slot in slots if slot.struct is not None}
     return "".join(
         f"fn first_{name}() -> {structs[name]} {{ return {name}[0]; }}\n" for name in names
@@ -115,6 +118,7 @@ def _renamed(slot: Slot) -> Slot:
 
 
 def _components(field: Field) -> list[str]:
+    # Scalars have no components, vectors up to four, matrices four columns.
     if not field.shape:
         return [""]
     if len(field.shape) == 1:

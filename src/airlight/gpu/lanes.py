@@ -32,6 +32,7 @@ def has_row_lanes(gpu: Gpu) -> bool:
 
     Only CPU adapters are asked: a GPU's threads are served by its caches.
     """
+    # Facts of a device are tried once for all of its scopes.
     if not gpu.paths.row_lanes or any(name not in gpu.features for name in _FEATURES):
         return False
     if "row lanes" not in gpu.facts:
@@ -41,6 +42,7 @@ def has_row_lanes(gpu: Gpu) -> bool:
 
 def _found_row_lanes(gpu: Gpu) -> bool:
     """Run the probe: whether invocations find their neighbours' numbers beside them."""
+    # Two subgroups, so that both of their ends are seen.
     groups = 2
     found = Buffer(gpu, "lanes", groups * LANES * 8)
     commands = Commands(gpu)

@@ -121,6 +121,7 @@ class Struct:
     @classmethod
     def of(cls, **values: Any) -> Self:
         """The instance of these values, which must be hashable: numbers and tuples of numbers."""
+        # Equal values are one instance, so that they are packed and stored once.
         key = tuple(values.items())
         found: Self | None = cls._kept.get(key)
         if found is None:
@@ -137,6 +138,8 @@ def pack(cls: type[Struct], values: dict[str, Any], record: Any) -> Any:
         missing = sorted(cls.fields.keys() - values.keys())
         unknown = sorted(values.keys() - cls.fields.keys())
         raise TypeError(f"{cls.__name__}: missing {missing}, unknown {unknown}")
+
+    # NumPy's rows become WGSL's columns.
     for name, value in values.items():
         transposed = len(cls.fields[name].shape) == 2
         record[name] = np.transpose(value) if transposed else value

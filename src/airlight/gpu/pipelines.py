@@ -42,6 +42,8 @@ class Pipelines:
         finally:
             with self._changing:
                 self._begun.pop(key, None)
+
+        # Whichever was used last stays longest.
         with self._changing:
             self._kept[key] = found
             self._kept.move_to_end(key)

@@ -66,6 +66,8 @@ class RasterPipeline:
             on_device(slots, gpu) for slots in (self.slots, self.second_slots)
         )
         self.targets_used = self.targets if targets is None else targets
+
+        # What the device cannot bind or draw to is refused before anything is made of it.
         check_slots(gpu, self.label, (*self._slots, *self._second))
         check_targets(gpu, self.label, self.targets_used)
         # The source, and what is generated for it.
@@ -131,6 +133,8 @@ class RasterPipeline:
 
     def _joined(self, generated: str, text: str) -> Source:
         source = Source()
+
+        # Bindings first, then what is generated from them, then the pass's own file.
         source.add(declarations(self._slots), f"{self.label} slots")
         if self.second_slots:
             source.add(declarations(self._second, 1), f"{self.label} material slots")
@@ -153,6 +157,8 @@ class RasterPipeline:
         if not self.fragment_entry:
             return None
         extra = {"blend": self.blend} if self.blend else {}
+
+        # Only the first targets may be blended.
         extras = [extra if i < self._blended else {} for i in range(len(self.targets_used))]
         return {
             "module": module,

@@ -113,6 +113,8 @@ class Recording:
         last: tuple[Any, ...] = ()
         for d in dispatches:
             offsets = [places[d.values[name].data] for name in d.bindings.dynamic]
+
+            # Dispatches of the same bindings and resources share a bind group.
             key = (id(d.bindings), *(id(d.values[name]) for name in d.bindings.fixed))
             if key not in made:
                 made[key] = d.bindings.make(d.values, params)
@@ -120,6 +122,8 @@ class Recording:
             pipeline = None if self._last is d.pipeline else d.pipeline
             self._rows.append(_row(pipeline, None if last == this else made[key], offsets, d))
             self._last, last = d.pipeline, this
+
+        # Rows hold bare handles, which are valid as long as these live.
         self._kept: tuple[Any, ...] = (params, dispatches, list(made.values()))
 
     def replay(self, commands: Commands) -> None:
@@ -165,6 +169,8 @@ def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:
     """Where each of the parameters lies in a buffer, and what that holds."""
     places: dict[bytes, int] = {}
     data = bytearray()
+
+    # Equal parameters lie in the buffer once.
     for value in (v for d in dispatches for v in d.values.values() if isinstance(v, Struct)):
         if value.data not in places:
             places[value.data] = len(data)
@@ -175,6 +181,8 @@ def _packed(dispatches: list[Dispatch]) -> tuple[dict[bytes, int], bytes]:
 def _row(pipeline: Any, group: Any, offsets: list[int], dispatch: Dispatch) -> _Row:
     if _CALLS is None:
         return pipeline, group, offsets, dispatch.groups
+
+    # Handles of wgpu-native, and offsets as its calls take them.
     handles = [None if one is None else one._internal for one in (pipeline, group)]
     return handles[0], handles[1], ffi.new("uint32_t[]", offsets), dispatch.groups
 
@@ -193,6 +201,7 @@ def direct_calls(lib: Any, ffi: Any) -> tuple[Any, ...] | None:
     is a tenth of the Python of a foggy frame with its 400 dispatches. None where the library has
     other ones.
     """
+    # Calls are used only where their arguments are those that are known.
     found = []
     for name, wanted in _DISPATCH_CALLS.items():
         call = getattr(lib, f"wgpuComputePassEncoder{name}", None)

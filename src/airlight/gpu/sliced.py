@@ -51,6 +51,8 @@ class SlicedCommands(Commands):
     def bands(self, key: Hashable, count: int, layer: int = 1) -> Iterator[tuple[int, int]]:
         """The bands of a pass, each submitted once it is encoded, as large as those before say."""
         first = 0
+
+        # Each band is submitted and timed before the next one's size is known.
         while first < count:
             size = self._pace.next(key, first, count, layer)
             yield first, size

@@ -47,6 +47,7 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
 
 def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
     """The same slots for a device: buffers and uniforms as it reads them."""
+    # CPU adapters read rows as 64-bit integers, and uniforms from storage.
     if gpu.paths.wide_reads and "shader-int64" in gpu.features:
         slots = tuple(replace(slot, declaration=slot.wide or slot.declaration) for slot in slots)
     return on_cpu_adapter(slots) if gpu.has_uniforms_in_storage else slots
@@ -62,6 +63,7 @@ def on_cpu_adapter(slots: tuple[Slot, ...]) -> tuple[Slot, ...]:
 
 
 def _from_storage(slot: Slot) -> Slot:
+    # The same parameters under another kind of buffer.
     buffer = {**slot.layout["buffer"], "type": "read-only-storage"}
     declaration = slot.declaration.replace("var<uniform>", "var<storage, read>")
     return replace(slot, declaration=declaration, layout={**slot.layout, "buffer": buffer})
@@ -87,6 +89,7 @@ _SAMPLE_WGSL = {"float": "f32", "unfilterable-float": "f32", "uint": "u32", "sin
 
 def texture(name: str, dimension: Dimension = "2d", sample: str = "float") -> Slot:
     """A sampled texture; `sample` is float, unfilterable-float, depth, uint or sint."""
+    # Depth textures have types of their own in WGSL.
     wgsl_dimension = dimension.replace("-", "_")
     if sample == "depth":
         declaration = f"var {name}: texture_depth_{wgsl_dimension};"
@@ -120,6 +123,7 @@ def image(name: str, format: str, dimension: Dimension = "2d") -> Slot:
 
 def declarations(slots: tuple[Slot, ...], group: int = 0) -> str:
     """The WGSL of all structs and bindings of one bind group."""
+    # A struct that several slots have is declared once.
     structs: dict[str, str] = {}
     for slot in slots:
         if slot.struct is not None:

@@ -38,17 +38,22 @@ class Source:
 
     def add(self, text: str, name: str) -> None:
         """Append `text`, first whatever it uses. Raises ShaderError for an unknown library."""
+        # Libraries come before the text that uses them, each once.
         own = text.splitlines()
         for number, line in enumerate(own, 1):
             match = _USE.match(line)
             if match:
                 self._use(match[1], f"{name}:{number}")
+
+        # Each line with where it came from, for the compiler's messages.
         self.lines += own
         self.origins += [(name, number) for number in range(1, len(own) + 1)]
 
     def _use(self, library: str, where: str) -> None:
         if library in self.used:
             return
+
+        # It counts as used before its own uses, so that libraries may use each other.
         self.used.add(library)
         folder = next((f for f in LIBRARIES if (f / f"{library}.wgsl").is_file()), None)
         if folder is None:
@@ -59,6 +64,7 @@ class Source:
     def mapped(self, message: str) -> str:
         """A compiler message with the real file and line in place of the joined one's."""
 
+        # Numbers of lines in the joined text become those of their own files.
         def origin(match: re.Match[str]) -> str:
             line = int(match[1])
             if not 1 <= line <= len(self.origins):

@@ -47,6 +47,8 @@ def stored(
         f"    textureStore({target_name(k)}, pixel.xy, found{members[k]});"
         for k in range(len(formats))
     ]
+
+    # A thread for each pixel; those beyond the targets leave.
     x, y = WORKGROUP
     entry = [
         f"@compute @workgroup_size({x}, {y}, 1)",
@@ -56,6 +58,8 @@ def stored(
         *lines,
         "}\n",
     ]
+
+    # The pass's own function stays as it is, without a fragment's attributes.
     plain = whole.replace("@fragment ", "").replace("@builtin(position) ", "")
     plain = plain.replace("@location(0) ", "")
     before = first_elements(slots, firsts) + "\n".join(entry)
@@ -72,6 +76,8 @@ def _found(text: str, generated: str) -> tuple[str, dict[int, str]] | None:
     found = ENTRY.search(text)
     if found is None:
         return None
+
+    # One target by itself, or members of a struct by their locations.
     if found[1]:
         return found[0], {0: ""}
     struct = re.search(rf"struct {found[2]} \{{(.*?)\}}", generated + text, re.DOTALL)

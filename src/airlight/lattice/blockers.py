@@ -4,8 +4,8 @@ Each surfel's area, projected on the three axes and split by the side it faces, 
 lattice's corners. A propagation step across a face is blocked by the area that faces it, averaged
 over the face's four corners (NumPy twin: maths.lattice6.blocked_shares).
 
-differs: Kaplanyan2010 section 3.2 stores blockers as spherical harmonics, through which a full wall
-lets 16 to 22% of the light.
+differs: Kaplanyan2010 section 3.2 stores blockers as spherical harmonics, as which a full wall lets
+16 to 22% of the light through.
 """
 
 from __future__ import annotations
@@ -120,6 +120,8 @@ class Blockers:
         else:
             self.count, self.surfels, self.walls = owner.count, owner.surfels, owner.walls
             self.visibility_a, self.visibility_b = owner.visibility_a, owner.visibility_b
+
+        # Sums stand around corners, one more than cells on each axis; faces belong to cells.
         self.corners = int(np.prod([n + 1 for n in placement.count]))
         self.sums = Buffer(gpu, "blocker sums", self.corners * _CORNER_VALUES * 4)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
@@ -137,6 +139,8 @@ class Blockers:
         # A body that the camera enters on its way is a room from the beginning.
         eyes = scene.animation.eyes(scene) if scene.animation else []
         self._rooms = Rooms(self.meshes.current, np.array([*eyes, *_inside(scene)], np.float64))
+
+        # Surfels stay on their triangles for good; only which of their sides block changes.
         order = self.meshes.order
         samples = surfels(scene.meshes, order, count, self._rooms.sides)
         # A body that holds some of these points and not all is a wall between them: it is sealed.
@@ -175,6 +179,7 @@ class Blockers:
 
     def encode(self, commands: Commands) -> bool:
         """Update the faces; returns whether anything changed."""
+        # Fading borders do not count: blockers know nothing of them.
         made = (self.meshes.version, self._owner._turns, replace(self.placement, fade=None))
         if self._made == made:
             return False
@@ -232,6 +237,8 @@ class Blockers:
     def follow_vertices(self) -> None:
         """Move the surfels of meshes whose vertices moved; nested lattices share the owner's."""
         meshes = self.meshes
+
+        # The samples of creation, at the same barycentric coordinates on this frame's vertices.
         if self._owner is not self:
             return
         pairs = zip(self._followed, meshes.current, strict=True)
@@ -252,6 +259,7 @@ class Blockers:
 
 def _inside(scene: Scene) -> NDArray[np.float64]:
     """The positions (n, 3) of the eye and of lights, metres; infinite of distant ones."""
+    # Distant lights and the sky are outside of every body.
     local = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
     has_distant = len(local) < len(scene.lights) or scene.environment is not None
     distant = [(np.inf,) * 3] * has_distant

@@ -29,6 +29,7 @@ def closed_bodies(meshes: Sequence[Mesh]) -> tuple[list[int], list[list[int]]]:
 
     1: the front faces out, -1: the back, 0: the mesh is part of no closed body.
     """
+    # Each geometry is looked at once; a body of a single mesh closes by itself.
     closed = {key: outer_side(g) for key, g in {id(m.geometry): m.geometry for m in meshes}.items()}
     found = [closed[id(mesh.geometry)] for mesh in meshes]
     bodies = [[index] for index, side in enumerate(found) if side != 0]
@@ -65,6 +66,7 @@ def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
 
 def outer_side(geometry: Geometry) -> int:
     """1 or -1 where the triangles close a body and face out or in; 0 for open sheets."""
+    # Every edge of a closed body is shared by two triangles, which run it in opposite directions.
     corners = welded(geometry.positions)[geometry.indices]
     edges = int((corners != np.roll(corners, -1, axis=1)).sum())
     if edges == 0 or _unmatched_edges(corners) > _OPEN_EDGES * edges:
@@ -77,6 +79,8 @@ def outer_side(geometry: Geometry) -> int:
 def _signed_volume(positions: NDArray[np.floating], indices: NDArray[np.uint32]) -> float:
     """Six times the volume that triangles enclose, negative where they face in."""
     volume = 0.0
+
+    # Six times the signed volume of the tetrahedra between triangles and the origin.
     for part in chunks(len(indices)):
         a, b, c = (positions[indices[part, k]].astype(np.float64) for k in range(3))
         volume += float(np.einsum("nk,nk->", a, np.cross(b, c)))
@@ -119,6 +123,8 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     first = np.cumsum([0, *(len(p) for p in points[:-1])])
     ends = np.concatenate([p + start for p, start in zip(pairs, first, strict=True)])
     placed = np.concatenate(points)
+
+    # Points that are the same but for rounding become one; edges of no length go.
     step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
     edges = welded(np.round(placed / step))[ends]
     is_edge = edges[:, 0] != edges[:, 1]
@@ -140,6 +146,8 @@ def _placed(mesh: Mesh) -> tuple[F64, Edges]:
     """The points (V, 3), m, of a mesh's triangles, and the edges (E, 2) between them; what mirrors
     swaps the ends."""
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
+
+    # Only vertices that triangles use, renumbered; edges in the order of the triangle.
     used, rows = np.unique(mesh.geometry.indices, return_inverse=True)
     placed = mesh.geometry.positions[used].astype(np.float64) @ linear.T + offset
     rows = rows.reshape(-1, 3)
@@ -149,6 +157,7 @@ def _placed(mesh: Mesh) -> tuple[F64, Edges]:
 
 def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
     """The place of each of the `edges` (E, 2), and whether as many run there either way."""
+    # An edge and its reverse are at one place; they balance where each has the other.
     low, high = edges.min(axis=1), edges.max(axis=1)
     _, which = np.unique(low * (edges.max() + 1) + high, return_inverse=True)
     balance = np.bincount(which, weights=np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))

@@ -33,6 +33,7 @@ def wall_axes(meshes: tuple[Mesh, ...]) -> Axes:
     areas alone: not on how surfaces are cut into triangles, instances or files, nor on which side
     triangles face.
     """
+    # Area by direction, coarse for candidates, fine for the axes that come of them.
     fine = _facing(meshes)
     if not len(fine):
         return STRAIGHT
@@ -96,11 +97,14 @@ def _summed(vectors: F64, steps: int) -> F64:
 
     Opposite directions count as one.
     """
+    # A direction without area says nothing.
     length = np.linalg.norm(vectors, axis=1)
     vectors, length = vectors[length > 0.0], length[length > 0.0]
     # The sign of the largest component says which of the two directions it is.
     largest = np.abs(vectors).argmax(axis=1)
     vectors = vectors * np.sign(vectors[np.arange(len(vectors)), largest])[:, None]
+
+    # Directions that round to the same point of a grid are one.
     bins = np.round(vectors / length[:, None] * steps).astype(np.int64) + steps
     side = 2 * steps + 1
     _, which = np.unique((bins[:, 0] * side + bins[:, 1]) * side + bins[:, 2], return_inverse=True)
@@ -122,6 +126,7 @@ def _peaks(normals: F64, areas: F64) -> list[F64]:
 
 def _refined(direction: F64, vectors: F64) -> F64:
     """The mean direction of the area near `direction`; of a plane, if that has most of it."""
+    # All that faces nearly along it, on one side.
     near = vectors[np.abs(vectors @ direction) > _NEAR * np.linalg.norm(vectors, axis=1)]
     near = near * np.sign(near @ direction)[:, None]
     # A plane's own normal, so that rounding by bins leaves no trace; else the mean.
@@ -159,6 +164,7 @@ def _frame(first: F64, second: F64) -> F64:
 
 def _share(frame: F64, normals: F64, areas: F64) -> float:
     """Area, m^2, that faces along one of the frame's axes; less of what is a little aslant."""
+    # Full at the axis, none at two degrees from it.
     nearest = np.abs(normals @ frame.T).max(axis=1)
     off = np.arccos(np.minimum(nearest, 1.0)) / np.arccos(_NEAR)
     return float((areas * np.maximum(1.0 - off, 0.0)).sum())

@@ -36,6 +36,7 @@ def nested_count(gap_m: float, cell_m: float, ratio: float) -> int:
     One does where its own cells, `cell_m` wide, are `FEWEST_CELLS` across the gap; each finer
     lattice's are smaller by `ratio`. Between 1 and `MOST`.
     """
+    # The log of what is missing, in steps of the ratio.
     if gap_m >= FEWEST_CELLS * cell_m:
         return 1
     finer = np.log(CELLS_A_GAP * cell_m / gap_m) / np.log(ratio)
@@ -68,6 +69,7 @@ def _samples(meshes: tuple[Mesh, ...], turn: F64) -> tuple[F64, F64]:
 
     Both are along the rows of `turn`. About `_SAMPLES` by area, at least one of each mesh.
     """
+    # Samples by area, as surfels are drawn.
     areas = [triangle_areas(mesh) for mesh in meshes]
     total = max(float(sum(a.sum() for a in areas)), 1e-30)
     points, normals = [np.zeros((0, 3))], [np.zeros((0, 3))]
@@ -81,6 +83,8 @@ def _samples(meshes: tuple[Mesh, ...], turn: F64) -> tuple[F64, F64]:
         corners = corners @ placed[:3, :3].T + placed[:3, 3]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+
+        # Points and area normals in the lattice's frame.
         points.append(np.einsum("nk,nkc->nc", weights, corners) @ turn.T)
         normals.append(normal / length * (own.sum() / len(triangle)) @ turn.T)
     return np.concatenate(points), np.concatenate(normals)

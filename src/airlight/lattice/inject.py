@@ -213,12 +213,14 @@ def fixed_point_scale(flux: float, sharpness: float = SHAPED_LOBE) -> float:
 
     `sharpness`: the largest |b| over a of the lobes that are put in.
     """
+    # A power of two, so that scaling rounds nothing, with a bit to spare.
     largest = sharpness * max(flux, 1e-24) / (4.0 * math.pi)
     return float(2.0 ** (_HEADROOM_BITS - math.ceil(math.log2(largest))))
 
 
 def forward_share() -> float:
     """The share of a shaped lobe that leaves through the five faces its surface leaves open."""
+    # A hop's matrix: what one face gets of the constant and of the linear term.
     hop = hops("centroid")[0].matrix
     # The face ahead gets the directional part, too; the four beside it their constant one.
     constant, along = float(hop[0, 0]), float(hop[0, 1]) * SHAPED_LOBE

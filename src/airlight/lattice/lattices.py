@@ -127,9 +127,12 @@ class Lattices:
 
     def encode(self, commands: Commands, scene: Scene) -> None:
         """Update the blockers of all lattices."""
+        # Blockers from elsewhere replace those of the surfels.
         if self.source is not None:
             self.source.encode(commands, scene)
             return
+
+        # Rooms first, since they turn surfels that all lattices share.
         self.largest.blockers.find_rooms(scene)
         for level in self.levels:
             level.blockers.encode(commands)
@@ -148,11 +151,15 @@ def follow(nest: Nest, levels: Sequence[Level], camera: Camera, *, is_first: boo
     for index, level in enumerate(levels):
         if not nest.follows(index):
             continue
+
+        # Where the camera wants it, on its grid, and whether that is another place.
         centre = wanted_centre(nest, index, eye, look)
         now = snapped(nest, index, centre, None if is_first else level.placement)
         moves = now.origin != level.placement.origin
         if moves and not (may_move or is_first or must_move(level.placement, centre)):
             now, moves, is_settled = level.placement, False, False
         may_move = may_move and not moves
+
+        # Fading follows the camera in every frame, even where cells wait.
         level.move_to(faded(nest, index, now, centre))
     return is_settled

@@ -76,6 +76,7 @@ class InjectionTarget:
 
 def lobe_params(scale: float, lobe: Lobe) -> LobeParams:
     """The parameters of `wgsl/lobes.wgsl`."""
+    # Blocked lobes are scaled by what hops send forward.
     hop = hops("centroid")[0].matrix
     return LobeParams.of(
         scale=scale,

@@ -158,5 +158,6 @@ def own_shares() -> tuple[float, float]:
 
     A flat surface must not light itself: a - (2/3) b.n = 0 asks for b = 3/2 a n.
     """
+    # The power that leaves in front, and the b at which a flat surface sees nothing of itself.
     whole = forward_share()
     return whole, whole * 1.5 / SHAPED_LOBE

@@ -45,6 +45,7 @@ class Nest:
     @property
     def texture_size(self) -> tuple[int, int, int]:
         """The size in cells of textures that hold all lattices, one above the other."""
+        # Lattices lie one above the other along y; other sides fit the largest.
         counts = np.array([level.count for level in self.levels])
         rows = int(counts[:, 1].sum())
         return (int(counts[:, 0].max()), rows, int(counts[:, 2].max()))
@@ -102,6 +103,7 @@ def nested(
 
 def surrounded(nest: Nest, around: Box, resolution: int) -> Nest:
     """A nest with one lattice more, for the box `around` that of the others."""
+    # Cells over the larger box, in rows after those of the others.
     *finer, whole = nest.levels
     outer = fitted(*around, resolution, whole.axes)
     outer = replace(outer, first_row=whole.first_row + whole.count[1])
@@ -123,6 +125,7 @@ def wanted_centre(nest: Nest, level: int, eye: F64, look: F64) -> F64:
     Ahead of `eye` along `look`, both of the world, inside the box where it reaches that far:
     nothing is lit beyond.
     """
+    # In the lattice's own axes, as all that follows.
     placement = nest.levels[level]
     eye, look = np.array(placement.axes) @ eye, np.array(placement.axes) @ look
     half = 0.5 * placement.cell * np.array(placement.count)
@@ -142,6 +145,7 @@ def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Pl
 
     Grids of all levels that move have their box's lower corner in common.
     """
+    # Where its lower corner would be, in cells from the box's corner.
     placement = nest.levels[level]
     base = np.array(nest.over_inner.origin)
     ideal = (centre - base) / placement.cell - 0.5 * np.array(placement.count)
@@ -157,6 +161,7 @@ def snapped(nest: Nest, level: int, centre: F64, before: Placement | None) -> Pl
 
 def must_move(placement: Placement, centre: F64) -> bool:
     """Whether a lattice is so far from its wanted centre that its borders would be read."""
+    # Off by more cells than the border has, a fading would reach beyond the lattice.
     low, high = placement.bounds
     off = np.abs(0.5 * (low + high) - centre)
     return bool((off > BORDER * placement.cell).any())

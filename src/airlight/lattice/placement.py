@@ -114,6 +114,8 @@ class Placement:
         """The fade of the lattice; by default over the outermost cell."""
         if self.fade is not None:
             return self.fade
+
+        # From half a cell outside the lattice to the middle of its outermost cell.
         low, high = self.bounds
         half, width = 0.5 * self.cell, (self.cell,) * 3
         return Fade(triple(low - half), width, triple(high + half), width)

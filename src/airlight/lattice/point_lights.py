@@ -59,6 +59,7 @@ class InjectPoints:
 
     def take(self, groups: Sequence[PointLights]) -> float:
         """Set the groups of lights; returns the power, W, of all of them."""
+        # Groups are compared by identity: other arrays are other lights.
         same = len(groups) == len(self._groups) and all(
             a is b for a, b in zip(groups, self._groups, strict=True)
         )

@@ -40,6 +40,7 @@ class Rooms:
 
     def __init__(self, meshes: Sequence[Mesh], points: F64) -> None:
         """`points` (n, 3), metres: bodies around one of them are rooms for good."""
+        # Bodies are found once: a mesh that moves or bends closes what it closed.
         self._outer, self._bodies = closed_bodies(meshes)
         self._known: list[list[_Known]] = [[] for _ in self._bodies]
         self._placed: Sequence[Mesh] | None = None
@@ -78,6 +79,7 @@ class Rooms:
 
     def _blocking(self, meshes: Sequence[Mesh]) -> list[int]:
         """Rooms, and what of single-sided materials faces in, block as their materials have it."""
+        # A room's both sides block; a solid's outer one, unless it faces in and is single-sided.
         found = list(self._outer)
         for number, body in enumerate(self._bodies):
             for index in body:
@@ -98,6 +100,8 @@ class Rooms:
             self._placed, self._boxes = meshes, np.array([low, high])
         low_m, high_m = self._boxes[:, :, None]
         is_near = ((points > low_m) & (points < high_m)).all(axis=-1)
+
+        # Only within a box is the winding number asked.
         return frozenset(
             int(number)
             for number in np.flatnonzero(is_near.any(axis=1))
@@ -116,6 +120,8 @@ class Rooms:
         for known in kept:
             if float(np.linalg.norm(point - known.point)) < known.reach_m:
                 return known.holds
+
+        # Else the winding number tells, for as far as no triangle is near.
         new = _Known(body, point, _clearance(body, point), winding_number(body, point) > 0.5)
         self._known[number] = [*kept[-_MOST_KNOWN:], new]
         return new.holds
@@ -132,6 +138,7 @@ def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
 
 def _clearance(body: Sequence[Mesh], point: F64) -> float:
     """Metres to the nearest triangle at least: to its box, or to its plane."""
+    # A lower bound suffices: within it no triangle lies between two points.
     nearest = np.inf
     for mesh in body:
         linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]

@@ -76,6 +76,8 @@ class Skylight:
         (the lattice's own if not given); `owner`: the one of them that owns the texture.
         """
         self.placement, self._is_owner = placement, owner is None
+
+        # The largest lattice owns the texture; the others write their rows of it.
         nx, ny, nz = size or placement.count
         self.cube: Texture = (
             owner.cube
@@ -140,6 +142,7 @@ class Skylight:
         """The cells that the lattice moved since its cubes were made; None where they are of no
         use.
         """
+        # Cells of another size, or off the grid, have no counterpart.
         if self._made is None or self._made.cell != self.placement.cell:
             return None
         moved = np.subtract(self.placement.origin, self._made.origin) / self.placement.cell
@@ -147,6 +150,7 @@ class Skylight:
         return (x, y, z) if np.abs(moved - (x, y, z)).max() < 1e-3 else None
 
     def _copy_previous(self, commands: Commands) -> None:
+        # A pass cannot read the texture that it writes, so the lattice's rows are copied first.
         columns, rows, _ = self.placement.count
         commands.encoder.copy_texture_to_texture(
             {"texture": self.cube.handle, "origin": (0, self.placement.first_row, 0)},

@@ -55,6 +55,8 @@ def surfels(
         if _area_key(mesh) not in areas_of:
             areas_of[_area_key(mesh)] = triangle_areas(mesh)
     areas = np.array([areas_of[_area_key(m)].sum() for m in meshes])
+
+    # The number follows from the world's area, so that density is the same on all meshes.
     counts = _counts(meshes, areas, count)
     parts = []
     for instance, index in enumerate(order):
@@ -69,6 +71,7 @@ def _counts(meshes: tuple[Mesh, ...], areas: F64, count: int) -> list[int]:
 
     Those grow and shrink, and no other surface's number follows from how large they were at first.
     """
+    # Area lights change their size, and take no share of others' surfels.
     is_light = np.array([isinstance(mesh, LightMesh) for mesh in meshes], bool)
     total = max(float(areas[~is_light].sum()), 1e-30)
     each = count * _LIGHTS / max(int(is_light.sum()), 1)
@@ -78,6 +81,7 @@ def _counts(meshes: tuple[Mesh, ...], areas: F64, count: int) -> list[int]:
 
 def triangle_areas(mesh: Mesh) -> F64:
     """Area (T,), m^2, of each triangle in the world."""
+    # In the world, where a transform has stretched them.
     linear = mesh.world_from_object[:3, :3]
     positions, indices = mesh.geometry.positions, mesh.geometry.indices
     areas = np.empty(len(indices))
@@ -100,6 +104,8 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     # The samples follow from areas and their number alone: `follow` finds the same ones again.
     triangle, weights = samples_of(areas, count)
     geometry = mesh.geometry
+
+    # The point in its triangle, and the triangle's normal.
     corners = geometry.indices[triangle]
     a, b, c = _corners(geometry, triangle)
     u, v = weights[:, 1], weights[:, 2]
@@ -142,6 +148,8 @@ def sealed(
 ) -> NDArray[np.void]:
     """The same surfels, marked where they are of opaque `walls` of rooms: Rooms.walls."""
     found = made.copy()
+
+    # Cut-out and translucent materials let some light pass even in a wall.
     is_opaque = [not (m.material.is_translucent or m.material.alpha_cutoff > 0.0) for m in meshes]
     is_wall = [index in walls and is_opaque[index] for index in order]
     found["is_sealing"] = np.array(is_wall, np.uint32)[made["instance"]] if order else 0
@@ -168,6 +176,8 @@ def follow(
         before, after = original[index].geometry, now[index].geometry
         if before is not after:
             rows = np.flatnonzero(made["instance"] == instance)
+
+            # The very same samples as at creation: they follow from areas and number alone.
             triangle, weights = samples_of(triangle_areas(original[index]), len(rows))
             old, new = _corners(before, triangle), _corners(after, triangle)
             cross = np.cross(new[1] - new[0], new[2] - new[0])
@@ -197,6 +207,7 @@ def _corners(geometry: Geometry, triangle: NDArray[np.int64]) -> F64:
 
 def _triangle_points(count: int) -> tuple[F64, F64]:
     """`count` barycentric pairs (u, v), evenly spread (Roberts' R2 sequence, folded)."""
+    # Fractions of the plastic number's powers, folded back over the diagonal of the square.
     index = np.arange(count)
     u = (0.5 + 0.7548776662466927 * index) % 1.0
     v = (0.5 + 0.5698402909980532 * index) % 1.0
@@ -208,6 +219,7 @@ def _albedo_and_cover(
     material: Material, uvs: NDArray[np.float32] | None, corners: NDArray[np.uint32], weights: F64
 ) -> tuple[F64, F64]:
     """Bihemispherical albedo (n, 3) and the share (n,) of each surfel that is not cut away."""
+    # The BRDF's albedo at the surfel's own texture coordinates.
     uv = None if uvs is None else np.einsum("nk,nkc->nc", weights, uvs[corners].astype(np.float64))
     colour, cover = _colour_and_cover(material, uv, len(weights))
     metallic, roughness = _metallic_and_roughness(material, uv, len(weights))
@@ -248,6 +260,7 @@ def _metallic_and_roughness(material: Material, uv: F64 | None, count: int) -> t
 
 
 def _texels(texture: Texture, uv: F64) -> NDArray[np.uint8]:
+    # The nearest texel; coordinates repeat.
     height, width = texture.pixels.shape[:2]
     wrapped = (uv * texture.scale + texture.offset) % 1.0
     x = np.minimum((wrapped[:, 0] * width).astype(int), width - 1)

@@ -26,6 +26,8 @@ class LatticeTable:
         """
         if len(rows) != self.count:
             raise ValueError(f"{len(rows)} lattices in a table of {self.count}")
+
+        # Compared as bytes: most frames upload nothing.
         packed = np.array([row.record for row in rows], LatticeParams.dtype)
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()

@@ -131,6 +131,7 @@ class ViewBlockers(ABC):
 
         `is_drawn`: a view was redrawn.
         """
+        # What surfels depend on beside the views.
         made = (meshes.version, replace(self.blockers.placement, fade=None))
         is_new, self._made = made != self._made, made
         if not (is_new or is_drawn):
@@ -172,8 +173,11 @@ class ViewSurfels(ViewBlockers):
     def _add(self, commands: Commands, maps: SurfelViews, views: Sequence[LightView]) -> None:
         """Merge the surfels of each view by the maximum."""
         blockers = self.blockers
+
+        # Sums of one buffer, which each merge leaves empty for the next.
         commands.encoder.clear_buffer(self._sums.handle)
         for index, view in enumerate(views):
+            # In finer units, since a texel near the eye covers little of a face.
             params = ViewSurfelParams.of_view(blockers, maps, index, _FINER * UNITS, _FINER)
             self._sum.encode(commands, maps, blockers.placement, self._sums, params)
             # The faces of one light's cube see what is beside each other: one buffer.

@@ -11,4 +11,5 @@ hits           the same passes on surfaces that rays met; shadow_rays: where sha
 gathered       the field of a final gather, in place of lattices' light
 read_layers    a drawn view as arrays
 cascades       which lattices settings ask for; lattice_box: the box that they cover
+reach          how far they go into a medium, and when a camera needs others
 """

@@ -17,14 +17,13 @@ from ..scene.checks import F64
 from ..scene.light_shapes import furnished
 from ..scene.medium import medium_box
 from ..scene.scene import Scene
+from .reach import eyes_of, reach_of
 
 MEDIUM_BEYOND = 2.0
 """Of the surfaces' longest side: how far their lattices reach into the medium. A camera that
 frames an object stands about so far away, in a medium that fills the scene up to its camera."""
 _PART = 0.5
 """Of a cell: a medium that ends so close to a lattice has no other one."""
-_HIDDEN = 10.0
-"""Optical depths behind which nothing of a medium is seen: as far a lattice of its own reaches."""
 MOST_CELLS = 256
 MOST_MORE = 1.5
 """Times as many cells along a side at most, where a turned lattice covers a medium."""
@@ -82,7 +81,7 @@ def lattice_extent(
     # The lattice in a medium that is turned with the walls.
     turn = np.array(axes)
     seen = whole_bounds_along(scene, turn)
-    filled = [medium_box(medium, *seen, turn @ np.asarray(eye)) for eye in _eyes(scene)]
+    filled = [medium_box(medium, *seen, turn @ np.asarray(eye)) for eye in eyes_of(scene)]
     upright = fitted(
         *_reached(*whole_bounds_along(furnished(scene), turn), filled), resolution, axes
     )
@@ -109,7 +108,7 @@ def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:
         return low, high
     # What it fills is a box of the world, however the lattice is turned.
     seen = whole_bounds_along(scene, np.eye(3))
-    boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in _eyes(scene)]
+    boxes = [box_along(turn, *medium_box(medium, *seen, eye)) for eye in eyes_of(scene)]
     return _reached(low, high, boxes)
 
 
@@ -125,30 +124,16 @@ def medium_around(scene: Scene, bounds: Sequence[float], nest: Nest) -> Box | No
     In metres along its axes. None where its largest lattice has the medium but for a part of a
     cell, or settings have `bounds` of their own.
     """
-    medium = scene.medium
-    if bounds or medium is None or medium.endless or not any(medium.sigma_t):
+    reach = None if bounds else reach_of(scene)
+    if reach is None:
         return None
     whole = nest.levels[-1]
-    turn, seen = np.array(whole.axes), whole_bounds_along(scene, np.eye(3))
-    surfaces = whole_bounds_along(furnished(scene), np.eye(3))
-    reach = _HIDDEN / min(c for c in medium.sigma_t if c > 0.0)
-    low, high = np.array(nest.low), np.array(nest.high)
-    for eye in _eyes(scene):
-        # Around surfaces, and around the eye or where it looks into the medium.
-        least, most = medium_box(medium, *seen, eye)
-        near = np.clip(np.asarray(eye, np.float64), least, most)
-        first, last = np.minimum(surfaces[0], near) - reach, np.maximum(surfaces[1], near) + reach
-        filled = box_along(turn, np.maximum(least, first), np.minimum(most, last))
-        low, high = np.minimum(low, filled[0]), np.maximum(high, filled[1])
+    filled = reach.along(np.array(whole.axes))
+    low, high = np.minimum(nest.low, filled[0]), np.maximum(nest.high, filled[1])
     # A lattice that is turned with the walls covers the corners of an upright box all but.
     first, last = whole.bounds
     beyond = max(float((first - low).max()), float((high - last).max()))
     return (triple(low), triple(high)) if beyond > _PART * whole.cell else None
-
-
-def _eyes(scene: Scene) -> Sequence[Any]:
-    """Where cameras are: a medium without bounds reaches to them, wherever they go."""
-    return [scene.camera.position] if scene.animation is None else scene.animation.eyes(scene)
 
 
 def _reached(low: F64, high: F64, boxes: Sequence[tuple[Any, Any]]) -> tuple[F64, F64]:

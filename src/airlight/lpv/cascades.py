@@ -57,6 +57,8 @@ def cascades(kit: Kit, settings: LpvSettings, steps: int) -> list[Cascade]:
     # Media themselves change the direction of light: hops keep the least spread.
     steps = 0 if scene.medium or scene.volumes else steps
     made = []
+
+    # A step of its own kind for each lattice: what hops keep of spread follows from its cells.
     for index, level in enumerate(levels):
         kind = StepKind(
             cast(Scheme, settings.scheme),
@@ -65,6 +67,8 @@ def cascades(kit: Kit, settings: LpvSettings, steps: int) -> list[Cascade]:
             kept=spread_kept(level.placement.count, steps),
         )
         propagate = Propagate(kit.gpu, level.placement, kind, settings.storage)
+
+        # Injected sums, what is static of them, and all of it.
         small = _small([other.placement for other in levels], index, settings)
         nbytes = 3 * level.placement.cells * 16
         static, injected = (Buffer(kit.gpu, n, nbytes) for n in ("static light", "injected"))
@@ -77,5 +81,7 @@ def _small(placements: list[Placement], index: int, settings: LpvSettings) -> Sm
     """The objects that a lattice leaves out because they are smaller than its cells."""
     if settings.small_objects == "none":
         return EVERYTHING
+
+    # A lattice leaves out what is smaller than its own cells; the finest leaves out nothing.
     cells = [0.0, *(placement.cell for placement in placements[1:]), 0.0]
     return SmallObjects(cells[index], cells[index + 1], has_static=settings.small_objects == "all")

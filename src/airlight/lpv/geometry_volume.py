@@ -63,6 +63,8 @@ class GeometryVolume(ViewBlockers):
 
     def __init__(self, gpu: Gpu, blockers: Blockers, *, accumulates: bool) -> None:
         super().__init__(blockers, accumulates=accumulates)
+
+        # Sums of one view, and the volume that all views are merged into.
         corners = blockers.corners
         self._sums = Buffer(gpu, "surfels of a view", corners * _VALUES * 4)
         self._volume = Buffer(gpu, "geometry volume", corners * 16)
@@ -94,6 +96,7 @@ class GeometryVolume(ViewBlockers):
 
     def _add_view(self, commands: Commands, maps: SurfelViews, index: int) -> None:
         """Sum the surfels of a view, and merge them into the volume by their maximum."""
+        # Corners that a view covers more than all before take its vector.
         params = ViewSurfelParams.of_view(self.blockers, maps, index, _UNITS)
         self._inject.encode(commands, maps, self.blockers.placement, self._sums, params)
         self._merge.dispatch(

@@ -153,6 +153,7 @@ class Propagate:
 
     def _stored(self, commands: Commands, injected: Buffer) -> Buffer:
         """The injected light as states are stored."""
+        # Packed from the injected light, which stays as it is.
         if self._pack.format.largest == 0.0:
             return injected
         stored = self._states[1]

@@ -30,6 +30,8 @@ class SeenBlockers:
         resolution, peels = settings.surfel_resolution, settings.peel_layers
         self.maps = SurfelViews(kit.gpu, resolution, count, peels)
         accumulates, source = settings.keep_surfels, settings.surfel_source
+
+        # The paper's volumes of harmonics, or sums by faces.
         volume: Callable[[Gpu, Blockers], ViewBlockers] = (
             partial(GeometryVolume, accumulates=accumulates)
             if settings.scheme == "paper"

@@ -41,6 +41,8 @@ class LpvSolver(Solver):
         """`is_marched`: whether media scatter it towards the eye (Billeter2012, Fig. 5)."""
         self.kit, self.settings, self.is_marched = kit, settings, is_marched
         gpu, scene = kit.gpu, kit.context.scene
+
+        # Steps enough for the lattice with the most cells across.
         self.steps = settings.iterations or max(
             enough_steps(placement.count) for placement in kit.lattices.nest.levels
         )
@@ -59,6 +61,8 @@ class LpvSolver(Solver):
         self.textures = LatticeTextures(gpu, kit.placement, kit.lattices.texture_size)
         largest = max(part.placement.cells for part in self.cascades)
         self.black = Buffer(gpu, "no light", 3 * largest * 16)
+
+        # Finer lattices take in light of larger ones at their borders, but the paper's do not.
         self.border: Border | None = None
         if settings.cascade_light and not self.is_paper and len(self.cascades) > 1:
             self.border = Border(gpu)
@@ -117,6 +121,8 @@ class LpvSolver(Solver):
         """All that the lattices' light depends on; None where they must be filled anyway."""
         if self.media or any(part.is_stale for part in self.cascades):
             return None
+
+        # Fading borders change what is read, not the light itself.
         placements = tuple(replace(part.placement, fade=None) for part in self.cascades)
         # Groups are compared by identity: `points` holds on to them.
         groups = tuple(map(id, scene.light_groups))
@@ -242,6 +248,7 @@ class LpvSolver(Solver):
 
     def mean_radiance(self) -> LatticeSource:
         """The light that surfaces reflect, as media take it: its mean over all directions."""
+        # Power through a cell's face to radiance, in the cells of the largest lattice.
         placement = self.cascades[-1].placement
         scale = LOOKUP_SCALE / (placement.cell**2 * self.power_scale)
         bound = {**self.textures.bound, **self.kit.blockers.bound}

@@ -68,6 +68,8 @@ class StepKind:
     def constants(self) -> dict[str, float]:
         """The shader's overrides."""
         is_centroid = self.scheme == "centroid"
+
+        # Overrides of the shader, so that a step without blockers has no code for them.
         return (hop_constants(self.kept) if is_centroid else {}) | {
             "IS_BLOCKED": float(self.is_blocked),
             "IS_REFLECTING": float(self.is_reflecting),

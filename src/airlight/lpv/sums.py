@@ -51,6 +51,7 @@ class Sums:
         `is_first`: total = state. `is_tail`: the state is the last block, and what is added is the
         sum of all blocks after it, which shrink by the ratio of the two powers measured.
         """
+        # Three colour channels, one vec4 of each cell.
         values = 3 * self._cells
         self._accumulate.dispatch(
             commands,
@@ -100,6 +101,7 @@ def _accumulate_pass(gpu: Gpu, format: Format) -> ComputePass:
         workgroup = (256, 1, 1)
         file = "accumulate.wgsl"
 
+    # Floats are added as they are; other formats are scaled back from their range.
     constants = {
         "IS_SCALED": float(format is not FLOAT),
         "PER_INVOCATION": float(_PER_INVOCATION),

@@ -41,6 +41,7 @@ def polygon_irradiance(corners: F64) -> float:
     Lambert's sum over the edges, angle times cosine of the edge's plane (Heitz2016 section 2), of
     the part above the receiver's horizon: where an edge goes below, the sum is closed along it.
     """
+    # Seen from the receiver only directions count.
     unit = corners / np.linalg.norm(corners, axis=1, keepdims=True)
     total, down, up = 0.0, np.zeros(3), np.zeros(3)
     for a, b in zip(np.roll(unit, 1, axis=0), unit, strict=True):
@@ -59,6 +60,7 @@ def polygon_irradiance(corners: F64) -> float:
 
 def edge_integral(a: F64, b: F64) -> float:
     """The angle between unit vectors times the z of the unit normal of their plane."""
+    # Unit vectors: their cross product is as long as the sine of the angle.
     normal = np.cross(a, b)
     sine = float(np.linalg.norm(normal))
     return float(normal[2] * np.arctan2(sine, a @ b) / max(sine, 1e-30))
@@ -69,6 +71,7 @@ def sphere_irradiance(centre: F64, radius: float) -> float:
 
     A receiver inside the sphere sees radiance in all of its hemisphere.
     """
+    # A receiver inside the sphere is taken to stand on its surface.
     distance = max(float(np.linalg.norm(centre)), radius * 1.0001)
     cosine = float(np.clip(centre[2] / distance, -1.0, 1.0))
     sine2 = (radius / distance) ** 2
@@ -120,16 +123,20 @@ def leaving_share(away: F64, normal: F64, body: float, gap_m: float) -> float:
     a point on the axis body / (body + distance^2). The larger share counts. Points farther than
     about `gap_m` from the disk's plane lose nothing: lattices know what surfaces take there.
     """
+    # The two view factors, of a disk across a gap and of a point on the axis.
     squared, height = float(away @ away), float(away @ normal)
     gap = max(height * height, 1e-12) / max(body, 1e-12)
     across = 0.5 * gap * (np.sqrt(4.0 / gap + 1.0) - 1.0)
     share = max(float(across), squared / (squared + body))
+
+    # From half the gap on the share rises smoothly to 1.
     t = float(np.clip((abs(height) - 0.5 * gap_m) / (gap_m + 1e-9), 0.0, 1.0))
     return share + (1.0 - share) * t * t * (3.0 - 2.0 * t)
 
 
 def rim(centre: F64, normal: F64, radius: float) -> F64:
     """Corners (RIM_CORNERS, 3) of the polygon that stands for a disk: as large as the disk."""
+    # A regular polygon with the disk's area, not its radius.
     side, up = orthonormal_frame(normal)
     angle = 2.0 * np.pi * np.arange(RIM_CORNERS)[:, None] / RIM_CORNERS
     around = np.cos(angle) * side + np.sin(angle) * up

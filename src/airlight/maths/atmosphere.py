@@ -52,10 +52,15 @@ class Air:
     @property
     def _parts(self) -> F64:
         """Extinction (3, W), m^-1, of air, haze and ozone where each has density 1."""
+        # Rayleigh scattering falls with the fourth power of the wavelength.
         micrometres = WAVELENGTHS_NM * 1e-3
         air = _AIR_AT_1_UM * micrometres**-4.0
+
+        # Haze makes up the optical depth that the turbidity has beyond the air's own.
         at_550 = (self.turbidity - 1.0) * _AIR_AT_1_UM * 0.55**-4.0 * _AIR_M / _HAZE_M
         haze = at_550 * (micrometres / 0.55) ** -_HAZE_EXPONENT
+
+        # Ozone's whole column over the area of its tent, which is the half width.
         ozone = np.interp(WAVELENGTHS_NM, _OZONE_NM, _OZONE) * _OZONE_CM / _OZONE_HALF_M
         return np.stack([air, haze, ozone])
 
@@ -89,6 +94,7 @@ def columns_out(height_m: F64, cosine: F64) -> F64:
 
 def transmittance_out(air: Air, height_m: F64, cosine: F64) -> F64:
     """(..., W) of rays out of the air; 0 where they meet the ground."""
+    # Columns that meet the ground are infinite, and let no light pass.
     columns = columns_out(height_m, cosine)
     free = np.isfinite(columns)
     return np.asarray(
@@ -129,11 +135,14 @@ def _marched(
     air: Air, heights: F64, widths: F64, sun_cosine: F64, sun_elevation: float
 ) -> SkyParts:
     """The three parts along rays of steps (V, S): heights and widths, m, cosines to the sun."""
+    # Optical depth of each step, and what the steps before it transmit.
     at_points = densities(heights)
     depth = air.extinction(at_points * widths[..., None])
     before = np.exp(-(np.cumsum(depth, axis=1) - depth))
     # Within a step the source is constant: what it sends through the rest of the step.
     share = before * -np.expm1(-depth) / np.maximum(depth, 1e-300) * widths[..., None]
+
+    # Air and haze apart, because each has a phase function of its own.
     scattering = at_points[..., :2, None] * air.scattering
     direct = transmittance_out(air, heights, sun_cosine) * share
     often = often_scattered(air, heights, sun_cosine, sun_elevation) * share
@@ -150,6 +159,7 @@ def often_scattered(air: Air, heights: F64, sun_cosine: F64, sun_elevation: floa
     Source: Hillaire2020, eq. 5 to 10. It is a table of heights and of the few sun angles that
     it has in one sky, read linearly.
     """
+    # Heights are dense near the ground; the sun's angle differs little over one sky's points.
     rows = np.linspace(0.0, 1.0, _HEIGHTS) ** 2 * 0.6 * (TOP_M - GROUND_M)
     angles = np.pi / 2.0 - sun_elevation + np.radians(np.linspace(-8.0, 8.0, _ANGLES))
     table = _mean_radiance(air, *np.meshgrid(rows, np.cos(angles), indexing="ij"))
@@ -204,6 +214,7 @@ def air_phase(cosine: F64) -> F64:
 
 def haze_phase(cosine: F64) -> F64:
     """Cornette1992, sr^-1, with g .8."""
+    # A peak like Henyey and Greenstein's, times Rayleigh's factor.
     g = _HAZE_G
     front = 3.0 / (8.0 * np.pi) * (1.0 - g * g) / (2.0 + g * g)
     return np.asarray(front * (1.0 + cosine**2) / (1.0 + g * g - 2.0 * g * cosine) ** 1.5)
@@ -211,6 +222,7 @@ def haze_phase(cosine: F64) -> F64:
 
 def bilinear(table: F64, row: F64, column: F64) -> F64:
     """(..., K) of a table (R, C, K) between its entries; `row`, `column` within it."""
+    # The entry before, and the shares of the one after it along rows and columns.
     r = np.clip(row.astype(np.int64), 0, table.shape[0] - 2)
     c = np.clip(column.astype(np.int64), 0, table.shape[1] - 2)
     u, v = (row - r)[..., None], (column - c)[..., None]

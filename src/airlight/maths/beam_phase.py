@@ -25,6 +25,7 @@ def beam_phase_table(g: ArrayLike, mean_cosine: ArrayLike, *, prefilter: bool = 
 
     Entries are at ((1 - mu)/2)^(1/4) = 0 .. 1 in equal steps: dense where the peak is.
     """
+    # Fourth powers crowd entries at mu = 1, where the peak is.
     t = np.linspace(0.0, 1.0, PHASE_TABLE)
     mu = 1.0 - 2.0 * t**4
     c = np.asarray(mean_cosine, dtype=np.float64)
@@ -33,6 +34,7 @@ def beam_phase_table(g: ArrayLike, mean_cosine: ArrayLike, *, prefilter: bool = 
 
 def beam_phase(table: F64, mu: ArrayLike) -> F64:
     """Phase function (..., channel), sr^-1, of one ordinate's table at cosines mu (...)."""
+    # The inverse of the table's spacing, then linear between two entries.
     at = (0.5 * (1.0 - np.clip(mu, -1.0, 1.0))) ** 0.25 * (PHASE_TABLE - 1)
     low = np.minimum(at.astype(np.int64), PHASE_TABLE - 2)
     w = (at - low)[..., None]
@@ -41,6 +43,7 @@ def beam_phase(table: F64, mu: ArrayLike) -> F64:
 
 def _column(mu: F64, g: float, c: F64, prefilter: bool) -> F64:
     """One channel (N, PHASE_TABLE)."""
+    # Only parts with an extent, of sharp phase functions, need an average over the cone.
     plain = henyey_greenstein(mu[None, :], (g * c)[:, None])
     wide = c < 1.0 - _POINT
     if not prefilter or g <= PREFILTERED_ABOVE or not wide.any():
@@ -68,6 +71,7 @@ def _over_cones(mu: F64, g: float, c: F64) -> F64:
 
 def _legendre(x: F64, order: int) -> F64:
     """P_0 .. P_order at x (N,): (order + 1, N)."""
+    # Bonnet's recursion.
     p = np.ones((order + 1, x.size))
     p[1] = x
     for n in range(1, order):

@@ -41,6 +41,7 @@ def xyz(temperature_k: ArrayLike) -> F64:
 
     Its Y times 683 is luminance in cd m^-2.
     """
+    # One nanometre a step, in metres where Planck's law is asked.
     wavelength_nm = np.arange(FIRST_NM, LAST_NM + 1.0)
     kelvin = np.asarray(temperature_k, np.float64)[..., None]
     spectrum = planck(1e-9 * wavelength_nm, np.maximum(kelvin, 1.0))
@@ -58,6 +59,7 @@ def rec709(temperature_k: ArrayLike) -> F64:
 @lru_cache(maxsize=1)
 def _table() -> tuple[F64, F64, F64]:
     """Inverse temperatures, K^-1, rising; the logarithm of Y there, and `rec709` over Y (n, 3)."""
+    # Equal steps of 1/T, in which log(Y) is nearly a line.
     inverse = np.linspace(1.0 / HOTTEST_K, 1.0 / _COOLEST_K, _ENTRIES)
     luminance = xyz(1.0 / inverse)[:, 1]
     return inverse, np.log(luminance), rec709(1.0 / inverse) / luminance[:, None]
@@ -68,6 +70,7 @@ def rec709_of_grid(temperature_k: ArrayLike) -> NDArray[np.float32]:
 
     log(Y) is nearly linear in 1/T (Wien's law), so the table is within 1e-3.
     """
+    # Luminance and colour apart: the one spans decades, the other hardly changes.
     kelvin = np.asarray(temperature_k, np.float64)
     found = np.zeros((*kelvin.shape, 3), np.float32)
     glows = kelvin > _COOLEST_K

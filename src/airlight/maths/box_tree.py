@@ -70,6 +70,7 @@ def box_tree(low: F64, high: F64) -> BoxTree:
 
 def _morton(points: F64) -> NDArray[np.int64]:
     """Codes of points along a space-filling curve over their bounds."""
+    # Cells of a grid over the points' bounds.
     low = points.min(axis=0)
     size = np.maximum(points.max(axis=0) - low, 1e-12)
     cells = np.minimum((points - low) / size * 2**_BITS, 2**_BITS - 1).astype(np.int64)

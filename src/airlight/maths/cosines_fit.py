@@ -38,6 +38,7 @@ def row_alpha(row: int) -> float:
 
 def ggx_lobe(view: F64, light: F64, alpha: float) -> tuple[F64, F64, F64]:
     """f cos, its density under `half_vectors`, and v.h, of directions `light` (n, 3)."""
+    # The half vector, and its cosines to the normal and to the view.
     half = view + light
     half /= np.linalg.norm(half, axis=1, keepdims=True)
     n_h, v_h = np.clip(half[:, 2], 0.0, 1.0), np.clip(half @ view, 1e-9, 1.0)
@@ -53,6 +54,7 @@ def ggx_lobe(view: F64, light: F64, alpha: float) -> tuple[F64, F64, F64]:
 
 def half_vectors(view: F64, alpha: float, u: F64) -> F64:
     """Directions (n, 3) mirrored at half vectors of GGX's distribution; `u` (n, 2) in 0..1."""
+    # The inverse of the distribution's cumulative, then the view mirrored at each half vector.
     cosine = np.sqrt((1.0 - u[:, 0]) / (1.0 + (alpha**2 - 1.0) * u[:, 0]))
     sine, phi = np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), 2.0 * np.pi * u[:, 1]
     half = np.stack([sine * np.cos(phi), sine * np.sin(phi), cosine], axis=1)
@@ -61,12 +63,14 @@ def half_vectors(view: F64, alpha: float, u: F64) -> F64:
 
 def cosine_directions(u: F64) -> F64:
     """Directions (n, 3) of a clamped cosine about +z."""
+    # Malley's method: a disk's points lifted to the hemisphere.
     r, phi = np.sqrt(u[:, 0]), 2.0 * np.pi * u[:, 1]
     return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - u[:, 0])], axis=1)
 
 
 def transformed_density(inverse: F64, determinant: float, light: F64) -> F64:
     """Density (n,) of the transformed cosine; `determinant` of `inverse` (Heitz2016 eq. 1)."""
+    # Back through M: the cosine there, times how M changes solid angles.
     back = light @ inverse.T
     length = np.linalg.norm(back, axis=1)
     return np.asarray(np.maximum(back[:, 2], 0.0) / np.pi * determinant / length**4)
@@ -91,6 +95,7 @@ def _unit(vectors: F64) -> F64:
 
 def _simplex(error: Callable[[F64], float], start: F64, step: float) -> F64:
     """The minimum of a function of few variables (Nelder1965)."""
+    # A point and one step along each axis from it.
     points = [start] + [start + step * row for row in np.eye(len(start))]
     values = [error(p) for p in points]
     for _ in range(120):
@@ -122,6 +127,7 @@ def _simplex(error: Callable[[F64], float], start: F64, step: float) -> F64:
 
 def fitted(cosine: float, alpha: float, start: F64 | None) -> tuple[F64, F64, F64]:
     """M (3, 3), its parameters, and the two albedos of the lobe at one angle and alpha."""
+    # Directions mirrored at the lobe's own half vectors, with their values and densities.
     view = np.array([np.sqrt(1.0 - cosine**2), 0.0, cosine])
     u = _grid()
     light = half_vectors(view, alpha, u)
@@ -152,6 +158,7 @@ def fitted(cosine: float, alpha: float, start: F64 | None) -> tuple[F64, F64, F6
             total += float(weights[rays[:, 2] > -1.0].mean())
         return total
 
+    # The first fit starts from a lobe as wide as the roughness.
     first = np.array((alpha, alpha, 0.0)) if start is None else start
     parameters = _simplex(error, first, 0.1 * max(alpha, 0.02))
     return _matrix(parameters, frame), parameters, np.array((albedo - grazing, grazing))

@@ -51,6 +51,7 @@ class MediumGrid:
     @property
     def centres(self) -> F64:
         """Cell centres (z, y, x, 3), m."""
+        # z varies slowest, as arrays are indexed.
         axes = [(np.arange(n) + 0.5) * h for n, h in zip(self.count, self.cell, strict=True)]
         z, y, x = np.meshgrid(*axes[::-1], indexing="ij")
         return np.stack([x, y, z], axis=-1)
@@ -98,6 +99,8 @@ def unturned(medium: MediumGrid, largest: float, mean_density: float | None = No
     if mean_density is None:
         mean_density = float((medium.density**2).sum()) / max(float(medium.density.sum()), 1e-30)
     turning = medium.sigma_t * medium.albedo * (1.0 - medium.g)
+
+    # How fast light is turned, and how fast it is turned or absorbed.
     either = medium.sigma_t * (1.0 - medium.albedo * medium.g)
     inside = 1.0 - np.exp(-((4.5 * largest * either * mean_density) ** 2))
     return np.asarray(1.0 - turning / np.maximum(either, 1e-30) * inside)
@@ -126,6 +129,7 @@ def beam(
     medium: MediumGrid, direction: ArrayLike, irradiance: ArrayLike, mean_cosine: float
 ) -> Beam:
     """The beam of one ordinate, marched in steps of at most a cell's shortest side."""
+    # What each cell's light has passed, from the fine density.
     d, step = np.asarray(direction, dtype=np.float64), float(medium.cell.min())
     passed = density_behind(medium.fine, medium.extent, medium.centres, d, step)
     return Beam(d, np.asarray(irradiance, dtype=np.float64), mean_cosine, passed)
@@ -152,6 +156,7 @@ def mean_transmission(depth: F64) -> F64:
 
 def _sinh_quotient(x: F64) -> F64:
     """sinh(x)/x for 0 <= x, its argument limited to 20."""
+    # The series where the quotient loses its digits.
     small = x < 0.1
     safe = np.where(small, 1.0, np.minimum(x, 20.0))
     return np.where(small, 1.0 + x * x / 6.0 * (1.0 + x * x / 20.0), np.sinh(safe) / safe)
@@ -195,6 +200,7 @@ class Solution:
 
     def quasi_forward(self, one: Beam) -> tuple[F64, F64, F64]:
         """(Phi_b, Phi_q, a): beam and quasi-forward fluence of one ordinate, and the latter's a."""
+        # The beam loses all extinction; with what it scatters forwards, only k1 of it.
         m = self.medium
         tau = one.optical_depth(m)
         direct = np.exp(-tau)
@@ -217,6 +223,7 @@ class Solution:
 
     def beam_emission(self, towards_eye: F64) -> tuple[F64, F64]:
         """The parts of `emission` from the beams and from quasi-forward light."""
+        # Each ordinate's beam, as sharp as its part of the sky, and its light scattered forwards.
         g = self.medium.g
         beams, quasi_forward = np.zeros_like(self.fluence), np.zeros_like(self.fluence)
         table = beam_phase_table(g, [one.mean_cosine for one in self.beams])
@@ -247,6 +254,7 @@ class Solution:
 
 def diffusion_of(medium: MediumGrid, largest: float | None = None) -> Diffusion:
     """The operator of a medium; see `light`."""
+    # Transport coefficients: forward scattering does not slow diffusion.
     sigma_s = medium.sigma_t * medium.albedo
     sigma_a = medium.sigma_t - sigma_s
     sigma_tr = sigma_s * (1.0 - medium.g)
@@ -267,6 +275,7 @@ def light(
 
     `largest` diffusivity, m, and `mean_density` over its mass: else those of the medium's cells.
     """
+    # Beams first: what they leave in cells is the source of the diffusion.
     largest = largest_diffusivity(medium.density, medium.cell) if largest is None else largest
     system = diffusion_of(medium, largest)
     power, forward = deposit(medium, beams)

@@ -18,6 +18,7 @@ def largest_diffusivity(density: F64, cell: F64) -> float:
     density a homogeneous ball's radius is sqrt(5) times the standard deviation; the rates at which
     light gets out along the three, as 1/radius^2, add up: what is flat or long is left sideways.
     """
+    # An empty medium: any length of its size.
     total = float(density.sum())
     if total <= 0.0:
         return float(np.linalg.norm(cell * np.array(density.shape[::-1]))) / 6.0
@@ -91,6 +92,8 @@ class Diffusion:
     def diagonal(self) -> F64:
         """Of A, m^-1."""
         total = self.sigma_a.copy()
+
+        # Absorption, and the exchange with each neighbour.
         for axis in range(3):
             h = float(self.cell[axis])
             low, high = _sides(total, axis)
@@ -110,6 +113,7 @@ class Diffusion:
 
     def source(self, power: F64, forward: F64) -> F64:
         """Right-hand side, W m^-3: P/V less the divergence of the deposits' own flux."""
+        # The flux that deposits carry leaves one cell and enters the next.
         volume = float(np.prod(self.cell))
         return power / volume - self._divergence(np.zeros_like(power), forward / volume)
 
@@ -121,6 +125,7 @@ class Diffusion:
 
     def exits(self, phi: F64, forward: F64) -> F64:
         """Power (6, channel), W, out through the faces -x, +x, -y, +y, -z, +z."""
+        # Each outer layer's flux times the area of its faces.
         carried = forward / float(np.prod(self.cell))
         out = []
         for axis in range(3):
@@ -139,6 +144,7 @@ class Diffusion:
 
     def _around(self, phi: F64, source: F64 | None, axis: int) -> tuple[F64, F64]:
         """J along `axis` through the lower and the upper face of each cell."""
+        # Through faces, unless a surface closes them: there goes what it takes.
         low, high = _sides(self._faces(phi, source, axis), axis)
         shut, beyond = self._shut(axis)
         return (
@@ -148,6 +154,7 @@ class Diffusion:
 
     def _shut(self, axis: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """(z, y, x, 1): whether a surface closes the upper face of a cell; the lower one."""
+        # A surface before the next cell closes that cell's lower face, too.
         shape = (*self.d.shape[:3], 1)
         upper = np.zeros(shape, bool) if self.closed is None else self.closed[axis][..., None]
         lower = np.zeros(shape, bool)
@@ -160,6 +167,7 @@ class Diffusion:
         Source: Marshak's condition with a reflecting boundary, phi = 2 (1 + rho)/(1 - rho) J there
         (Haskell1994).
         """
+        # From the cell's middle to the wall by Fick's law, then the wall's own condition.
         half = 0.5 * float(self.cell[axis]) / self.d
         carried = 0.0 if source is None else (1.0 if side else -1.0) * source[axis]
         rho = 0.0 if self.reflectance is None else self.reflectance[axis, side][..., None]
@@ -183,6 +191,8 @@ class Diffusion:
         """J along `axis` on one outer face: (Phi + (h/2D) J_src,n)/(h/(2D) + 2) outwards."""
         sign = -1.0 if side == 0 else 1.0
         edge = _edge(self.d, axis, side)
+
+        # Half a cell of diffusion in series with Marshak's condition at the face.
         half = 0.5 * float(self.cell[axis]) / edge
         value = _edge(phi, axis, side)
         if source is not None:
@@ -192,6 +202,7 @@ class Diffusion:
 
 def _sides(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Views of the cells below and above each inner face across `axis`."""
+    # Arrays are (z, y, x): x is the last axis.
     at = [slice(None)] * array.ndim
     at[2 - axis] = slice(None, -1)
     low = array[tuple(at)]

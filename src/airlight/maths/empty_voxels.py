@@ -20,6 +20,7 @@ averages voxels up to one away, one that the matter reaches, the rest for filter
 
 def empty_distances(density: NDArray[Any]) -> NDArray[np.float16]:
     """(z, y, x): no voxel that is not 0 is nearer than this; 0 in such a voxel, at most 17."""
+    # One mask, widened from radius to radius.
     near = density != 0.0
     distances = np.where(near, np.float16(0.0), np.float16(1.0))
     known = 0
@@ -38,6 +39,7 @@ def free_voxels(interpolated: NDArray[Any]) -> NDArray[Any]:
 
 def _widened(near: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
     """What is within `by` voxels of `near`, along all axes; `near` is at least half as wide."""
+    # Both ways along one axis at a time: a box of the radius.
     for axis in range(3):
         wide, along = near.copy(), np.moveaxis(near, axis, 0)
         wider = np.moveaxis(wide, axis, 0)

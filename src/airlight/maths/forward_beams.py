@@ -26,6 +26,7 @@ def depths(columns: ArrayLike, sigma_t: ArrayLike, albedo: ArrayLike, g: ArrayLi
     `columns` (..., media), m, of density; `sigma_t`, `albedo`, `g` (media, channel). `forward` is
     the depth that the media have beside the reduced ones.
     """
+    # Of scattered light the share g counts as unscattered in the reduced medium.
     c, scattered = np.asarray(columns, np.float64), np.multiply(sigma_t, albedo)
     forward = scattered * np.asarray(g)
     return np.stack([c @ (np.asarray(sigma_t) - forward), c @ forward])

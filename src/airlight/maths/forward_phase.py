@@ -33,6 +33,7 @@ def fused_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
     exp(-g u) sum over k >= 2 of u^(k-1)/k! (HG(g^k) - (1 - g^k - k g^(k-1) (1 - g))/4pi),
     times exp(-.06 ((1 - g) u)^2), since deep in thick media paths are not straight.
     """
+    # The sum over orders of scattering ends where their share vanishes.
     m, u = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(depth, np.float64))
     total = np.zeros(m.shape)
     # exp(-g u) u^(k-1)/k! from k = 2 on, each term from the one before.
@@ -61,6 +62,7 @@ def last_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
 
 
 def _orders(depth: F64) -> int:
+    # The mean and eight deviations of a Poisson distribution.
     largest = float(np.max(depth, initial=0.0))
     return 16 + int(largest + 8.0 * math.sqrt(largest))
 
@@ -69,6 +71,7 @@ def fused_table(g: float) -> F64:
     """(2, DEPTHS, COSINES) of fused_phase and last_phase: rows at u/(1 + u), columns at
     ((1 - mu)/2)^(1/4), both in equal steps; the last row is 40 optical depths.
     """
+    # Equal steps of the table's own coordinates; depths end where little light is left.
     t = np.linspace(0.0, 1.0, COSINES)
     share = np.linspace(0.0, _DEEPEST / (1.0 + _DEEPEST), DEPTHS)
     if g <= 0.0:  # no light goes straight on

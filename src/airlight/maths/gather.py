@@ -97,6 +97,8 @@ def cosine_direction(normal: ArrayLike, numbers: ArrayLike) -> F64:
     `numbers` (..., 2) in [0, 1), uniform. Their mean radiance times pi is irradiance.
     """
     n, u = np.asarray(normal, dtype=np.float64), np.asarray(numbers, dtype=np.float64)
+
+    # A disk's points lifted to the hemisphere over the normal.
     radius, angle = np.sqrt(u[..., 0]), 2.0 * np.pi * u[..., 1]
     tangent, bitangent = orthonormal_frame(n)
     x, y = (radius * f(angle) for f in (np.cos, np.sin))
@@ -110,6 +112,8 @@ def sphere_direction(numbers: ArrayLike) -> F64:
     Their mean radiance times 4 pi is fluence.
     """
     u = np.asarray(numbers, dtype=np.float64)
+
+    # Equal steps of the height are equal areas of the sphere.
     z, angle = 1.0 - 2.0 * u[..., 0], 2.0 * np.pi * u[..., 1]
     radius = np.sqrt(np.maximum(1.0 - z * z, 0.0))
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
@@ -178,6 +182,7 @@ def detailed(gathered: ArrayLike, around: ArrayLike, own: ArrayLike) -> F64:
     `around` and `own`: in the same unit, what the direction of the points' light and near occluders
     make of it for the points and for the pixel.
     """
+    # A part of the light does not follow the normal, so that no ratio is without bound.
     light, a, b = (np.asarray(v, dtype=np.float64) for v in (gathered, around, own))
     trust = TRUST * light
     ratio = (b + trust) / np.maximum(a + trust, 1e-20)
@@ -197,6 +202,8 @@ def sameness(a: ArrayLike, b: ArrayLike, variance: ArrayLike) -> F64:
     Source: Rousselle2012 (pixel distances of non-local means).
     """
     x, y, v = (np.asarray(value, dtype=np.float64) for value in (a, b, variance))
+
+    # Only what noise does not explain counts as a difference.
     off = np.maximum((x - y) ** 2 - v, 0.0)
     return np.asarray(np.exp(-off / np.maximum(DOUBT * v + (SAME * (x + y)) ** 2, 1e-30)))
 
@@ -211,6 +218,8 @@ def nearness(side: ArrayLike, inverse_m: ArrayLike, haze: ArrayLike) -> tuple[F6
     Source: Ward1988 (irradiance changes over the harmonic mean of distances, here by direction).
     """
     m, inverse = np.asarray(side, dtype=np.float64), np.asarray(inverse_m, dtype=np.float64)
+
+    # Along the surface light changes less than towards it.
     along = (ALONG + (1.0 - ALONG) * np.asarray(haze, dtype=np.float64))[..., None]
     across = (1.0 - along) * np.roll(m, -1, axis=-1) * np.roll(m, 1, axis=-1)
     return inverse[..., None] * (along + (1.0 - along) * m * m), inverse[..., None] * across
@@ -223,6 +232,8 @@ def closeness(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64
     seam of two walls, and little across it.
     """
     d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
+
+    # The symmetric matrix times the offset, by its squares and products.
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
     return np.asarray(np.exp(-(turned**2).sum(axis=-1) / REACH**2))
 
@@ -241,6 +252,8 @@ def far_closeness(
     d, inverse, m, k = (
         np.asarray(v, dtype=np.float64) for v in (offset, inverse_m, side, its_side)
     )
+
+    # Above 0 where the offset leads towards what is near both points.
     through = np.minimum(-(m * d).sum(axis=-1), (k * d).sum(axis=-1))
     through = np.maximum(through, 0.0) / THROUGH
     return np.asarray(np.exp(-(through**2) - (inverse / REACH) ** 2 * (d**2).sum(axis=-1)))
@@ -261,6 +274,7 @@ def sky_share(cosine: ArrayLike, density: ArrayLike, rays: int, sky_rays: int) -
     cosine-distributed `rays` and `sky_rays` together, is irradiance: neither a small sun nor a dim
     horizon is found by luck.
     """
+    # The balance heuristic of the two ways to choose the ray.
     by_cosine = rays * np.maximum(np.asarray(cosine, dtype=np.float64), 0.0) / np.pi
     return np.asarray(by_cosine / np.maximum(by_cosine + sky_rays * np.asarray(density), 1e-30))
 
@@ -276,6 +290,7 @@ def calibration(traced: float, known: float, ends: float) -> float:
     (traced + f (ends - known))^2 / (k ends)^2 + (f - 1)^2. Where lattices bring nearly all
     light themselves, and little is traced, it stays near 1.
     """
+    # The light that paths would trace by themselves, were the lattices right.
     own = known - ends
     sure = own * own + (CALIBRATION_DOUBT * ends) ** 2
     factor = 1.0 + own * (traced - own) / max(sure, 1e-30)

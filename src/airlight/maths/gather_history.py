@@ -27,6 +27,7 @@ def texel_share(away: ArrayLike) -> F64:
 
     Bilinear, and a little of points further off.
     """
+    # Bilinear, with a floor so that some point always counts.
     near = np.maximum(1.0 - np.abs(np.asarray(away, dtype=np.float64)), 0.0)
     return np.asarray(near[..., 0] * near[..., 1] + BESIDE)
 
@@ -57,6 +58,8 @@ def frames_believed(
     """
     b, m = (np.asarray(value, dtype=np.float64) for value in (before, mean))
     reach = noise_reach(m, variance)
+
+    # Within reach of noise all frames count, at twice the reach none.
     off = np.maximum(np.abs(b - m) - reach, 0.0)
     sure = np.clip(1.0 - off / np.maximum(reach, 1e-30), 0.0, 1.0)
     return np.asarray(np.minimum(np.asarray(frames, dtype=np.float64), CHANGING) * sure)

@@ -42,6 +42,7 @@ def mirrored_density(n_h: ArrayLike, n_v: ArrayLike, alpha: ArrayLike) -> F64:
 
     `n_h`, `n_v`: cosines of the microfacet's normal and of the eye.
     """
+    # Smith's masking of the eye alone: facets that it sees are sampled.
     cosine, a2 = np.asarray(n_v, dtype=np.float64), np.asarray(alpha, dtype=np.float64) ** 2
     seen = cosine + np.sqrt(a2 + (1.0 - a2) * cosine**2)
     return np.asarray(_distribution(n_h, a2) / (2.0 * seen))
@@ -54,6 +55,8 @@ def mirrored_gloss(n_h: ArrayLike, n_l: ArrayLike, n_v: ArrayLike, alpha: ArrayL
     """
     light, eye = np.asarray(n_l, dtype=np.float64), np.asarray(n_v, dtype=np.float64)
     a2 = np.asarray(alpha, dtype=np.float64) ** 2
+
+    # Height-correlated masking and shadowing.
     behind = eye * np.sqrt(light**2 * (1.0 - a2) + a2) + light * np.sqrt(eye**2 * (1.0 - a2) + a2)
     return np.asarray(_distribution(n_h, a2) * 0.5 / np.maximum(behind, 1e-6) * light)
 

@@ -29,6 +29,7 @@ def half_floats(
 
     It goes slice by slice along the first axis: large grids and maps have no other copy.
     """
+    # Row by row, in single slices of double precision.
     made = np.empty(values.shape, np.float16) if out is None else out
     for row, part in zip(made, values, strict=True):
         scaled = part if scale is None else part.astype(np.float64) * scale

@@ -79,8 +79,11 @@ class _Kernels:
 
 @lru_cache(maxsize=1)
 def _kernels() -> _Kernels:
+    # Layers' middles, and the top itself.
     middles = 0.5 * (_EDGES[1:] + _EDGES[:-1])
     depth = np.concatenate([[0.0], middles])
+
+    # The mirror at the deepest edge shows every layer once more.
     mirrored = 2.0 * _EDGES[-1] - depth
     fluence = _fluence(depth) + _fluence(mirrored)
     up = _up(depth) + _down(mirrored)
@@ -88,6 +91,7 @@ def _kernels() -> _Kernels:
 
 
 def _fluence(at: F64) -> F64:
+    # The integral of E1 over each layer, by E2 at its borders; one around the point has two parts.
     low, high = np.abs(at[:, None] - _EDGES[:-1]), np.abs(at[:, None] - _EDGES[1:])
     is_inside = (at[:, None] > _EDGES[:-1]) & (at[:, None] < _EDGES[1:])
     near, far = _exponential_integral(2, low), _exponential_integral(2, high)
@@ -95,17 +99,20 @@ def _fluence(at: F64) -> F64:
 
 
 def _down(at: F64) -> F64:
+    # Layers above send down, by E3 of the depths of their two borders.
     above = np.maximum(at[:, None] - _EDGES, 0.0)
     return 0.5 * np.diff(_exponential_integral(3, above), axis=1)
 
 
 def _up(at: F64) -> F64:
+    # Layers below send up.
     below = np.maximum(_EDGES - at[:, None], 0.0)
     return -0.5 * np.diff(_exponential_integral(3, below), axis=1)
 
 
 def _exponential_integral(order: int, x: F64) -> F64:
     """E_n(x) = integral of mu^(n-2) exp(-x/mu) over 0..1, for n = 2 and 3; to 1e-6."""
+    # Gauss-Legendre in the cube root of the cosine.
     nodes, weights = np.polynomial.legendre.leggauss(48)
     t, w = 0.5 * (nodes + 1.0), 0.5 * weights
     mu = t**3  # many nodes where exp(-x/mu) turns at small x

@@ -74,6 +74,7 @@ def _is_open(
     begin: NDArray[Any], end: NDArray[Any], axes: tuple[int, ...], walls: NDArray[Any]
 ) -> bool:
     """Whether no surface stands on the path along one axis after the other."""
+    # Step by step along the axes in this order; the first surface on the path closes it.
     at = begin.copy()
     for axis in axes:
         row = 2 - axis
@@ -87,12 +88,14 @@ def _is_open(
 
 def spline_weights(t: float) -> NDArray[np.float64]:
     """Of four neighbours in a row, at `t`, 0 to 1, between the second and the third."""
+    # Catmull and Rom's weights, which add up to 1.
     s = 1.0 - t
     middle = (2.0 + t * t * (3.0 * t - 5.0), t * (1.0 + t * (4.0 - 3.0 * t)))
     return 0.5 * np.array([-t * s * s, *middle, -t * t * s])
 
 
 def _at(light: NDArray[Any], known: NDArray[Any], fine: NDArray[Any]) -> NDArray[np.float64]:
+    # The middle of the half cell, between the middles of whole ones.
     at = 0.5 * fine - 0.25
     base = np.floor(at).astype(int)
     # A Catmull-Rom spline of 4 x 4 x 4 cells, over the weights of those that are known.

@@ -17,6 +17,7 @@ def segment(times: F64, time: float) -> tuple[int, float]:
 
     With one keyframe, (0, 0).
     """
+    # Before the first keyframe and after the last, their values hold.
     if len(times) == 1 or time <= times[0]:
         return 0, 0.0
     if time >= times[-1]:
@@ -41,6 +42,7 @@ def linear(times: F64, values: F64, time: float) -> F64:
 
 def slerp(times: F64, values: F64, time: float) -> F64:
     """Unit quaternions (K, 4) along great arcs, the shorter way round (Shoemake1985)."""
+    # The two keyframes around the time.
     k, u = segment(times, time)
     a = np.asarray(values[k])
     if u == 0.0:
@@ -97,6 +99,7 @@ def cubic_spline(times: F64, values: F64, time: float) -> F64:
 
 def hermite(start: F64, out: F64, end: F64, into: F64, u: float) -> F64:
     """The cubic from `start` to `end` with derivatives `out` and `into` by u."""
+    # Hermite's four basis polynomials.
     u2, u3 = u * u, u * u * u
     return np.asarray(
         (2.0 * u3 - 3.0 * u2 + 1.0) * start

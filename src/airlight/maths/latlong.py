@@ -33,12 +33,14 @@ def latlong_texel_directions(height: int, width: int) -> F64:
 
 def latlong_row_solid_angles(height: int, width: int) -> F64:
     """Solid angle (height,), sr, of one texel in each row; times width they sum to 4 pi."""
+    # Bands between two latitudes, cut into texels of one width.
     edges = np.cos(np.linspace(0.0, np.pi, height + 1))
     return np.asarray(-np.diff(edges) * (2.0 * np.pi / width))
 
 
 def turned_about_y(directions: F64, rotation_deg: float) -> F64:
     """Directions (..., 3) turned about +Y, as `rotation_deg` of an environment turns its map."""
+    # A turn about +y moves +z towards +x.
     angle = np.radians(rotation_deg)
     c, s = np.cos(angle), np.sin(angle)
     about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])

@@ -107,6 +107,7 @@ def flux_gain(
     `sigma_s`, `sigma_t` m^-1; `kept` the `persistence`: no flux grows on a hop. Hops of all lengths
     have the mean one's. Twin: wgsl/step26.wgsl.
     """
+    # How much the medium scatters of what it takes, and the depth of half a mean hop.
     scatter, total = (np.asarray(v, dtype=np.float64) for v in (sigma_s, sigma_t))
     albedo = np.clip(scatter / np.maximum(total, 1e-30), 0.0, 1.0)
     depth = total * (0.5 * cell_size_m * mean_hop_length())
@@ -127,6 +128,8 @@ def true_share(sigma_t: ArrayLike, cell_size_m: float) -> F64:
 def leaving_power(state: F64, hop: int) -> F64:
     """Power (C, Z, Y, X), W, that a state hands to hop number `hop`; unclamped, any sign."""
     table = hops()
+
+    # The state's two bands towards the hop's direction.
     along = state[..., 1:] @ table.directions[hop]
     return np.asarray(table.weights[hop] * (state[..., 0] + RHO * along))
 
@@ -157,6 +160,7 @@ def deposit_step(
     differs: Billeter2012 eq. 3 needs an optical depth per cell below 1 and blows up near 2; the
     linear deposit along each hop is stable for all.
     """
+    # What is moved, and how net flux is sharpened on both halves of a hop.
     before, table = np.asarray(state, dtype=np.float64), hops()
     sigma, ratio = (_per_channel(v) for v in (sigma_t, albedo))
     after, scattered = np.zeros_like(before), np.zeros(before.shape[:-1])
@@ -201,6 +205,7 @@ def half_linear_step(
     the lattice the medium goes on as at its border. Equals deposit_step in a constant medium.
     differs: ours; Billeter2012 knows homogeneous media only.
     """
+    # Coefficients by cell; half of each hop lies in either of its cells.
     before, table = np.asarray(state, dtype=np.float64), hops()
     total = np.broadcast_to(np.asarray(sigma_t, dtype=np.float64), before.shape[:-1])
     scatter = np.broadcast_to(np.asarray(sigma_s, dtype=np.float64), before.shape[:-1])
@@ -239,12 +244,15 @@ def _half_linear_shares(
     `source` and `destination` are (sigma_s, sigma_t), m^-1; the first two results are (power
     scattered, W, and track length, W m).
     """
+    # Optical depths of both halves, and the track of 1 W in each.
     half = 0.5 * length_m
     xs, xd = half * source[1], half * destination[1]
     track_s = half * mean_transmittance(xs)
     track_d = np.exp(-xs) * half * mean_transmittance(xd)
     # Where in the hop, 0 source to 1 destination, each half's light is lost on average.
     at_s, at_d = 0.5 * mean_absorption_depth(xs), 0.5 + 0.5 * mean_absorption_depth(xd)
+
+    # Scattered power and track, handed to the destination by where they fall in the hop.
     lost_s, lost_d = source[0] * track_s, destination[0] * track_d
     given = (lost_s * at_s + lost_d * at_d, track_s * at_s + track_d * at_d)
     kept = (lost_s + lost_d - given[0], track_s + track_d - given[1])
@@ -253,6 +261,7 @@ def _half_linear_shares(
 
 def _from_destination(cells: F64, offset: NDArray[np.int64]) -> F64:
     """The destination cell's value (..., Z, Y, X) at each source; at the border its own."""
+    # Cells at the border stand for those beyond it.
     value = cells
     for step, axis in zip(offset.tolist(), (-1, -2, -3), strict=True):
         count = cells.shape[axis]
@@ -274,5 +283,6 @@ def scattered_lookup_scale() -> float:
     With it, what surfaces are lit by is what the hops of a state bring to a wall, so that no light
     is lost. Without a medium most light comes from few surfaces, and LOOKUP_SCALE errs less.
     """
+    # What an isotropic state's hops bring down, over the quarter that isotropic light brings.
     table = hops()
     return 4.0 * float(table.weights[table.directions[:, 2] < -1e-9].sum())

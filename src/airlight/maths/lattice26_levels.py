@@ -39,12 +39,14 @@ def coarse_absorption_depth(x: ArrayLike, level: int) -> F64:
 
 def _squared_path(x: F64) -> F64:
     """Mean squared number of hops of depth `x` between scatterings, deposited linearly."""
+    # Geometrically distributed hops, the last of them in part.
     j1 = 1.0 / np.expm1(x)
     return np.asarray((2.0 * j1 + 1.0) * (j1 + mean_absorption_depth(x)))
 
 
 def mean_track(sigma_t: ArrayLike, cell_size_m: float) -> F64:
     """Track length, m, of isotropic light per hop in extinction `sigma_t` (...), m^-1."""
+    # Each hop's length by its mean transmittance, weighted by the power it takes.
     table, sigma = hops(), np.asarray(sigma_t, dtype=np.float64)
     lengths = cell_size_m * table.lengths
     return np.asarray((lengths * mean_transmittance(sigma[..., None] * lengths)) @ table.weights)
@@ -52,6 +54,7 @@ def mean_track(sigma_t: ArrayLike, cell_size_m: float) -> F64:
 
 def restricted(cells: ArrayLike, *, is_mean: bool = False) -> F64:
     """Sums (or means) over 2 x 2 x 2 cells of (C, Z, Y, X, ...); odd sides end in part cells."""
+    # Odd sides are filled up with empty cells.
     fine = np.asarray(cells, dtype=np.float64)
     weight = np.ones(fine.shape[1:4])
     pads = [(0, n % 2) for n in fine.shape[1:4]]
@@ -94,6 +97,7 @@ def restricted_faces(faces: ArrayLike) -> F64:
 
 def _moved(cells: F64, axis: int, step: int) -> F64:
     """Values moved by `step` along `axis`, zeros coming in."""
+    # What leaves at one end is lost.
     moved = np.zeros_like(cells)
     target: list[slice] = [slice(None)] * 3
     source: list[slice] = [slice(None)] * 3
@@ -105,6 +109,7 @@ def _moved(cells: F64, axis: int, step: int) -> F64:
 
 def _means_across(cells: F64, axis: int) -> F64:
     """Means over pairs along the two axes other than `axis`; part pairs over what is there."""
+    # One axis after the other; an odd end stands for its pair.
     mean = cells
     for other in (a for a in range(3) if a != axis):
         first = np.take(mean, np.arange(0, mean.shape[other], 2), axis=other)

@@ -47,6 +47,7 @@ def returned_sharpness() -> float:
     differs: a cosine lobe (2) would draw power out of the wall, as a two-band function is
     negative behind itself.
     """
+    # No net power goes into the wall: the hops' constant terms balance their linear ones.
     table = hops()
     into = table.directions[:, 2] < -1e-9
     along = -table.directions[into, 2]
@@ -60,6 +61,7 @@ def open_hops(faces: ArrayLike) -> F64:
     A hop takes the mean over its face-by-face paths (1, 2 or 6) of the product of the faces'
     visibility; what leaves the lattice is never stopped.
     """
+    # All orders of single steps lead to the neighbour; light takes each alike.
     leaving = _leaving_faces(np.asarray(faces, dtype=np.float64))
     made = []
     for offset in hops().offsets.tolist():
@@ -72,6 +74,8 @@ def open_hops(faces: ArrayLike) -> F64:
 def _leaving_faces(faces: F64) -> F64:
     """(6, Z, Y, X): visibility of each cell's outgoing faces, 1 where hops leave the lattice."""
     leaving = np.ones_like(faces)
+
+    # A cell's outgoing face is the next cell's incoming one.
     for index, offset in enumerate(FACE_HOPS):
         leaving[index] = _seen_at(faces[index], offset)
     return leaving
@@ -79,6 +83,7 @@ def _leaving_faces(faces: F64) -> F64:
 
 def _seen_at(cells: F64, offset: tuple[int, ...] | list[int]) -> F64:
     """Value (Z, Y, X) at cell + (dx, dy, dz); 1 beyond the lattice."""
+    # A rim of open cells: nothing stops light that leaves the lattice.
     padded = np.pad(cells, 1, constant_values=1.0)
     nz, ny, nx = cells.shape
     dx, dy, dz = offset
@@ -102,6 +107,7 @@ def wall_normals(blocked: F64, hop: int) -> F64:
     The hop's axes share by how closed the cell's own faces are; the 1-norm is 1, so that walls
     around a corner return the sum of their lobes.
     """
+    # Axes share by how closed their faces are, with a floor where none is.
     numbers, offset = face_numbers()[hop], hops().offsets[hop]
     shares = np.stack(
         [blocked[n] + SPLIT_FLOOR if n >= 0 else np.zeros(blocked.shape[1:]) for n in numbers],

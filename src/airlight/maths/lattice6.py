@@ -88,6 +88,7 @@ class Hop:
 
 def face_corners(centre: ArrayLike, normal: ArrayLike) -> F64:
     """Corners (4, 3) of the face with outward axis `normal` of the unit cell at `centre`."""
+    # Two axes across the normal, half a cell to either side.
     c, n = np.asarray(centre, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     across = np.roll(n, 1)
     up = np.cross(n, across)
@@ -100,6 +101,7 @@ def spread_kept(count: tuple[int, int, int], iterations: int) -> float:
 
     SPREAD_KEPT where `iterations` steps do not follow light through it three times.
     """
+    # Twice the inverse sum of inverse sides is 4V/S.
     chord = 2.0 / sum(1.0 / n for n in count)
     if iterations < _STEPS_PER_CHORD * chord - 1e-6:
         return SPREAD_KEPT
@@ -141,6 +143,7 @@ def hops(scheme: Scheme = "centroid", kept: float = SPREAD_KEPT) -> tuple[Hop, .
     differs: Kaplanyan2010 section 3.3 weighs by dOmega/4pi and divides by pi, which loses a
     factor 4pi per step; both schemes here keep the power of every hop.
     """
+    # Five faces each: none is the one that light came through.
     table = []
     for offset in OFFSETS:
         normals = [n for n in OFFSETS if not np.array_equal(n, -offset)]
@@ -183,6 +186,8 @@ def _without_last(a: F64, axis: int) -> F64:
 def shifted(cells: F64, offset: ArrayLike) -> F64:
     """(..., Z, Y, X, K) moved by (dx, dy, dz), |d| <= 1; what leaves is lost, zeros come in."""
     moved = np.zeros_like(cells)
+
+    # Slices of source and target along each axis, by the sign of the step.
     source: list[slice] = [slice(None)] * cells.ndim
     target = list(source)
     for step, axis in zip(np.asarray(offset).tolist(), (-2, -3, -4), strict=True):
@@ -207,6 +212,7 @@ def propagate_step(
     the power 4pi sum a is kept to rounding; `clamp_negative` drops negative face powers and gains
     power. Source: Kaplanyan2010 section 3.3; scheme as in `hops`.
     """
+    # Every hop hands on the whole state, less what its face stops.
     before = np.asarray(state, dtype=np.float64)
     stopped = None if blocked is None else np.asarray(blocked, dtype=np.float64)
     after = np.zeros_like(before)
@@ -218,6 +224,7 @@ def propagate_step(
 
 
 def _clamped_gain(leaving: F64, hop: Hop) -> F64:
+    # The paper's face powers are cut at 0.
     gained = np.zeros_like(leaving)
     for face in hop.faces:
         along = leaving @ np.array([1.0, *face.receive])
@@ -259,6 +266,7 @@ def surface_irradiance(
     b. What two bands cannot tell from the beam is not taken for dark: some light is left behind it.
     differs: Kaplanyan2010 section 3.4, see `paper_surface_irradiance`.
     """
+    # Mean intensity, net direction, and the cosine of the surface to it.
     s, n = np.asarray(accumulated, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     a, b = s[..., 0], np.linalg.norm(s[..., 1:], axis=-1)
     along = np.einsum("...i,...i->...", s[..., 1:], n) / np.maximum(b, 1e-300)
@@ -276,6 +284,7 @@ def paper_surface_irradiance(accumulated: ArrayLike, normal: ArrayLike, cell_siz
 
     Source: Kaplanyan2010 section 3.4. 2 to 2.4 times too bright beside a wall.
     """
+    # Two bands towards the surface, at least 0.
     s, n = np.asarray(accumulated, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     towards = s[..., 0] - np.einsum("...i,...i->...", s[..., 1:], n)
     return np.asarray(4.0 * np.maximum(towards, 0.0) / cell_size_m**2)

@@ -19,6 +19,7 @@ def rectangle_angle(at: F64, half: F64) -> F64:
     The sum over the corners of that of the rectangle between a corner and the foot of the
     perpendicular, atan(x y / (h r)).
     """
+    # The signed rectangles from the foot of the perpendicular to each corner.
     x, y, h = at[..., 0], at[..., 1], at[..., 2]
     total = np.zeros(x.shape)
     for i in (-1.0, 1.0):
@@ -36,6 +37,7 @@ def rectangle_reach(at: F64, half: F64) -> F64:
     side, is within 2 % of what it should be above them and before them, 8 to 39 % more beside them,
     where little of it goes. Source: ours.
     """
+    # The nearest point, and the rim of a disk of twice the area: r^2 = 8 a b / pi.
     beside = np.maximum(np.abs(at[..., :2]) - half, 0.0)
     near = np.sqrt((beside**2).sum(axis=-1) + at[..., 2] ** 2)
     far = np.sqrt((at**2).sum(axis=-1) + 8.0 * half[0] * half[1] / np.pi)
@@ -67,6 +69,7 @@ def rectangle_direction(at: F64, half: F64, angle: F64) -> F64:
     From afar it comes from its middle, close by from its nearest point, as from above a plane.
     Source: ours.
     """
+    # The more of the hemisphere is filled, the nearer the mean lies to the closest point.
     share = np.minimum(angle / (2.0 * np.pi), 1.0)[..., None]
     direction = at.copy()
     direction[..., :2] -= share * np.clip(at[..., :2], -half, half)

@@ -31,6 +31,7 @@ def transmittance(sigma_t: ArrayLike, length_m: ArrayLike) -> F64:
 
 def mean_transmittance(x: ArrayLike) -> F64:
     """phi1(x) = (1 - exp(-x))/x, the mean of exp(-t) over t in [0, x]; 1 at 0; any sign of x."""
+    # The quotient's series where 1 - exp(-x) would lose its digits.
     depth = np.asarray(x, dtype=np.float64)
     small = np.abs(depth) < SERIES_BELOW
     safe = np.where(small, 1.0, depth)
@@ -44,6 +45,7 @@ def mean_absorption_depth(x: ArrayLike) -> F64:
 
     The mean position, as a share of the path, of what is absorbed on it; 1/2 at 0, 1/x for thick.
     """
+    # The same; its difference of two large numbers cancels earlier.
     depth = np.asarray(x, dtype=np.float64)
     small = depth < 20.0 * SERIES_BELOW
     safe = np.where(small, 1.0, depth)
@@ -60,6 +62,7 @@ def ray_box_interval(
     (..., 3) each, t in units of |direction|; t0 may be negative; t0 > t1 where the ray misses.
     Source: Kay1986 (slabs); a component 0 leaves its slab out or misses.
     """
+    # Slab by slab, with inverse directions where there are any.
     o, d = np.asarray(origin, dtype=np.float64), np.asarray(direction, dtype=np.float64)
     still = d == 0.0
     inverse = 1.0 / np.where(still, 1.0, d)
@@ -97,6 +100,7 @@ def ray_sphere_interval(
     t0 > t1 where it misses. The half chord is computed from the ray's distance to the centre, so
     that far spheres keep their digits. Source: Haines2019 (Ray Tracing Gems, chapter 7).
     """
+    # The ray's point nearest to the centre, and half the chord around it.
     o, d = np.asarray(origin, dtype=np.float64), np.asarray(direction, dtype=np.float64)
     to_centre = np.asarray(centre, dtype=np.float64) - o
     middle = np.einsum("...i,...i->...", to_centre, d)
@@ -115,6 +119,7 @@ def ray_light_geometry(
     h is the distance of the light from the ray; t_eye is the origin's parameter where t = 0 is the
     point of the ray closest to the light.
     """
+    # The foot of the perpendicular from the light splits the ray.
     to_eye = np.asarray(origin, dtype=np.float64) - np.asarray(light, dtype=np.float64)
     d = np.asarray(direction, dtype=np.float64)
     t_eye = np.einsum("...i,...i->...", to_eye, d)
@@ -134,6 +139,7 @@ def ray_cone_interval(
     Half angle below 90 degrees; unit `direction` and `axis`; an end may be infinite; t0 > t1 where
     the ray misses. The cone is convex, so one interval is all there is.
     """
+    # The ray relative to the cone's apex, and both directions along its axis.
     d, axis_ = np.asarray(direction, dtype=np.float64), np.asarray(axis, dtype=np.float64)
     o = np.asarray(origin, dtype=np.float64) - np.asarray(apex, dtype=np.float64)
     c2 = np.asarray(cos_half_angle, dtype=np.float64) ** 2

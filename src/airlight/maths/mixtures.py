@@ -24,6 +24,7 @@ def mixed(rows: F32) -> tuple[F32, F64]:
 
     As few materials as EXACT allows. `rows` of zeros alone give k = 0.
     """
+    # Rows without anything need no material.
     sums = rows.sum(axis=1, dtype=np.float64)
     largest = float(sums.max(initial=0.0))
     if largest <= 0.0:
@@ -52,6 +53,7 @@ def mixed(rows: F32) -> tuple[F32, F64]:
 
 def _holds(colours: F64, materials: F64) -> bool:
     """Whether all colours are mixtures of the materials."""
+    # The shares that fit best, cut at 0, against the colours themselves.
     shares = colours @ np.linalg.pinv(materials)
     off = np.abs(np.maximum(shares, 0.0) @ materials - colours).max(initial=0.0)
     return bool(off <= EXACT)

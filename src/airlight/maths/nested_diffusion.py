@@ -21,6 +21,7 @@ def entering_fluence(phi: F64, flux: F64, cell: F64, points: F64, outwards: F64)
     size `cell` (3,), m; `outwards` (3,): the unit normal. 0 outside the grid. Twin:
     wgsl/outer_solution.wgsl.
     """
+    # The partial current inwards, times 4, between cells.
     extent = cell * np.array(phi.shape[2::-1])
     sent = phi - 2.0 * flux @ outwards
     is_inside = np.all((points >= -1e-4 * cell) & (points <= extent + 1e-4 * cell), axis=-1)

@@ -66,6 +66,7 @@ MATCHING: F64 = np.array(_TABLE.split(), np.float64).reshape(-1, 3)
 
 def observer(wavelength_nm: ArrayLike) -> F64:
     """(..., 3): x, y, z at wavelengths, linear between the table's, 0 beyond its ends."""
+    # Beyond the table the eye sees nothing.
     length = np.asarray(wavelength_nm, np.float64)
     known = np.arange(FIRST_NM, LAST_NM + STEP_NM, STEP_NM)
     channels = [np.interp(length, known, MATCHING[:, k], 0.0, 0.0) for k in range(3)]

@@ -48,6 +48,7 @@ def hidden_flux(state: ArrayLike, towards: ArrayLike, visibility: ArrayLike) -> 
     hemisphere that they hide, 1 - visibility (...). Times pi / cell^2 it is irradiance, W m^-2, and
     where they hide all it is that of `lattice6.surface_irradiance` to first order.
     """
+    # The constant term by how much is hidden, the linear one by where it is hidden.
     s, d = np.asarray(state, np.float64), np.asarray(towards, np.float64)
     hidden = 1.0 - np.asarray(visibility, np.float64)
     flux = s[..., 0] * hidden - np.einsum("...i,...i->...", s[..., 1:], d)

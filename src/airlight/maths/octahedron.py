@@ -21,6 +21,7 @@ def _sign(x: F64) -> F64:
 
 def octahedron_encode(direction: ArrayLike) -> F64:
     """Square coordinates (..., 2) in [-1, 1] of directions (..., 3) of any length but 0."""
+    # Project to the octahedron, and fold the lower half out.
     d = np.asarray(direction, dtype=np.float64)
     p = d[..., :2] / np.abs(d).sum(axis=-1, keepdims=True)
     folded = (1.0 - np.abs(p[..., ::-1])) * _sign(p)
@@ -46,6 +47,7 @@ def octahedron_pack16(direction: ArrayLike) -> NDArray[np.uint32]:
 
     The direction read back is off by 6.4e-5 rad at most (measured).
     """
+    # Rounded as WGSL's pack2x16snorm rounds.
     e = np.clip(octahedron_encode(direction), -1.0, 1.0)
     half = np.floor(0.5 + 32767.0 * e).astype(np.int64) & 0xFFFF
     return np.asarray(half[..., 0] | (half[..., 1] << 16)).astype(np.uint32)
@@ -66,6 +68,8 @@ def octahedron_cell_solid_angles(count: int) -> F64:
     """
     if count % 2:
         raise ValueError(f"an octahedral grid needs an even number of cells a side, not {count}")
+
+    # Corners of all cells on the octahedron itself, whose triangles are flat.
     line = np.linspace(-1.0, 1.0, count + 1)
     u, v = np.meshgrid(line, line)
     grid = octahedron_point(np.stack([u, v], axis=-1))
@@ -87,6 +91,7 @@ def octahedron_neighbour(cell: ArrayLike, step: ArrayLike, count: int) -> NDArra
 
     Leaving across an edge re-enters the same edge at the mirrored index.
     """
+    # A step beyond an edge comes in again where the edge is sewn to itself, mirrored.
     c = np.asarray(cell, dtype=np.int64) + np.asarray(step, dtype=np.int64)
     outside = (c < 0) | (c >= count)
     mirrored = np.where(outside[..., ::-1], count - 1 - c, c)

@@ -78,6 +78,7 @@ def _count(spanned: F64, cell: F64) -> I64:
 
 def grid_density(grids: OrdinateGrids, n: int, fine: F64, extent: F64) -> F64:
     """Mean density (z, y, x) in the cells of grid n: eight samples each, 0 outside the box."""
+    # Eight samples a cell, none outside of the box.
     centres = grids.centres(n)
     total: F64 = np.zeros(centres.shape[:-1])
     scale = np.array(fine.shape[::-1]) / extent
@@ -94,6 +95,7 @@ def read_back(place: F64, density: F64, values: F64) -> F64:
 
     Empty cells have no say: what is asked for belongs to the medium. 0 where all are empty.
     """
+    # A weighted mean whose weights are the densities between the same cells.
     weight = trilinear(density, place)
     safe = np.maximum(weight, 1e-12)
     weighted = [trilinear(values[..., k] * density, place) / safe for k in range(values.shape[-1])]

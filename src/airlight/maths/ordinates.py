@@ -136,12 +136,15 @@ def map_texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
     Blocks of texels are merged; their mean direction is weighted by luminance and keeps its
     length, so that the parts' centroids and cosines are those of the whole map.
     """
+    # Each texel's power and direction.
     height, width = radiance.shape[:2]
     omega = np.repeat(latlong_row_solid_angles(height, width)[:, None], width, axis=1)
     direction = latlong_texel_directions(height, width)
     power = radiance * omega[..., None]
     # A uniform sky's centroids are weighted by a little of everything, and black texels by all.
     light = luminance(power) + 1e-9 * omega * max(float(luminance(power).sum()), 1e-30)
+
+    # Blocks of texels, as many as the working height leaves to merge.
     rows, columns = max(1, height // WORKING_HEIGHT), max(1, width // (2 * WORKING_HEIGHT))
     blocks = (rows, columns)
     light_sum = _blocks(light, blocks)
@@ -155,6 +158,7 @@ def map_texels(radiance: F64) -> tuple[F64, F64, F64, F64]:
 
 def _blocks(values: F64, blocks: tuple[int, int]) -> F64:
     """Sums over blocks of (rows, columns); the last ones take the remainder."""
+    # Whole blocks start at equal steps; what remains joins the last one.
     by_row = np.add.reduceat(values, np.arange(0, len(values) - blocks[0] + 1, blocks[0]), axis=0)
     starts = np.arange(0, values.shape[1] - blocks[1] + 1, blocks[1])
     return np.asarray(np.add.reduceat(by_row, starts, axis=1))
@@ -166,8 +170,12 @@ def seeds(weight: F64, count: int) -> F64:
     A Fibonacci lattice through the map's cumulative weights: of a uniform map the sphere.
     """
     height, width = weight.shape
+
+    # A rank-1 lattice in the unit square, by the golden ratio.
     i = np.arange(count)
     down, across = (i + 0.5) / count, np.mod(i / GOLDEN_RATIO, 1.0)
+
+    # Down the map by the cumulative weight of rows, then across by that of the row's texels.
     rows = np.concatenate([[0.0], np.cumsum(weight.sum(axis=1))])
     v = np.interp(down * rows[-1], rows, np.arange(height + 1.0))
     row = np.minimum(v.astype(np.int64), height - 1)
@@ -192,6 +200,7 @@ def _sums(part: I64, values: F64, count: int) -> F64:
 
 def unit_rows(vectors: F64, otherwise: F64) -> F64:
     """Rows scaled to length 1; rows of (nearly) no length replaced by `otherwise`'s."""
+    # Rows that are nothing beside the longest one have no direction.
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     scale = float(length.max(initial=0.0))
     return np.where(length > 1e-9 * scale, vectors / np.maximum(length, 1e-300), otherwise)

@@ -30,6 +30,7 @@ def forward_share(g: ArrayLike) -> F64:
 
 def deposited_anisotropy(g: ArrayLike) -> F64:
     """g1 = (g - f)/(1 - f): mean cosine of the light that leaves the beam."""
+    # f = 0 leaves g as it is: no peak.
     k = np.asarray(g, dtype=np.float64)
     f = forward_share(k)
     return np.asarray((k - f) / (1.0 - f))
@@ -42,6 +43,7 @@ def leaving_lobe(mu: ArrayLike, g: ArrayLike, sharpness: ArrayLike, unturned: Ar
     where the peak drawn as wide as it is, of mean cosine (1 + 2 g)/3, does not hide it. The other
     share is turned on its way: a lobe of the mean cosine g1.
     """
+    # The phase function less its peak, and the smooth lobe of the same power.
     g, c = np.asarray(g, dtype=np.float64), np.asarray(sharpness, dtype=np.float64)
     f = forward_share(g)
     peak = f * henyey_greenstein(mu, (1.0 + 2.0 * g) / 3.0 * c)
@@ -55,6 +57,7 @@ def first_directions(power: F64, forward: F64, g1: F64) -> tuple[F64, F64]:
 
     `forward` (3, ...) is what of `power` (...) keeps its direction; `g1` broadcasts to them.
     """
+    # Where no power left beams there is no direction.
     scale = np.where(np.abs(power * g1) > 1e-30, power * g1, np.inf)
     mean = forward / scale
     size = np.linalg.norm(mean, axis=0)
@@ -68,6 +71,7 @@ def smooth_scattering(
 
     `flux` (3, z, y, x, channel), `towards` (z, y, x, 3).
     """
+    # Fluence and flux as a lobe: as sharp as the one is beside the other.
     phi, size = np.maximum(fluence, 0.0), np.linalg.norm(flux, axis=0)
     along = np.einsum("azyxc,zyxa->zyxc", flux / np.maximum(size, 1e-300), towards)
     sharpness = np.minimum(size / np.maximum(phi, 1e-300), 1.0)
@@ -99,6 +103,7 @@ def arriving(
     cell that its middle lies in. `closed` (3, z, y, x) as in `diffusion.Diffusion`: nothing arrives
     from behind a face that a surface closes.
     """
+    # Every cell's eye ray starts in its middle.
     shape, step = source.shape[:3], float(cell.min())
     at = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)[..., ::-1] + 0.5
     # The cell's own half step, behind which all others lie.

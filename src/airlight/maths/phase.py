@@ -22,6 +22,7 @@ def isotropic(mu: ArrayLike) -> F64:
 
 def _reach(mu: F64, g: F64) -> F64:
     """sqrt(1 + g^2 - 2 g mu), as a sum of terms of one sign so that nothing cancels."""
+    # Backward lobes are mirrored forward ones.
     mirrored = np.where(g < 0.0, -mu, mu)
     h = np.abs(g)
     return np.asarray(np.sqrt((1.0 - h) ** 2 + 2.0 * h * (1.0 - mirrored)))
@@ -50,6 +51,7 @@ def henyey_greenstein_cumulative(mu: ArrayLike, g: ArrayLike) -> F64:
 
     Source: the closed integral in the form (1-g)(1+mu)/(r (1+g+r)), which does not cancel.
     """
+    # The closed form, where the distance of the two directions is not 0.
     m, k = np.asarray(mu, dtype=np.float64), np.asarray(g, dtype=np.float64)
     m, k = np.broadcast_arrays(m, k)
     r = _reach(m, k)
@@ -62,6 +64,7 @@ def cap_fractions(g: ArrayLike) -> tuple[F64, F64, F64]:
 
     front + 4 side + back = 1. Source: Elek2014 section 4.2, with the stable cumulative.
     """
+    # Caps of 45 degrees ahead and behind; the rest is split among four sides.
     k = np.asarray(g, dtype=np.float64)
     back = henyey_greenstein_cumulative(-HALF_OCTANT_COSINE, k)
     side = (henyey_greenstein_cumulative(HALF_OCTANT_COSINE, k) - back) / 4.0

@@ -28,6 +28,7 @@ def point_light_beam(medium: MediumGrid, position: ArrayLike, intensity: ArrayLi
 
     `intensity` may differ by cell: (z, y, x, channel), for spot lights.
     """
+    # The light's direction and distance from every cell.
     away = medium.centres - np.asarray(position, dtype=np.float64)
     distance = np.linalg.norm(away, axis=-1)
     direction = away / np.maximum(distance, 1e-9)[..., None]
@@ -43,6 +44,7 @@ def mean_inverse_square(away: F64, cell: F64) -> F64:
 
     The mean over eight parts, each to second order, 1/r^2 (1 + h^2/(12 r^2)).
     """
+    # Second order in each of the cell's eight parts.
     total: F64 = np.zeros(away.shape[:-1])
     half = 0.5 * float(np.mean(cell))
     for corner in range(8):
@@ -117,6 +119,7 @@ def axis_share(position: ArrayLike, axis: ArrayLike, extent: ArrayLike, points: 
     that turns its back on a medium, however near by, has none. (A light of which nothing was known
     but the lit share of the sphere tripled the light of a cube .1 m behind it.)
     """
+    # Each point's own ray, and the spot's axis as far.
     p, d, size = (np.asarray(x, dtype=np.float64) for x in (position, axis, extent))
     away = points - p
     r = np.linalg.norm(away, axis=-1)
@@ -126,6 +129,7 @@ def axis_share(position: ArrayLike, axis: ArrayLike, extent: ArrayLike, points: 
 
 
 def _path_in_box(p: F64, direction: F64, size: F64, r: F64) -> F64:
+    # The interval inside the box, cut to 0 .. r.
     still = np.abs(direction) < 1e-12
     inverse = 1.0 / np.where(still, 1.0, direction)
     a, b = -p * inverse, (size - p) * inverse

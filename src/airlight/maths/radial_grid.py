@@ -41,6 +41,7 @@ class RadialGrid:
     @property
     def edges(self) -> F64:
         """Radii (shells + 1,), m, from 0."""
+        # The outermost shell ends at the radius; each one inside is smaller by the growth.
         outer = self.radius * self.growth ** (np.arange(self.shells) - (self.shells - 1.0))
         return np.concatenate([[0.0], outer])
 
@@ -59,10 +60,13 @@ class RadialGrid:
 
         Shells are numbered linearly in the innermost one, by the logarithm outside it.
         """
+        # At the light itself any direction will do.
         away = points - np.asarray(self.centre)
         r = np.maximum(np.linalg.norm(away, axis=-1), 1e-9 * self.radius)
         direction = np.where(r[..., None] > 1e-8 * self.radius, away, [0.0, 0.0, 1.0])
         square = (octahedron_encode(direction) + 1.0) * (0.5 * self.side)
+
+        # Shells by the logarithm of the radius, but for the innermost.
         inner = self.edges[1]
         shell = np.where(
             r < inner, r / inner, 1.0 + np.log(np.maximum(r / inner, 1.0)) / np.log(self.growth)
@@ -103,6 +107,7 @@ def shell_growth(side: int) -> float:
 
 def radial_grid(extent: ArrayLike, centre: ArrayLike, side: int, shells: int) -> RadialGrid:
     """Out to the farthest corner of a box (3,), m; `side` is rounded up to an even number."""
+    # The farthest corner is on the other side of the light on every axis.
     size, p = np.asarray(extent, dtype=np.float64), np.asarray(centre, dtype=np.float64)
     radius = float(np.linalg.norm(np.maximum(p, size - p)))
     return RadialGrid((float(p[0]), float(p[1]), float(p[2])), radius, side + side % 2, shells)
@@ -110,6 +115,7 @@ def radial_grid(extent: ArrayLike, centre: ArrayLike, side: int, shells: int) ->
 
 def radial_density(grid: RadialGrid, fine: F64, extent: F64) -> F64:
     """Mean density (z, y, x) in a grid's cells: eight samples each, 0 outside the box."""
+    # The mean of eight samples, of which those outside the box are empty.
     p = _samples(grid)
     inside = np.all((p >= 0.0) & (p <= extent), axis=-1)
     rho = np.where(inside, trilinear(fine, p * (np.array(fine.shape[::-1]) / extent)), 0.0)
@@ -119,6 +125,7 @@ def radial_density(grid: RadialGrid, fine: F64, extent: F64) -> F64:
 
 def _samples(grid: RadialGrid) -> F64:
     """Points (2z, 2y, 2x, 3), m: eight in each cell."""
+    # Two along each axis of a cell, a quarter in from its sides.
     at = (np.arange(grid.side)[:, None] + np.array([0.25, 0.75])).ravel() * (2.0 / grid.side) - 1.0
     u, v = np.meshgrid(at, at)
     direction = octahedron_decode(np.stack([u, v], axis=-1))
@@ -128,6 +135,7 @@ def _samples(grid: RadialGrid) -> F64:
 
 def _inside(samples: F64, extent: ArrayLike, side: int) -> NDArray[np.bool_]:
     """Cells (z, y, x) that reach into a box."""
+    # A cell counts as inside where any of its samples is.
     within = np.all((samples >= 0.0) & (samples <= np.asarray(extent)), axis=-1)
     return np.asarray(within.reshape(-1, 2, side, 2, side, 2).any(axis=(1, 3, 5)))
 
@@ -146,6 +154,7 @@ def read_radial(grid: RadialGrid, place: F64, density: F64, values: F64) -> F64:
 
 def _sewn(grid: RadialGrid, values: F64) -> F64:
     """With a rim of one cell all round each shell, taken from across the seams."""
+    # Indices of the rim lead across the octahedron's seams.
     n = grid.side
     v, u = np.meshgrid(np.arange(-1, n + 1), np.arange(-1, n + 1), indexing="ij")
     inside = np.stack([np.clip(u, 0, n - 1), np.clip(v, 0, n - 1)], axis=-1)

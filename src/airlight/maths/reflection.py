@@ -50,6 +50,7 @@ def grazing_albedo(
 
     Arguments as there.
     """
+    # Only what F90 scales, of the same two reflectances.
     base = np.asarray(base_color, dtype=np.float64)
     m, r, s = (np.asarray(x, dtype=np.float64) for x in (metallic, roughness, specular))
     f0 = 0.04 * s[..., None] * (1.0 - m[..., None]) + base * m[..., None]

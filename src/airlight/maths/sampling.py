@@ -18,6 +18,7 @@ def fibonacci_sphere(count: int) -> F64:
 
     Source: Gonzalez2010, with the points half a step off the poles.
     """
+    # Equal steps of z are equal areas; azimuths step by the golden ratio.
     i = np.arange(count)
     z = 1.0 - (2.0 * i + 1.0) / count
     phi = 2.0 * np.pi * np.mod(i / GOLDEN_RATIO, 1.0)
@@ -30,6 +31,7 @@ def r2_sequence(count: int, start: int = 0) -> F64:
 
     Source: Roberts2018, the generalised golden ratio in two dimensions.
     """
+    # Steps of powers of the plastic number, modulo 1.
     i = np.arange(start, start + count)[:, None]
     step = np.array([1.0 / PLASTIC_NUMBER, 1.0 / PLASTIC_NUMBER**2])
     return np.asarray(np.mod(0.5 + i * step, 1.0))
@@ -43,8 +45,11 @@ def pixel_jitter(count: int) -> F64:
     little else) is off its coverage by half a step at most, and the image does not shift. In the
     order of bit-reversed rows, so that the first points of many are spread as well.
     """
+    # The lattice's column is the rank of its fractional part: one point in each row and column.
     row = np.arange(count)
     column = np.mod(row / GOLDEN_RATIO, 1.0).argsort().argsort()
+
+    # Rows in the order of their reversed bits.
     bits = np.arange(max(1, int(count - 1).bit_length()))
     reversed_row = ((row[:, None] >> bits & 1) << bits[::-1]).sum(axis=1)
     points = np.stack([row, column], axis=1)[reversed_row.argsort()]
@@ -56,6 +61,7 @@ def lens_points(sample: int) -> F64:
 
     Those of `r2_sequence`, by the area.
     """
+    # Equal areas: the radius is a square root.
     radius, angle = r2_sequence(1, sample)[0]
     turn = 2.0 * np.pi * angle
     return np.asarray(np.sqrt(radius) * np.array([np.cos(turn), np.sin(turn)]))
@@ -67,6 +73,7 @@ def shutter_shares(count: int) -> F64:
     By rank of the numbers whose digits to the base 3 are reversed: rows and columns of
     `pixel_jitter`, which are of base 2 and the golden ratio, do not go with them.
     """
+    # Digits to the base 3, reversed behind the point; ranks make them even.
     digits = 3 ** np.arange(1, 12)
     k = np.arange(count)[:, None]
     reversed_3 = (k * 3 // digits % 3 / digits).sum(axis=1)
@@ -79,6 +86,7 @@ def r2_noise(x_px: ArrayLike, y_px: ArrayLike, frame: ArrayLike = 0) -> F64:
     Frames fill in by the golden ratio. Exact in u32 arithmetic, so that large coordinates lose
     nothing. Source: Roberts2018.
     """
+    # The sum of integers overflows as the sequence wraps.
     x, y, f = (np.asarray(v, dtype=np.uint32) for v in (x_px, y_px, frame))
     with np.errstate(over="ignore"):
         h = x * np.uint32(3242174889) + y * np.uint32(2447445413) + f * np.uint32(2654435769)
@@ -90,6 +98,7 @@ def pcg_hash(value: ArrayLike) -> U32:
 
     Source: Jarzynski2020, pcg (RXS-M-XS).
     """
+    # The generator's one step, then its permutation of the bits.
     v = np.asarray(value, dtype=np.uint32)
     with np.errstate(over="ignore"):
         state = v * np.uint32(747796405) + np.uint32(2891336453)
@@ -108,6 +117,7 @@ def orthonormal_frame(normal: ArrayLike) -> tuple[F64, F64]:
 
     Source: Duff2017.
     """
+    # The sign of z keeps the denominator away from 0.
     n = np.asarray(normal, dtype=np.float64)
     x, y, z = n[..., 0], n[..., 1], n[..., 2]
     sign = np.where(z < 0.0, -1.0, 1.0)
@@ -122,6 +132,7 @@ def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
 
     Items then come in proportion to their weights. Source: Vose1991.
     """
+    # Shares of an even draw: what exceeds 1 is given to items below it.
     w = np.asarray(weights, dtype=np.float64)
     share = w * (len(w) / max(float(w.sum()), 1e-300))
     keep, other = np.minimum(share, 1.0), np.arange(len(w))

@@ -53,6 +53,7 @@ def sky_gain(exact: F64, ordinates: Ordinates, table: F64) -> F64:
 
     `ordinates` of the same map, `table` their `beam_phase_table`. Within LARGEST_GAIN.
     """
+    # The ordinates' own sum, as single scattering has it.
     towards = latlong_texel_directions(*exact.shape[:2])
     own = np.zeros_like(exact)
     for n in range(ordinates.count):
@@ -66,6 +67,7 @@ def sky_gain(exact: F64, ordinates: Ordinates, table: F64) -> F64:
 
 def _shrunk(radiance: F64) -> F64:
     """Blocks averaged by solid angle; the last rows and columns that fill no block are left out."""
+    # Whole blocks, their rows weighted by the sine of the polar angle.
     height, width = radiance.shape[:2]
     rows, columns = max(1, height // ROWS), max(1, width // (2 * ROWS))
     height, width = height // rows * rows, width // columns * columns

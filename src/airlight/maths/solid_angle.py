@@ -13,6 +13,7 @@ def triangle_solid_angle(corners: ArrayLike) -> F64:
 
     Source: VanOosterom1983, eq. 8.
     """
+    # The triple product over the sum of VanOosterom1983: tan of half the angle.
     p = np.asarray(corners, dtype=np.float64)
     a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
@@ -24,6 +25,7 @@ def triangle_solid_angle(corners: ArrayLike) -> F64:
 
 def polygon_solid_angle(corners: ArrayLike) -> F64:
     """Solid angle (...) in sr of convex polygons (..., N, 3) in order, seen from the origin."""
+    # A fan of triangles from the first corner.
     p = np.asarray(corners, dtype=np.float64)
     count = p.shape[-2] - 2
     first = np.broadcast_to(p[..., :1, :], (*p.shape[:-2], count, 3))
@@ -37,6 +39,7 @@ def polygon_mean_direction(corners: ArrayLike) -> F64:
     Source: Lambert 1760 (vector irradiance): the integral of direction over solid angle is half
     the sum over edges of (angle the edge spans) x (unit normal of the plane through it).
     """
+    # Each edge's angle along the normal of its plane through the origin.
     p = np.asarray(corners, dtype=np.float64)
     q = np.roll(p, -1, axis=-2)
     normal = np.cross(p, q)
@@ -54,6 +57,7 @@ def quad_mean_square(corners: ArrayLike, nodes: int = 24) -> F64:
 
     By Gauss-Legendre quadrature of `nodes` squared points; the origin is outside its plane.
     """
+    # Points of the parallelogram, at quadrature nodes along its two sides.
     p = np.asarray(corners, dtype=np.float64)
     at, weight = np.polynomial.legendre.leggauss(nodes)
     u, v = (0.5 + 0.5 * x for x in np.meshgrid(at, at))

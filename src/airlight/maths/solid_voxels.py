@@ -20,6 +20,7 @@ def solid_voxels(
     faces were entered than left, it is solid (winding number above 0 in size), so meshes that
     intersect themselves are their union. An open mesh leaves streaks.
     """
+    # The mesh in samples of the grid, and where lines along x cross it.
     fine = np.array(count) * _SAMPLES
     unit = (positions - low) / (high - low) * fine
     crossing, column, sign = _crossings(unit[triangles], (int(fine[1]), int(fine[2])))
@@ -28,6 +29,8 @@ def solid_voxels(
     steps = np.zeros((int(fine[2]) * int(fine[1]), int(fine[0]) + 1), np.int8)
     np.add.at(steps, (column, x), sign.astype(np.int8))
     inside = np.cumsum(steps[:, :-1], axis=1, dtype=np.int8) != 0
+
+    # Shares of the samples in each voxel.
     nx, ny, nz = count
     parts = inside.reshape(nz, _SAMPLES, ny, _SAMPLES, nx, _SAMPLES)
     return np.asarray(parts.mean(axis=(1, 3, 5)))
@@ -40,6 +43,7 @@ def soft_rim(inside: F64) -> F64:
     where the last voxel with any share does, in steps of whole voxels: its outline has teeth. A rim
     three voxels wide has none.
     """
+    # A tent of three voxels along one axis after the other.
     for axis in range(3):
         padded = np.moveaxis(np.pad(inside, [(int(i == axis),) * 2 for i in range(3)]), axis, 0)
         mean = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
@@ -49,6 +53,7 @@ def soft_rim(inside: F64) -> F64:
 
 def _crossings(corners: F64, size: tuple[int, int]) -> tuple[F64, I64, F64]:
     """(x, column, sign) where lines along x cross triangles (T, 3, 3); `size` in (y, z)."""
+    # Lines whose place may lie in each triangle's box.
     y, z = corners[..., 1], corners[..., 2]
     low_y, high_y = _range(y, size[0])
     low_z, high_z = _range(z, size[1])

@@ -37,6 +37,7 @@ _ELEVATIONS, _AZIMUTHS = 40, 21
 
 def sun_spectrum(wavelengths_nm: F64) -> F64:
     """The sun's irradiance outside the air, W m^-2 nm^-1, by Planck's law at 5772 K."""
+    # Planck's radiance over the whole that it integrates to, times the solar constant.
     metres = wavelengths_nm * 1e-9
     planck = 2.0 * 6.62607015e-34 * 299792458.0**2 / metres**5
     planck /= np.expm1(6.62607015e-34 * 299792458.0 / (metres * 1.380649e-23 * _SUN_K))
@@ -54,6 +55,7 @@ def colour_matching(wavelengths_nm: F64) -> F64:
         t = wavelengths_nm - middle
         return np.asarray(height * np.exp(-0.5 * (t * np.where(t < 0.0, below, above)) ** 2))
 
+    # Each curve is a sum of lobes with two slopes.
     x = lobe(0.362, 442.0, 0.0624, 0.0374) + lobe(1.056, 599.8, 0.0264, 0.0323)
     x = x + lobe(-0.065, 501.1, 0.0490, 0.0382)
     y = lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322)
@@ -72,6 +74,7 @@ def rgb_of_sunlight() -> F64:
 
 def sun_irradiance(air: Air, elevation_deg: float) -> F64:
     """Irradiance (3,), W m^-2, that the sun gives a surface which faces it; 0 where it has set."""
+    # What air, haze and ozone transmit of the sun, by wavelength.
     cosine = np.sin(np.radians(max(elevation_deg, 0.0)))
     share = transmittance_out(air, np.array(0.0), np.array(cosine))
     # The horizon cuts the disk.
@@ -82,6 +85,7 @@ def sun_irradiance(air: Air, elevation_deg: float) -> F64:
 def sky_map(air: Air, towards_sun: F64, height: int) -> F64:
     """Radiance (height, 2 height, 3), W m^-2 sr^-1, of sky and ground around a unit vector to the
     sun, +Y up. The ground is what sun and sky light: grey, matte, without an end."""
+    # The upper half is the sky; below it lies the ground.
     directions = latlong_texel_directions(height, 2 * height)
     sky = sky_radiance(air, towards_sun, directions[: height // 2])
     solid_angles = latlong_row_solid_angles(height, 2 * height)[: height // 2]

@@ -53,6 +53,7 @@ def agx_curve(encoded: ArrayLike) -> F64:
 
     Source: Sobotka, AgX (github.com/sobotka/AgX, AgX.py: equation_full_curve).
     """
+    # Two sigmoids that meet at the pivot, one for the toe and one for the shoulder.
     offset = np.asarray(encoded, dtype=np.float64) - AGX_PIVOT
     low = offset < 0.0
     power = np.where(low, AGX_TOE_POWER, AGX_SHOULDER_POWER)
@@ -67,6 +68,7 @@ def agx(radiance: ArrayLike) -> F64:
     Source: Sobotka, AgX; the inset matrix is (1 - AGX_INSET) I + AGX_INSET 1 w^T, so grey stays
     exactly grey and its inverse needs no matrix. The curve's output is 2.2-encoded.
     """
+    # Colours are drawn together before the curve.
     c = np.maximum(np.asarray(radiance, dtype=np.float64), 0.0)
     inset = (1.0 - AGX_INSET) * c + AGX_INSET * (c @ AGX_INSET_WEIGHTS)[..., None]
     # Stops around middle grey are what the curve maps.
@@ -94,6 +96,7 @@ def aces(radiance: ArrayLike) -> F64:
 
     Source: Hill2017, the ACES fit in Baking Lab (ACES.hlsl); the exposure as in three.js.
     """
+    # Into the space of the fit, and out of it again.
     c = np.maximum(np.asarray(radiance, dtype=np.float64), 0.0) * ACES_EXPOSURE
     v = c @ ACES_INPUT.T
     # The fit tends to 1/0.983729; far above 1 it is computed as a limit, free of overflow.
@@ -174,6 +177,7 @@ def display_srgb8(
     same for every image, and for all colours, so that grey stays grey. Non-finite pixels become 0.
     Raises ValueError for an unknown curve.
     """
+    # One pattern of noise for all rows and colours.
     pixels = np.asarray(radiance)
     shown = np.empty(pixels.shape, np.uint8)
     noise = dither_codes(*pixels.shape[:2])[..., None] if dither else None
@@ -193,14 +197,17 @@ _mapped = tone_map  # display_srgb8's parameter carries the name a caller writes
 def auto_exposure(radiance: ArrayLike, key: float = MIDDLE_GREY) -> float:
     """Stops that bring the log-average luminance of radiance (..., 3) to `key`.
 
-    Black and non-finite pixels are left out, as are the darkest 5% and the brightest 2% of the
-    rest: the sky's black or a light source must not decide. A black image gets 0.
+    Black and non-finite pixels are left out; the darkest 5% and the brightest 2% of the rest count
+    as their percentiles: dark corners or a light source must not decide. A black image gets 0.
     Source: Reinhard2002, eq. 1, with percentile clipping.
     """
+    # Only pixels with light say how bright the image is.
     y = luminance(radiance).ravel()
     y = y[np.isfinite(y) & (y > 0.0)]
     if y.size == 0:
         return 0.0
+
+    # Both ends count as their percentiles in the mean of logarithms.
     low, high = np.percentile(y, [5.0, 98.0])
     inner = np.clip(y, low, high)
     return float(np.log2(key) - np.log2(inner).mean())

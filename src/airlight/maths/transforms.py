@@ -36,6 +36,7 @@ def _cross(a: Vector, b: Vector) -> F64:
 
 def view_from_world(eye: Vector, forward: Vector, up: Vector) -> F64:
     """(4, 4): the eye at the origin looking down -Z, +Y as near to `up` as it can be."""
+    # The eye looks along -z; x is across `up`.
     z = -unit(forward)
     x = _cross(up, z)
     # Along `up` that says nothing: another axis takes its place.
@@ -68,6 +69,7 @@ def clip_from_view_perspective(fov_y: float, near: float, far: float) -> F64:
 
 def clip_from_view_orthographic(low: Vector, high: Vector) -> F64:
     """(4, 4): the view-space box low..high to the clip box; z = high maps to depth 0."""
+    # A linear map on each axis; depth falls along z.
     (x0, y0, z0), (x1, y1, z1) = low, high
     m = np.eye(4)
     m[0, 0], m[0, 3] = 2.0 / (x1 - x0), -(x1 + x0) / (x1 - x0)
@@ -78,6 +80,7 @@ def clip_from_view_orthographic(low: Vector, high: Vector) -> F64:
 
 def jittered(clip_from_view: F64, offset_px: Vector, size_px: tuple[int, int]) -> F64:
     """The projection with the image moved by `offset_px` (x right, y down)."""
+    # Pixels to clip coordinates, whose y points up.
     shift = np.eye(4)
     shift[0, 3] = 2.0 * offset_px[0] / size_px[0]
     shift[1, 3] = -2.0 * offset_px[1] / size_px[1]
@@ -98,6 +101,7 @@ def transformed(points: F64, matrix: F64) -> F64:
 
 def rotation_xyz(angles_deg: Vector) -> F64:
     """(3, 3): about the world's X axis first, then Y, then Z; counter-clockwise seen against it."""
+    # Each axis' own turn, joined from the right.
     (cx, cy, cz), (sx, sy, sz) = np.cos(np.radians(angles_deg)), np.sin(np.radians(angles_deg))
     about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
     about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
@@ -127,6 +131,7 @@ def box_along(axes: F64, low: Vector, high: Vector) -> tuple[F64, F64]:
 
     The transpose of the axes leads back to the world.
     """
+    # Corners of the box, in coordinates along the axes.
     low, high = np.asarray(low, np.float64), np.asarray(high, np.float64)
     corners = (low + _CORNERS * (high - low)) @ axes.T
     return corners.min(axis=0), corners.max(axis=0)

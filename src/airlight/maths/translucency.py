@@ -22,6 +22,7 @@ def passed_share(
     there; `transmission` (n,), of what is there and does not mirror, the share that passes;
     `mirrored` (n,) the reflectance of the surface at the angle of the light.
     """
+    # What is not there, and of the rest what is neither mirrored nor kept.
     colour = np.clip(np.asarray(base, np.float64), 0.0, 1.0)
     c, t, m = (np.asarray(x, np.float64)[..., None] for x in (coverage, transmission, mirrored))
     return np.asarray(1.0 - c + c * t * (1.0 - m) * colour)
@@ -40,6 +41,7 @@ def chance(texel: ArrayLike, plane: ArrayLike) -> F64:
     `plane` (n,) tells surfaces apart that lie one behind the other. Source: Jimenez2014,
     interleaved gradient noise.
     """
+    # A gradient whose steps fill the numbers evenly, shifted from surface to surface.
     x, y = np.moveaxis(np.asarray(texel, np.float64), -1, 0)
     turned = 52.9829189 * np.mod(0.06711056 * x + 0.00583715 * y, 1.0)
     return np.asarray(np.mod(turned + np.mod(7.31 * np.asarray(plane), 1.0), 1.0))

@@ -78,6 +78,7 @@ def view_grid(view: Frustum, extent: F64) -> ViewGrid | None:
 
 def _window(view: Frustum, extent: F64) -> tuple[tuple[float, float], F64, F64] | None:
     """((near, far) m, lower and upper tangents (2,)) of a box in a view."""
+    # The box's corners as the eye sees them.
     corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * 3), axis=-1).reshape(8, 3) * extent
     away = corners - view.eye
     depth = away @ view.forward
@@ -160,6 +161,7 @@ class ExitDensity:
 
 def exit_density(medium: MediumGrid, directions: F64) -> ExitDensity:
     """From a few points of the medium's box, in steps of a sixth of its shortest side."""
+    # The middles of a coarse grid over the box, each with all directions.
     unit = (np.arange(_LEAVING) + 0.5) / _LEAVING
     z, y, x = np.meshgrid(unit, unit, unit, indexing="ij")
     points = (np.stack([x, y, z], axis=-1) * medium.extent)[..., None, :]
@@ -171,6 +173,7 @@ def exit_density(medium: MediumGrid, directions: F64) -> ExitDensity:
 
 def _nearness(place: F64) -> F64:
     """(n, point): shares of the points of `exit_density` at places (n, 3) in 0..1, trilinear."""
+    # The nearest points along each axis, and their products.
     at = np.clip(place * _LEAVING - 0.5, 0.0, _LEAVING - 1.0)
     x, y, z = np.maximum(0.0, 1.0 - np.abs(at.T[..., None] - np.arange(_LEAVING)))
     shares = np.einsum("nz,ny,nx->nzyx", z, y, x)

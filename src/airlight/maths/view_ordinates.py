@@ -53,6 +53,7 @@ def view_samples(radiance: ArrayLike, count: int, importance: F64) -> Ordinates:
 
 def resized(importance: F64, shape: tuple[int, ...]) -> F64:
     """A latitude-longitude map (h, w) at another size, bilinear, mean 1 over the sphere."""
+    # Where each row and column of the new size lies in the old one.
     rows, columns = importance.shape
     height, width = shape
     v = np.clip((np.arange(height) + 0.5) / height * rows - 0.5, 0.0, rows - 1.0)
@@ -68,6 +69,7 @@ def resized(importance: F64, shape: tuple[int, ...]) -> F64:
 
 def _shares(unit: F64, centre: F64) -> F64:
     """(texel, centre): what each centre has of each texel, 1 altogether."""
+    # Powers of the distances' ratio, by the nearest one so that none overflows.
     away = np.log(np.maximum(1.0 - unit @ centre.T, 1e-9))
     near = np.exp(_CRISP * (away.min(axis=1, keepdims=True) - away))
     return np.asarray(near / near.sum(axis=1, keepdims=True))

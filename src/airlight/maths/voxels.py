@@ -85,6 +85,8 @@ def density_behind(
     length = np.minimum(np.maximum(length, 0.0), distance_m)
     steps = np.maximum(np.ceil(length / step_m), 1.0)
     dt = length / steps
+
+    # Midpoints of equal steps, in voxels.
     total: F64 = np.zeros(length.shape)
     scale = np.array(density.shape[::-1]) / extent
     # Rays with fewer steps than the longest have ended, and add nothing.

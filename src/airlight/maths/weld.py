@@ -69,6 +69,7 @@ def connected(count: int, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray
 
 def _hashes(points: NDArray[np.floating[Any]]) -> NDArray[np.uint64]:
     """A 64-bit number (V,) of each point; equal points have equal ones."""
+    # Mix the bits of each coordinate into one number.
     key = np.zeros(len(points), np.uint64)
     for column, factor in zip(points.T, _FACTORS, strict=True):
         bits = (column + 0.0).astype(np.float64).view(np.uint64)  # -0 becomes 0
@@ -82,6 +83,7 @@ def _changes(
 ) -> tuple[NDArray[np.bool_], bool]:
     """Whether each point (V,) differs from the one before it in `order`, and whether any of those
     that do has its hash."""
+    # A point is new where any coordinate differs from the one before it.
     is_new = np.zeros(len(order), dtype=bool)
     is_new[0] = True
     for column in points.T:

@@ -25,6 +25,7 @@ def built(low: F32, high: F32) -> Hierarchy:
 
     Raises SettingsError where the cache folder's name leads nowhere.
     """
+    # Small meshes are built in less time than a file is read.
     if len(low) < WORTH_CACHING:
         return build(low, high)
     # By the boxes alone: the same mesh in another file has the same hierarchy.
@@ -41,6 +42,7 @@ def built(low: F32, high: F32) -> Hierarchy:
 
 def _write(path: Path, tree: Hierarchy) -> None:
     try:
+        # A cache that cannot be written costs time alone.
         path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(path) as part:
             np.savez(
@@ -56,6 +58,7 @@ def _write(path: Path, tree: Hierarchy) -> None:
 
 def _read(path: Path, count: int) -> Hierarchy | None:
     """The hierarchy in a file over `count` items; None where there is none that is whole."""
+    # A damaged file is as good as none.
     try:
         with own_files(), opened_npz(path) as file:
             order, children = file.array("order").astype(np.int64), file.array("children")
@@ -84,6 +87,8 @@ def _is_whole(order: Any, children: Any, axes: Any, levels: list[int], count: in
     firsts = leaves & INDEX_MASK
     by_first = np.argsort(firsts)
     ends = np.cumsum(counts[by_first])
+
+    # Leaves cover all items once, and nodes but the root hang below one node each.
     return bool(
         np.array_equal(np.sort(order), np.arange(count))
         and np.array_equal(nodes, np.arange(1, len(children)))

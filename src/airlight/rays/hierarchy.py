@@ -125,6 +125,7 @@ class _Growth:
 
     def finish(self, halves: Parts, cuts: Cuts, axis: Ints) -> Parts:
         """Make nodes of pairs of halves; returns their children, up to four of each."""
+        # The node's axis and those of its halves, two bits each.
         count = len(axis)
         self.children.append(np.zeros((count, 4), np.uint32))
         self.axes.append((axis | cuts.axis[0::2] << 2 | cuts.axis[1::2] << 4).astype(np.uint32))
@@ -176,6 +177,7 @@ def child_boxes(tree: Hierarchy, low: F32, high: F32) -> tuple[F32, F32]:
 
 def cost(tree: Hierarchy, lows: F32, highs: F32) -> float:
     """The surface area heuristic of a tree with boxes of `child_boxes`: tests that a ray makes."""
+    # Half the area of each box, and of the whole.
     sides = np.maximum(highs.astype(np.float64) - lows, 0.0)
     areas = sides[..., 0] * sides[..., 1] + sides[..., 1] * sides[..., 2]
     areas += sides[..., 2] * sides[..., 0]

@@ -70,6 +70,7 @@ class Masks:
 
     def _place(self, texture: Texture) -> tuple[int, int]:
         """Where a texture's mask begins, in words, and its width | height << 16."""
+        # Each image once; four bytes to a word.
         key = id(texture.pixels)
         if key not in self._known:
             alpha = _coverage(texture)
@@ -94,6 +95,7 @@ def is_whole(texture: Texture) -> bool:
 
 def _coverage(texture: Texture) -> NDArray[np.uint8]:
     """Its alpha (H, W), no side longer than MOST_SIDE."""
+    # Means over whole blocks; the remainder at the right and the bottom is less than one.
     alpha = texture.pixels[..., 3]
     steps = [-(-side // MOST_SIDE) for side in alpha.shape]
     if steps == [1, 1]:

@@ -34,6 +34,7 @@ class MeshTree:
 
     def move(self, geometry: Geometry) -> None:
         """Follow the vertices of the same triangles."""
+        # Boxes are fitted; the tree is rebuilt only where that has made it much worse.
         if self._fit(geometry) > WORSE * self._built_cost:
             self._build(geometry)
 
@@ -89,6 +90,8 @@ class StillTree:
         if instances == self._hidden:
             return False
         self._hidden = instances
+
+        # Hidden triangles lose their area, and boxes of nothing but them are empty.
         is_hidden = np.isin(self.instances, list(instances))[:, None]
         self.triangles = self._all.copy()
         self.triangles[:, :9] = np.where(is_hidden, 0, self._all[:, :9])
@@ -96,6 +99,7 @@ class StillTree:
         return True
 
     def _fit(self, low: np.ndarray, high: np.ndarray) -> None:
+        # The box around everything that is not hidden.
         lows, highs = child_boxes(self.tree, low.astype(np.float32), high.astype(np.float32))
         self.nodes: U32 = node_words(self.tree, lows, highs)
         corners = np.concatenate([lows[0], highs[0]])
@@ -104,6 +108,7 @@ class StillTree:
 
 def _in_world(mesh: Mesh) -> Geometry:
     """The mesh's geometry where it stands, normals out of its front."""
+    # Normals by the inverse transpose, which a transform without volume leaves as they were.
     matrix, geometry = mesh.world_from_object, mesh.geometry
     positions = geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
     normals = geometry.normals

@@ -99,6 +99,7 @@ class RayScene:
 
     def _chosen(self) -> list[int]:
         """The instances that are laid out in the world, as many as fit."""
+        # From the first instance on, as long as they fit; further ones have trees of their own.
         counts = np.array([len(mesh.geometry.indices) for mesh in self._first], np.int64)
         counts[~self._is_there] = 0
         fits = (np.cumsum(counts) <= MOST_STILL) & self._is_there
@@ -131,6 +132,8 @@ class RayScene:
     def _grow(self, shown: dict[int, Mesh]) -> set[int]:
         """Build the hierarchies of these geometries, or fit them; returns which changed."""
         changed = set()
+
+        # A geometry's tree is built when an instance of it moves, and fitted when its vertices do.
         for key, mesh in shown.items():
             tree = self.trees.get(key)
             if tree is None:
@@ -163,6 +166,7 @@ class RayScene:
         self._packed = ()
 
     def _write(self, key: int) -> None:
+        # Children count within a tree; in the buffer they count from where it lies.
         tree = self.still if key == -1 else self.trees[key]
         node, triangle = self._firsts[key]
         words = tree.nodes.copy()
@@ -172,17 +176,22 @@ class RayScene:
 
     def _place(self, ordered: Sequence[Mesh], placed: NDArray[np.int64]) -> None:
         """Build the hierarchy over the instances that have moved, and all still ones."""
+        # Each instance's row: transforms, and the first node of its geometry.
         count = len(self._keys)
         rows = self._masks.rows.copy()
         _put_transforms(rows, ordered)
         rows[:count, 24] = [self._firsts.get(key, (0, 0))[0] for key in self._keys]
         rows[count, 24] = rows[:, 34] = self._firsts[-1][0]
+
+        # The same rows and boxes as before need no tree.
         low, high, items = self._boxes(ordered, placed)
         packed = (rows.tobytes(), low.tobytes(), high.tobytes())
         if packed == self._packed:
             return
         self._packed = packed
         self._buffers[2].write(np.concatenate([rows.ravel(), self._masks.texels]))
+
+        # One instance to a leaf.
         tree = build(low, high, most=1, levels=INSTANCE_LEVELS)
         lows, highs = child_boxes(tree, low[tree.order], high[tree.order])
         words = node_words(tree, lows, highs)
@@ -201,6 +210,8 @@ class RayScene:
             whole = np.stack([corners.min(axis=0), corners.max(axis=0)])[None]
             boxes = np.concatenate([boxes, whole])
             shown.append(len(ordered))
+
+        # Wider by what single precision may round off.
         wider = _LOOSE * np.abs(boxes).max(axis=(1, 2), initial=0.0)[:, None]
         low, high = boxes[:, 0] - wider, boxes[:, 1] + wider
         return low.astype(np.float32), high.astype(np.float32), np.array(shown, np.uint32)
@@ -224,6 +235,7 @@ def _put_transforms(rows: U32, ordered: Sequence[Mesh]) -> None:
 
 def _is_invertible(matrix: NDArray[np.float64]) -> bool:
     """Whether a transform leaves a volume, as single precision can tell."""
+    # A determinant small beside the product of the columns' lengths is flat.
     sides = np.linalg.norm(matrix[:3, :3], axis=0).prod()
     return bool(abs(np.linalg.det(matrix[:3, :3])) > 1e-6 * sides)
 

@@ -34,6 +34,7 @@ class Boxes:
     @classmethod
     def of(cls, low: NDArray[np.float32], high: NDArray[np.float32]) -> Boxes:
         """Those of corners (T, 3), metres."""
+        # In the unit of the longest side, so that offsets of parts have one size.
         least, most = low.min(axis=0).astype(np.float64), high.max(axis=0).astype(np.float64)
         scale = 1.0 / max(float((most - least).max()), 1e-300)
         lows, highs = (np.ascontiguousarray(((x - least) * scale).T) for x in (low, high))
@@ -93,6 +94,7 @@ def sweep(parts: Parts, boxes: Boxes, most: int) -> tuple[Parts, Cuts]:
 
 def _sorted(parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[Ints, Ints]:
     """The items along the longest side of the box around their centres, and that side's axis."""
+    # The box of each part's centres, by reductions over runs of items.
     centres = [middle[parts.items] for middle in boxes.middle]
     least = np.stack([np.minimum.reduceat(c, parts.starts) for c in centres])
     sides = np.stack([np.maximum.reduceat(c, parts.starts) for c in centres]) - least

@@ -69,6 +69,8 @@ class _Hop:
 def basis(angle: ArrayLike, bands: int) -> F64:
     """The orthonormal circular harmonics (..., 2 bands - 1) at `angle`."""
     t = np.asarray(angle, dtype=np.float64)
+
+    # Constant term first, then a cosine and a sine of each band, all of unit norm over the circle.
     k = np.arange(1, bands)
     waves = np.stack([np.cos(t[..., None] * k), np.sin(t[..., None] * k)], axis=-1)
     even = np.full((*t.shape, 1), 1.0 / np.sqrt(2.0 * np.pi))
@@ -79,6 +81,8 @@ def span_moments(low: ArrayLike, high: ArrayLike, bands: int) -> F64:
     """The integral of `basis` over the angles low..high, (..., 2 bands - 1)."""
     a, b = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
     k = np.arange(1, bands)
+
+    # The antiderivatives of the same waves, between the two angles.
     kb, ka = b[..., None] * k, a[..., None] * k
     waves = np.stack([(np.sin(kb) - np.sin(ka)) / k, (np.cos(ka) - np.cos(kb)) / k], axis=-1)
     even = (b - a)[..., None] / np.sqrt(2.0 * np.pi)
@@ -87,6 +91,7 @@ def span_moments(low: ArrayLike, high: ArrayLike, bands: int) -> F64:
 
 def cosine_lobe(facing: float, bands: int) -> F64:
     """A clamped cosine of unit power around `facing`."""
+    # A clamped cosine's series: odd bands above the first vanish.
     k = np.arange(bands)
     with np.errstate(divide="ignore"):
         even = np.where(k % 2 == 0, np.cos(0.5 * np.pi * k) / (1.0 - k * k), 0.0)
@@ -124,6 +129,8 @@ def solve(
 def injected(lights: Sequence[Segment], *, bands: int = 2, side: int = SIDE_CELLS) -> F64:
     """The lights as cosine lobes in the cells that they touch, (side, side, K)."""
     state = np.zeros((side, side, 2 * bands - 1))
+
+    # Cells' values add to what is there: two lights may touch one cell.
     for light in lights:
         cells = (
             state[light.low : light.high, 0]
@@ -151,6 +158,7 @@ def analytic(lights: Sequence[Segment], *, bands: int = 2, side: int = SIDE_CELL
 
 def relative_l2(found: F64, truth: F64) -> tuple[float, float]:
     """(error, scale): |scale found - truth| / |truth| of fluence with the scale that fits best."""
+    # Least squares over all cells, so that the error is one of distribution alone.
     f, t = fluence(found), fluence(truth)
     scale = float((f * t).sum() / max((f * f).sum(), 1e-300))
     return float(np.linalg.norm(scale * f - t) / np.linalg.norm(t)), scale
@@ -172,6 +180,7 @@ def _offset(angle: float) -> tuple[int, int]:
 
 
 def _ordinates(count: int, bands: int) -> tuple[_Hop, ...]:
+    # Each ordinate keeps its share of the circle and its own direction: light never turns.
     share = 2.0 * np.pi / count
     hops = []
     for angle in share * np.arange(count):
@@ -213,10 +222,12 @@ def _centroid_faces(turn: float, bands: int) -> tuple[_Face, ...]:
 
 
 def _step(state: F64, hops: Sequence[_Hop], *, clamp: bool) -> F64:
+    # Every hop reads the state before the step, so their order does not matter.
     after = np.zeros_like(state)
     for hop in hops:
         gained = np.zeros_like(state)
         for face in hop.faces:
+            # A lobe of few bands goes negative behind its peak.
             power = state @ face.receive
             if clamp:
                 power = np.maximum(power, 0.0)

@@ -50,6 +50,8 @@ def quadrature_directions(bands: int) -> tuple[F64, F64]:
     cosine, weight = np.polynomial.legendre.leggauss(bands)
     phi = 2.0 * np.pi * (np.arange(2 * bands) + 0.5) / (2 * bands)
     sine = np.sqrt(1.0 - cosine**2)
+
+    # z, the polar axis, carries the cosine; azimuth turns in the plane of x and y.
     directions = np.stack(
         [
             sine[:, None] * np.cos(phi),
@@ -58,6 +60,8 @@ def quadrature_directions(bands: int) -> tuple[F64, F64]:
         ],
         axis=-1,
     )
+
+    # Each row's weight over 2 bands azimuths: weights add up to 4 pi.
     weights = np.repeat(weight * (np.pi / bands), 2 * bands)
     return directions.reshape(-1, 3), weights
 

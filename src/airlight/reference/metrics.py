@@ -147,6 +147,8 @@ def noise_floor(variance: F32, reference: F32, epsilon: float) -> float:
     """The relmse that the reference's own variance of the mean would give a perfect image."""
     R = np.asarray(reference, dtype=np.float64)
     v = np.asarray(variance, dtype=np.float64)
+
+    # A variance averaged over colours holds for each of the three.
     v = v if v.ndim == R.ndim else v[..., None]
     scale = R * R + epsilon
     return float(np.mean(np.divide(v, scale, out=np.zeros_like(R), where=scale > 0.0)))
@@ -203,6 +205,8 @@ class _Judge:
     def of(cls, reference: Image, perceptual: bool) -> _Judge:
         R = reference.radiance
         _refuse_non_finite(R, "reference")
+
+        # The exposure and the range of exposures that every image of the comparison is shown at.
         exposures = display.flip_exposures(R)
         return cls(R.shape, scene_epsilon(R), auto_exposure(R), exposures, perceptual)
 
@@ -216,6 +220,7 @@ class _Judge:
         _refuse_non_finite(radiance, name)
 
     def score_beside_black(self, image: F32, reference: F32, variance: F32 | None) -> Metrics:
+        # A black image is the score that doing nothing would get.
         own = self.score(image, reference, variance)
         return dataclasses.replace(own, black=self.score(np.zeros_like(reference), reference, None))
 

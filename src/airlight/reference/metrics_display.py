@@ -38,9 +38,13 @@ def ssim(reference: F32, image: F32, stops: float) -> float:
     smaller than the window is one window of equal weights.
     """
     x, y = (luminance(displayed(a, stops)) for a in (reference, image))
+
+    # Moments under the window: means, variances and the covariance of the two images.
     mx, my = _windowed(x), _windowed(y)
     vx, vy = _windowed(x * x) - mx * mx, _windowed(y * y) - my * my
     cov = _windowed(x * y) - mx * my
+
+    # The product of luminance, contrast and structure, each held off a division by zero.
     c1, c2 = 0.01**2, 0.03**2
     likeness = (2 * mx * my + c1) * (2 * cov + c2)
     return float(np.mean(likeness / ((mx * mx + my * my + c1) * (vx + vy + c2))))
@@ -48,6 +52,7 @@ def ssim(reference: F32, image: F32, stops: float) -> float:
 
 def _windowed(a: F64) -> F64:
     """Means of `a` (H, W) under SSIM's separable window, where it fits."""
+    # Without room for one window, the whole image is it.
     if min(a.shape) <= 2 * SSIM_RADIUS_PX:
         return np.full((1, 1), a.mean())
     offset = np.arange(-SSIM_RADIUS_PX, SSIM_RADIUS_PX + 1)
@@ -101,9 +106,13 @@ def flip_exposures(reference: F32) -> tuple[float, float]:
     spark or a black background does not set the range.
     """
     y = luminance(reference).ravel()
+
+    # Pixels without light have no exposure that would just show them.
     lit = y[y > 0.0]
     if lit.size == 0:
         return 0.0, 1.0
+
+    # Solve the fit for the radiance that it maps to the level: the larger root of a quadratic.
     a, b, d, e, f = ACES_FIT
     A, B, C = a - ACES_LEVEL * d, b - ACES_LEVEL * e, -ACES_LEVEL * f
     level = (-B + math.sqrt(B * B - 4.0 * A * C)) / (2.0 * A)

@@ -171,6 +171,8 @@ def _share(progress: Progress | None, index: int, count: int) -> Progress | None
 def _render_channels(scene: Scene, request: _Request, progress: Progress | None) -> list[_Part]:
     """One render, or one per colour channel where g differs between them."""
     channels = g_channels(scene)
+
+    # A grey g scatters all colours alike: one render holds them.
     if len(channels) == 1:
         return [_render_once(scene, request, progress)]
     return [
@@ -259,6 +261,8 @@ def _image(name: str, parts: list[_Part], scene: Scene) -> Image:
     # Media of one phase function for each channel are rendered channel by channel.
     radiance, variance = gathered(name), gathered(f"{name}.variance")
     first = parts[0]
+
+    # The noise as one number: the root mean square standard error over the mean.
     mean = float(radiance.mean(dtype=np.float64))
     error = float(np.sqrt(variance.mean(dtype=np.float64)))
     stats = {

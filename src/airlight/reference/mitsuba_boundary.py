@@ -61,6 +61,7 @@ def ellipsoid(
 
 def _unit_sphere(steps: int) -> tuple[F64, NDArray[np.uint32]]:
     """A latitude-longitude sphere, counter-clockwise outside, of the unit ball's volume."""
+    # Rings of constant latitude around +y, then two triangles between neighbours on adjacent rings.
     rows = steps // 2
     theta, phi = np.linspace(0, np.pi, rows + 1), np.arange(steps) * (2 * np.pi / steps)
     ring = np.stack([np.cos(phi), np.zeros(steps), -np.sin(phi)], axis=1)
@@ -68,6 +69,8 @@ def _unit_sphere(steps: int) -> tuple[F64, NDArray[np.uint32]]:
     i, j = np.meshgrid(np.arange(rows), np.arange(steps), indexing="ij")
     a, b = i * steps + j, i * steps + (j + 1) % steps
     quads = np.stack([a, a + steps, b + steps, a, b + steps, b], axis=-1).reshape(-1, 3)
+
+    # Inscribed triangles lose volume to the sphere; a little more radius gives it back.
     return positions.reshape(-1, 3) * (1.0 + 2.0 / steps**2), quads.astype(np.uint32)
 
 
@@ -80,6 +83,7 @@ def world_from_cube(low: F64, high: F64) -> F64:
 
 def world_from_volume_cube(volume: Volume, extent: float) -> F64:
     """Maps [-1, 1]^3 onto the placed volume, shrunk to `extent` of its size."""
+    # Mitsuba's cube, placed as the volume's own box is.
     low, high = (np.array(corner) for corner in volume.bounds)
     shrink = np.diag([extent, extent, extent, 1.0])
     placed: F64 = volume.world_from_volume @ world_from_cube(low, high) @ shrink
@@ -96,6 +100,7 @@ def holds(volume: Volume, point: F64) -> bool:
 
 
 def _corners(volume: Volume) -> F64:
+    # The eight signs: element 0 is the corner that the others at 1, 2 and 4 share an edge with.
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, 8).T
     matrix = world_from_volume_cube(volume, 1.0 - EDGE_MARGIN)
     return signs @ matrix[:3, :3].T + matrix[:3, 3]
@@ -121,6 +126,8 @@ def refuse_crossings(volumes: list[Volume], medium_extent: tuple[F64, F64] | Non
                 "per point",
                 remedy="Move them apart, or render them one at a time.",
             )
+
+    # The medium of the scene ends at a box, and no volume may reach through it.
     if medium_extent is None:
         return
     box = Volume(
@@ -139,9 +146,12 @@ def refuse_crossings(volumes: list[Volume], medium_extent: tuple[F64, F64] | Non
 
 def _overlap(first: F64, second: F64) -> bool:
     """Whether two parallelepipeds, 8 corners each, share inner points (separating axes)."""
+    # Axes that can part two boxes: three face normals of each, and all products of their edges.
     edges = [corners[[1, 2, 4]] - corners[0] for corners in (first, second)]
     crosses = [np.cross(a, b) for group in edges for a, b in combinations(group, 2)]
     crosses += [np.cross(a, b) for a in edges[0] for b in edges[1]]
+
+    # Products of parallel edges are no axis.
     for axis in crosses:
         if np.linalg.norm(axis) < 1e-12 * np.linalg.norm(edges[0][0]) ** 2:
             continue

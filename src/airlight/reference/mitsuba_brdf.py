@@ -34,6 +34,7 @@ def plugin_class(methods: type, base: Any) -> Any:
 
     So that a class can be written where no variant is set yet: its methods call `base` by name.
     """
+    # Inherited methods first, so that a derived class overrides them.
     own: dict[str, Any] = {}
     for part in reversed(methods.__mro__[:-1]):
         own |= {k: v for k, v in vars(part).items() if k not in ("__dict__", "__weakref__")}
@@ -63,12 +64,15 @@ class GltfReflection:
         self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
     ) -> tuple[Any, Any]:
         """A direction of one of the lobes, and what it is worth."""
+        # The lobe is chosen by its share, a direction drawn from it alone.
         surface = self._surface(si, active)
         glossy = sample1 < surface.glossy_share(si.wi)
         bs = dr.zeros(mi.BSDFSample3f)
         bs.wo = surface.sampled(si.wi, glossy, sample2)
         bs.eta = 1.0
         bs.sampled_component, bs.sampled_type = lobe(glossy)
+
+        # Value and density are those of both lobes, whichever of them drew the direction.
         value, bs.pdf = self.eval_pdf(ctx, si, bs.wo, active)
         usable = active & (bs.pdf > 0.0)
         return bs, dr.select(usable, value / bs.pdf, 0.0)
@@ -120,6 +124,7 @@ class Surface:
     """The reflection model at one point: directions are local, z along the shading normal."""
 
     def __init__(self, base_color: Any, roughness: Any, metallic: Any, specular: float) -> None:
+        # glTF 2.0: a metal has its base colour as F0 and no diffuse part.
         self.diffuse = base_color * (1.0 - metallic)
         self.f0 = dr.lerp(mi.Spectrum(0.04 * specular), base_color, metallic)
         self.f90 = dr.clip(50.0 * dr.max(self.f0), 0.0, 1.0)
@@ -136,6 +141,8 @@ class Surface:
         glossy = dr.mean(self.fresnel(mi.Frame3f.cos_theta(wi)))
         diffuse = dr.mean(self.diffuse)
         share = glossy / dr.maximum(glossy + diffuse, 1e-6)
+
+        # Both lobes keep a tenth at least, so that no weight explodes; black diffuse ones get none.
         return dr.select(diffuse > 0.0, dr.clip(share, 0.1, 0.9), 1.0)
 
     def sampled(self, wi: Any, glossy: Any, sample: Any) -> Any:
@@ -146,18 +153,26 @@ class Surface:
 
     def reflection(self, wi: Any, wo: Any) -> Any:
         """f, sr^-1."""
+        # Fresnel's term at the microfacet, F.
         half = dr.normalize(wi + wo)
         n_v, n_l = mi.Frame3f.cos_theta(wi), mi.Frame3f.cos_theta(wo)
         F = self.fresnel(dr.dot(wi, half))
+
+        # GGX's distribution of normals, D.
         a2 = dr.square(self.alpha)
         D = a2 / (dr.pi * dr.square(dr.square(half.z) * (a2 - 1.0) + 1.0))
+
+        # Smith's height-correlated masking and shadowing over 4 cos cos, V (Heitz2014).
         masking = n_l * dr.sqrt(dr.square(n_v) * (1.0 - a2) + a2)
         shadowing = n_v * dr.sqrt(dr.square(n_l) * (1.0 - a2) + a2)
         V = 0.5 / dr.maximum(masking + shadowing, 1e-6)
+
+        # Diffuse light is what Fresnel's term leaves.
         return (1.0 - F) * self.diffuse * dr.inv_pi + F * (D * V)
 
     def pdf(self, wi: Any, wo: Any) -> Any:
         """How likely `wo` is sampled, sr^-1."""
+        # A half vector's density becomes a direction's by the Jacobian of mirroring.
         half = dr.normalize(wi + wo)
         mirrored = self.microfacets.pdf(wi, half) / (4.0 * dr.abs(dr.dot(wo, half)))
         scattered = mi.warp.square_to_cosine_hemisphere_pdf(wo)

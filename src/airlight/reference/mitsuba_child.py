@@ -70,6 +70,8 @@ def run_job(
         code = child.wait()
     finally:
         _end(child)
+
+    # A child that ends well has left its result whole.
     if code == 0 and Path(job.result).exists():
         with np.load(job.result) as arrays:
             return dict(arrays)
@@ -128,6 +130,7 @@ def _environment() -> dict[str, str]:
 
 def _end(child: subprocess.Popen[bytes]) -> None:
     """Stop the child and what it started; close our ends of its pipes."""
+    # The child leads a session of its own: what it started ends with it.
     if child.poll() is None:
         if hasattr(os, "killpg"):
             os.killpg(child.pid, signal.SIGKILL)

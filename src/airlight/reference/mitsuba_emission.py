@@ -37,6 +37,7 @@ class _Lights:
 
 def emission_balls(scene: Scene, notes: list[str], seed: int = 0) -> list[Element]:
     """The balls as shapes, and a note that there are some."""
+    # Volumes that emit become points of light; the emission of [medium] gets a note.
     emissive = [v for v in scene.volumes if v.is_emissive]
     if scene.medium is not None and max(scene.medium.emission) > 0.0:
         notes.append("the emission of [medium] is left out: Mitsuba's media emit nothing")
@@ -69,6 +70,7 @@ def emission_balls(scene: Scene, notes: list[str], seed: int = 0) -> list[Elemen
 
 def _cross_section(points: F64, weight: F64) -> float:
     """m^2: the mean over three axes of what is seen of most of the light."""
+    # Half axes of sqrt(3) standard deviations: half the width, were it a uniform box.
     mean = np.average(points, axis=0, weights=weight)
     spread = np.sqrt(np.average((points - mean) ** 2, axis=0, weights=weight))
     x, y, z = (max(float(s), 1e-4) for s in spread)
@@ -76,6 +78,7 @@ def _cross_section(points: F64, weight: F64) -> float:
 
 
 def _ball(number: int, point: F64, intensity: F64, radius: float) -> Element:
+    # A ball is black, or it would scatter the light of others.
     shape = plugin("shape", "sphere", id=f"{MARK}_{number}")
     add_point(shape, "center", (float(point[0]), float(point[1]), float(point[2])))
     add_number(shape, "radius", radius)
@@ -92,6 +95,7 @@ def _ball(number: int, point: F64, intensity: F64, radius: float) -> Element:
 
 def _voxels(volume: Volume) -> _Lights:
     """Every voxel as a point; shapes are sampled on a grid of their own."""
+    # Density's own voxels, those of the emission, or samples of a shape without either.
     emission = volume.emission
     assert emission is not None
     values: NDArray[np.floating]

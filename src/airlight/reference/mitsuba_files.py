@@ -65,6 +65,7 @@ def write_ply(
     colors: F32 | None = None,
 ) -> None:
     """A little-endian binary PLY of triangles. `colors` (V, 3) become Mitsuba's vertex_color."""
+    # Vertices interleaved, each with what the arrays hold of it, in the order of the header.
     names = ["x", "y", "z"] + ["nx", "ny", "nz"] * (normals is not None)
     names += ["u", "v"] * (uvs is not None) + ["r", "g", "b"] * (colors is not None)
     arrays = [a for a in (positions, normals, uvs, colors) if a is not None]
@@ -72,6 +73,8 @@ def write_ply(
     # Faces are lists in this format, each with its length before it.
     faces = np.empty(len(indices), dtype=[("count", "u1"), ("index", "<i4", 3)])
     faces["count"], faces["index"] = 3, indices
+
+    # The header names every property in the order in which the bytes follow.
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
     header += [f"property float {name}" for name in names]
     header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
@@ -100,8 +103,11 @@ def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
 
 def write_vol(path: Path, values: F32, bounds: Bounds) -> None:
     """Mitsuba's grid file, version 3: `values` (z, y, x) or (z, y, x, channel) float32."""
+    # One channel is a grid with a last axis of one.
     grid = values[..., None] if values.ndim == 3 else values
     depth, height, width, channels = grid.shape
+
+    # Size and channels, then the box that the grid fills, then x fastest.
     with path.open("wb") as file:
         file.write(b"VOL\x03" + struct.pack("<5i", 1, width, height, depth, channels))
         file.write(struct.pack("<6f", *bounds[0], *bounds[1]))

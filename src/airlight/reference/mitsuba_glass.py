@@ -54,21 +54,27 @@ class ThinGlass(GltfReflection):
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         """Of what is reflected."""
+        # Reflection is seen from the side that `wi` is on: the sheet is lit alike from both.
         surface, wi = self._surface(si, active), self._towards(si.wi)
         out = self._mirrored(wo, si.wi)
         above = active & (out.z > 0.0) & self._is_there(si)
         value = surface.reflection(wi, out) * out.z
+
+        # Lobes are drawn as often as light does not pass.
         reflected = 1.0 - dr.mean(self.eval_null_transmission(si, active))
         pdf = surface.pdf(wi, out) * reflected
         return dr.select(above, value, 0.0), dr.select(above, pdf, 0.0)
 
     def eval_null_transmission(self, si: Any, active: Any = True) -> Any:
         """What goes straight on: what Fresnel's term leaves, tinted."""
+        # Schlick's term on the sheet's F0, of one face alone.
         f0 = 0.04 * self.specular
         x = dr.clip(1.0 - dr.abs(mi.Frame3f.cos_theta(si.wi)), 0.0, 1.0)
         mirrored = f0 + (dr.minimum(50.0 * f0, 1.0) - f0) * (dr.square(dr.square(x)) * x)
         tint = self.base_color.eval(si, active)
         passed = self._passing(si, active) * (1.0 - mirrored) * tint
+
+        # A one-sided sheet seen from behind is not there: all light passes.
         return dr.select(self._is_there(si), passed, 1.0)
 
     def _passing(self, si: Any, active: Any) -> Any:

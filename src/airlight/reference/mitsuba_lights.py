@@ -39,6 +39,8 @@ def _element(emitter: Emitter, files: FileStore) -> Element:
     if emitter.mark:  # ids differ from each other
         identity = f"{emitter.mark}_{len(files.meshes)}"
         files.meshes.append(identity)
+
+    # Plugins inside plugins, as the light describes itself.
     element = plugin(emitter.tag, emitter.kind, emitter.name, id=identity)
     for name, value in emitter.values.items():
         _add(element, name, value, files)
@@ -105,6 +107,8 @@ def environment_emitter(environment: Environment, files: FileStore) -> Element:
     name = files.once(key, "environment", "exr", lambda path: write_exr(path, rows))
     add_text(emitter, "filename", name)
     add_number(emitter, "scale", environment.scale)
+
+    # The turn goes about the vertical axis, as a matrix.
     if environment.rotation_deg != 0.0:
         c = math.cos(math.radians(environment.rotation_deg))
         s = math.sin(math.radians(environment.rotation_deg))

@@ -28,6 +28,7 @@ def find_llvm(environment: Mapping[str, str] = os.environ, root: Path = Path("/"
 
     `root` stands for the file system's root.
     """
+    # What the user names is taken or refused, never replaced by another one.
     said = environment.get("DRJIT_LIBLLVM_PATH", "")
     if said:
         path = Path(said)
@@ -35,6 +36,8 @@ def find_llvm(environment: Mapping[str, str] = os.environ, root: Path = Path("/"
         return path if path.exists() and (version is None or version >= OLDEST_LLVM) else None
     if sys.platform == "win32":
         return None  # Dr.Jit looks for LLVM-C.dll itself, and has no name to judge it by
+
+    # All libraries whose name tells a version that works.
     found = [
         (version, path)
         for folder in _FOLDERS

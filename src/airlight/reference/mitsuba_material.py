@@ -92,6 +92,8 @@ def _covered(inner: Element, material: Material, geometry: Geometry, files: File
     if not material.is_blended or not material.is_translucent:
         return inner
     node, texture = plugin("bsdf", "mask"), material.base_color_texture
+
+    # Opacity by the texture's alpha where there are coordinates to read it at.
     if texture is None or geometry.uvs is None:
         add_number(node, "opacity", material.alpha)
     else:
@@ -170,6 +172,7 @@ def _with_constant_colors(
 def _add_base_color(
     parent: Element, name: str, material: Material, geometry: Geometry, files: FileStore
 ) -> None:
+    # By a texture times its factor, by vertex colours, or one colour.
     texture = material.base_color_texture
     if texture is not None and geometry.uvs is not None:
         add_color_texture(parent, name, texture, material.base_color, files)
@@ -185,6 +188,8 @@ def _glossy(material: Material, geometry: Geometry, files: FileStore, notes: lis
     node = plugin("bsdf", "airlight" if files.knows_airlight else "principled")
     _add_base_color(node, "base_color", material, geometry, files)
     texture = material.metallic_roughness_texture if geometry.uvs is not None else None
+
+    # glTF keeps roughness in the green and metallic in the blue channel.
     for name, channel in (("roughness", 1), ("metallic", 2)):
         factor = getattr(material, name)
         if texture is None or factor == 0.0:
@@ -221,6 +226,8 @@ def _masked(inner: Element, material: Material, files: FileStore) -> Element:
     """
     texture = material.base_color_texture
     assert texture is not None
+
+    # A mask depends on pixels, factor, cutoff and wrapping: equal ones share a file.
     key = (
         files.identity(texture.pixels),
         "opacity",

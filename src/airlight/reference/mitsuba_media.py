@@ -74,6 +74,8 @@ def scene_media(scene: Scene, files: FileStore, notes: list[str]) -> Media:
         media.is_colored = np.ptp(air.sigma_t) > 0.0
         if np.all(eye > medium_extent[0]) and np.all(eye < medium_extent[1]):
             media.camera_id = AIR
+
+    # Volumes lie in the medium or apart from it: an overlap of any other kind was refused.
     for index, volume in enumerate(volumes):
         name = f"volume_{index}"
         inside_medium = medium_extent is not None and is_inside(volume, medium_extent)
@@ -85,6 +87,7 @@ def scene_media(scene: Scene, files: FileStore, notes: list[str]) -> Media:
 
 def medium_bounds(scene: Scene) -> tuple[F64, F64]:
     """The box of the scene's homogeneous medium, metres, a hair larger than said."""
+    # Said bounds grow a hair, lest the box's faces lie in those of surfaces.
     assert scene.medium is not None
     if scene.medium.bounds is not None:
         low, high = (np.array(corner) for corner in scene.medium.bounds)
@@ -147,6 +150,8 @@ def _constant_volume(
     albedo = (own_s + around_s) / np.maximum(sigma_t, 1e-30)
     weight = float(np.mean(own_s / np.maximum(own_s + around_s, 1e-30)))
     medium = _homogeneous(name, _Coefficients(sigma_t, albedo, own.g), with_phase=False)
+
+    # Where the two phase functions differ, a blend by what each scatters.
     if own.g == around.g:
         medium.append(_phase(own.g))
     else:
@@ -205,6 +210,7 @@ def _mixed_phase(
 
     Mitsuba mixes two at a time: the last with the mixture of those before it.
     """
+    # Each blend holds the share of its last part; the others blend among themselves.
     *before, (g, last) = parts
     if not before:
         return _phase(g, name)
@@ -218,6 +224,7 @@ def _mixed_phase(
 
 def _add_grid(parent: Element, name: str, values: F32, volume: Volume, files: FileStore) -> None:
     """A grid over the volume's placed bounds; one channel where all are equal."""
+    # One channel where colours are equal: a file of a third of the size.
     if values.ndim == 4 and np.ptp(values, axis=-1).max() == 0.0:
         values = values[..., 0]
     key = ("grid", files.identity(values))
@@ -233,6 +240,7 @@ _CUBE_FROM_UNIT = np.array([[2.0, 0, 0, -1], [0, 2, 0, -1], [0, 0, 2, -1], [0, 0
 
 
 def _homogeneous(name: str, values: _Coefficients, *, with_phase: bool = True) -> Element:
+    # Coefficients relative to the largest: Mitsuba scales them by one number.
     medium = plugin("medium", "homogeneous", id=name)
     top = float(values.sigma_t.max())
     add_rgb(medium, "sigma_t", triple(values.sigma_t / top))

@@ -79,6 +79,7 @@ class LayeredPaths:
         self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
     ) -> Any:
         """The image and all layers, along rays from the eye."""
+        # Transmittance has a walk of its own; without media or masks it is 1.
         eye = mi.Ray3f(ray)
         inside = mi.MediumPtr(medium)
         here = mi.Bool(active)
@@ -86,6 +87,8 @@ class LayeredPaths:
         if self.options.has_media or self.options.has_masks:
             through = transmittance(scene, sampler, eye, inside, here, to_surface=True)
         found = trace(scene, sampler, eye, inside, here, self.options)
+
+        # Layers without one_bounce, which is a part of indirect, add up to the image.
         direct, _, indirect, single, multiple = found
         layers = (*found, through)
         total = direct + indirect + single + multiple
@@ -172,6 +175,7 @@ def credited(layers: tuple[Any, ...], events: Any, in_medium: Any, found: Any) -
 
 def roulette(sampler: Any, throughput: Any, events: Any, active: Any) -> tuple[Any, Any]:
     """Which paths are still `active`, and their throughput, of weights near one."""
+    # Paths survive by their brightest channel, and those that do carry the rest's weight.
     q = dr.minimum(dr.max(throughput), 0.95)
     is_asked = events > RUSSIAN_ROULETTE_DEPTH
     survives = (sampler.next_1d(active) < q) | ~is_asked

@@ -30,8 +30,8 @@ MAX_SAMPLES_A_PASS = 1 << 22  # camera rays in flight: bounds memory in compiled
 class Job:
     """What to render: `layers` of mitsuba_paths, or "all" alone for Mitsuba's own integrator.
 
-    `max_depth`: as in Mitsuba, -1 for no limit; `batches` independent renders of `spp / batches`
-    samples each, from which the variance is estimated.
+    `max_depth`: as in Mitsuba, -1 for no limit. `spp` is split over at least four independent
+    renders, from which the variance is estimated.
     """
 
     xml: str
@@ -64,6 +64,8 @@ def main(job_file: str) -> None:
     """Render the job and leave its result file."""
     job = read_job(Path(job_file))
     threading.Thread(target=_end_with_parent, args=(Path(job_file).parent,), daemon=True).start()
+
+    # Mitsuba takes seconds to import: the thread that ends with the parent runs before.
     import mitsuba as mi
 
     mi.set_variant(job.variant)
@@ -116,6 +118,8 @@ class _Batches:
     def __init__(self, job: Job) -> None:
         self.job = job
         pixels = job.width * job.height
+
+        # Four batches at least, each of as many samples as memory holds rays for.
         batch_spp = max(1, min(job.spp // 4, MAX_SAMPLES_A_PASS // pixels))
         self.count = max(4, round(job.spp / batch_spp))
         self.batch_spp = max(1, round(job.spp / self.count))
@@ -126,6 +130,7 @@ class _Batches:
     def run(self) -> None:
         renderer = _layered if self.job.integrator == "airlight_layers" else _Stock(self.job)
         for index in range(self.count):
+            # Jobs of neighbouring seeds share no seed of a batch.
             seed = (self.job.seed * 1_000_003 + index) % 2**32
             for name, image in renderer(self.job, seed, self.batch_spp).items():
                 self._add(name, image.astype(np.float64), index + 1)
@@ -142,6 +147,7 @@ class _Batches:
 
     def results(self) -> dict[str, NDArray[np.float32]]:
         """NAME and NAME.variance (of the mean), float32, per layer."""
+        # The variance of the mean: squared deviations over n (n - 1).
         scale = 1.0 / ((self.count - 1) * self.count)
         means = {name: mean.astype(np.float32) for name, mean in self._mean.items()}
         spread = {f"{n}.variance": (m2 * scale).astype(np.float32) for n, m2 in self._m2.items()}
@@ -199,6 +205,8 @@ class _Stock:
 
         self._scene = _load(job, job.xml)
         self._integrators: dict[int, Any] = {}
+
+        # Hiding all emitters would hide area lights too: there the environment is subtracted.
         self._subtract = job.hide_environment and job.has_area_lights
         self._hide = job.hide_environment and not job.has_area_lights
         self._background = _load(job, _environment_only(job.xml)) if self._subtract else None
@@ -208,6 +216,7 @@ class _Stock:
         rendered: dict[int, NDArray[np.float32]] = {}
 
         def limited(limit: int) -> NDArray[np.float32]:
+            # A limit that the job itself sets holds for both ends of a difference.
             if job.max_depth > 0:
                 limit = job.max_depth if limit < 0 else min(limit, job.max_depth)
             if limit not in rendered:

@@ -68,6 +68,7 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
     except OSError as error:
         raise OutputError(f"cannot write: {error.strerror}", where=path) from None
     try:
+        # What Mitsuba cannot say is told, not refused.
         notes: list[str] = []
         if not _has_grey_g(scene):
             notes.append("g differs between the channels, written as its mean")
@@ -75,6 +76,8 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
             notes.append("the camera's exposure is left out: Mitsuba's images have none")
         size = scene.camera.image_size
         exported = export(scene, staged, path.stem, prefix, size=size, notes=notes)
+
+        # Folder first, then the XML that names it: a reader of the new XML finds its files.
         _replace_folder(staged, path.parent / prefix)
         made = path.parent / prefix / f"{path.stem}.xml"
         with whole_file(path) as part:
@@ -89,6 +92,7 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
 
 def _check_folder(folder: Path, path: Path) -> None:
     """Raise OutputError unless `folder` can be replaced: only our files, none of them an input."""
+    # A folder that airlight did not write is never replaced.
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise OutputError(
             f"'{folder.name}' beside it is not a folder", where=path, remedy=_OTHER_NAME
@@ -104,6 +108,7 @@ def _check_folder(folder: Path, path: Path) -> None:
 
 
 def _replace_folder(staged: Path, target: Path) -> None:
+    # Renamed aside before the new one takes its name: at no time is half a folder there.
     old = staged.with_suffix(".old")
     if target.exists():
         target.replace(old)
@@ -139,11 +144,15 @@ def export(
     emitters += emission_balls(scene, notes)
     if scene.environment is not None:
         emitters.append(environment_emitter(scene.environment, files))
+
+    # Masks and glass need an integrator that follows light straight through surfaces.
     has_masks = any(
         is_masked(mesh.material, mesh.geometry) or mesh.material.is_translucent
         for mesh in scene.meshes
     )
     integrator = _integrator(media, has_masks)
+
+    # What is referred to stands first: materials and media before the shapes that use them.
     root = _root(integrator, size, spp)
     root.append(_hiding(plugin("integrator", integrator), scene, notes))
     root.extend(files.bsdfs.values())
@@ -185,6 +194,7 @@ def g_channels(scene: Scene) -> tuple[int, ...]:
 
 def scene_diagonal(scene: Scene) -> float:
     """Length of the box around surfaces, volumes, camera and air with an end, metres."""
+    # Everything that can be seen, and the eye itself.
     low, high = scene.bounds
     eye = np.array(scene.camera.position)
     low, high = np.minimum(low, eye), np.maximum(high, eye)
@@ -196,6 +206,8 @@ def scene_diagonal(scene: Scene) -> float:
 
 def _root(integrator: str, size: tuple[int, int], spp: int) -> Element:
     root = Element("scene", {"version": "3.0.0"})
+
+    # Defaults of the file's parameters, which Mitsuba's loader and command line can set.
     defaults = {"integrator": integrator, "max_depth": -1, "spp": spp}
     for name, value in (*defaults.items(), ("width", size[0]), ("height", size[1])):
         if name != "integrator":
@@ -211,6 +223,7 @@ def _integrator(media: Media, has_masks: bool) -> str:
 
 
 def _hiding(integrator: Element, scene: Scene, notes: list[str]) -> Element:
+    # Mitsuba hides all emitters at once, so what glows keeps the environment visible.
     add_integer(integrator, "max_depth", "$max_depth")
     if scene.environment is None or scene.environment.visible:
         return integrator

@@ -146,6 +146,7 @@ def _ply(material: Material, geometry: Geometry, files: FileStore) -> str:
 
 def _is_smooth(geometry: Geometry) -> bool:
     """Whether vertex normals differ by over a degree from the triangles' own."""
+    # Cosines between each triangle's normal and those of its three vertices.
     assert geometry.normals is not None
     a, b, c = (geometry.positions[geometry.indices[:, k]].astype(np.float64) for k in range(3))
     face = np.cross(b - a, c - a)
@@ -209,6 +210,7 @@ def _emission_parts(material: Material, geometry: Geometry, notes: list[str]) ->
 
 def _maps_uniquely(texture: Texture, geometry: Geometry) -> bool:
     """Whether no texel is used twice: Mitsuba samples a glowing texture by its texels."""
+    # Coordinates that are transformed or leave the unit square use texels twice or not at all.
     if texture.scale != (1.0, 1.0) or texture.offset != (0.0, 0.0):
         return False
     assert geometry.uvs is not None
@@ -224,6 +226,7 @@ def _covered_share(uv: F64) -> float:
     Points spread evenly over the triangles fall into cells of a grid; overlapping triangles
     fill fewer cells than their areas add up to.
     """
+    # Areas in texture space; more than the unit square cannot be free of overlaps.
     side = 64
     edge = uv[:, 1:] - uv[:, :1]
     area = 0.5 * np.abs(edge[:, 0, 0] * edge[:, 1, 1] - edge[:, 0, 1] * edge[:, 1, 0])
@@ -232,6 +235,8 @@ def _covered_share(uv: F64) -> float:
         return 0.0
     if total > 1.0 + 1e-6:
         return 0.0
+
+    # Points spread over the triangles by area, and counted by cell.
     rng = np.random.default_rng(0)
     count = 32 * side * side
     chosen = np.searchsorted(np.cumsum(area) / total, rng.random(count)).clip(0, len(uv) - 1)
@@ -248,6 +253,7 @@ def _covered_share(uv: F64) -> float:
 
 def _triangle_means(texture: Texture, geometry: Geometry) -> F64:
     """Mean linear colour (T, 3) over each triangle, from 36 points."""
+    # Centroids of the 36 upright triangles that cutting each side into 8 makes.
     assert geometry.uvs is not None
     pixels = linear_pixels(texture)
     uv = geometry.uvs[geometry.indices] * np.array(texture.scale) + np.array(texture.offset)

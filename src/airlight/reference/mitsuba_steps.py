@@ -42,11 +42,14 @@ def flown(
     sampler: Any, ray: Any, medium: Any, si: Any, throughput: Any, active: Any
 ) -> tuple[Any, Any, Any, Any]:
     """Where rays collide in media before `si`, which do, which of those scatter; throughput."""
+    # A tentative free flight by the majorant of the drawn channel; a surface before its end wins.
     throughput = mi.Spectrum(throughput)
     in_medium = active & (medium != None)  # noqa: E711 (an array of pointers)
     channel = pick_channel(sampler, in_medium)
     mei = medium.sample_interaction(ray, sampler.next_1d(in_medium), channel, in_medium)
     mei.t[in_medium & (si.t < mei.t)] = dr.inf
+
+    # Its chance is the mean over channels, whichever was drawn.
     tr, pdf = medium.transmittance_eval_pdf(mei, si, in_medium)
     density = dr.mean(pdf)
     throughput[in_medium] *= dr.select(density > 0.0, tr / density, 0.0)
@@ -67,6 +70,8 @@ def emitted(scene: Any, si: Any, came: tuple[Any, Any, Any], throughput: Any, sh
     `came`: the vertex before, how likely it sent the ray, sr^-1, and whether nowhere else.
     """
     last, last_pdf, last_delta = came
+
+    # Direct hits share their weight with emitter sampling, which could have found them too.
     emitter = si.emitter(scene, shines)
     shines = shines & (emitter != None)  # noqa: E711
     ds = mi.DirectionSample3f(scene, si, last)
@@ -88,6 +93,7 @@ def sampled_light(
 
     `is_filtered`: surfaces and media let some of it pass.
     """
+    # Vertices that can be lit: all but mirrors, in media wherever light scatters.
     si, mei = at.si, at.mei
     smooth = mi.has_flag(at.bsdf.flags(), mi.BSDFFlags.Smooth)
     lit_surface, lit_medium = at.on_surface & smooth & allowed, at.scatters & allowed
@@ -167,6 +173,7 @@ def transmittance(
         collides = in_medium & mei.is_valid()
         T[collides] *= mei.sigma_n / mei.combined_extinction
 
+        # Surfaces let pass what they do: opaque ones end the walk, boundaries switch the medium.
         on_surface = active & ~collides & si.is_valid()
         bsdf = si.bsdf(ray)
         opening = bsdf.eval_null_transmission(si, on_surface)
@@ -176,6 +183,8 @@ def transmittance(
         else:
             T[on_surface] *= opening
         medium[on_surface & si.is_medium_transition()] = si.target_medium(ray.d)
+
+        # On from the collision or the surface, with the distance that remains.
         travelled = dr.select(collides, mei.t, si.t)
         left = ray.maxt - travelled
         ray[collides] = mei.spawn_ray(ray.d)

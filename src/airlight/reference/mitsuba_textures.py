@@ -18,6 +18,7 @@ MAX_OPACITY_PX = 8192
 
 def linear_pixels(texture: Texture) -> F32:
     """(H, W, 3) float32, linear, of a texture's 8-bit pixels."""
+    # The sRGB decoding, in single precision.
     x = texture.pixels[..., :3].astype(np.float32) / np.float32(255.0)
     if not texture.is_srgb:
         return x
@@ -81,6 +82,7 @@ def add_color_texture(
     parent: Element, name: str, texture: Texture, factor: Rgb, files: FileStore
 ) -> None:
     """The texture itself where its factor is 1, else linear float pixels times the factor."""
+    # 8-bit pixels are stored as they are where nothing multiplies or unfolds them.
     key = (files.identity(texture.pixels), "color", texture.is_srgb, texture.wrap, factor)
     if factor == (1.0, 1.0, 1.0) and texture.is_srgb and texture.wrap[0] == texture.wrap[1]:
         pixels = texture.pixels[..., :3]
@@ -116,6 +118,7 @@ def add_data_channel(
 
 def scaled_normals(texture: Texture, scale: float) -> F32:
     """Unit normals from -1..1 to 0..1, their tilt times `scale`."""
+    # Bytes to vectors; only the tilt is scaled, and lengths become 1 again.
     n = texture.pixels[..., :3].astype(np.float32) / np.float32(127.5) - np.float32(1.0)
     n[..., :2] *= np.float32(scale)
     length = np.sqrt(np.einsum("ijk,ijk->ij", n, n))
@@ -125,6 +128,7 @@ def scaled_normals(texture: Texture, scale: float) -> F32:
 
 def opaque(material: Material, texture: Texture) -> NDArray[np.uint8]:
     """255 where the filtered alpha reaches the cutoff, else 0."""
+    # Alpha is compared on the finer grid, as if filtered first.
     alpha = texture.pixels[..., 3].astype(np.float32) * np.float32(material.alpha / 255.0)
     fine = _upsampled(unfolded(texture, alpha), texture)
     return np.where(fine >= material.alpha_cutoff, 255, 0).astype(np.uint8)
@@ -133,6 +137,7 @@ def opaque(material: Material, texture: Texture) -> NDArray[np.uint8]:
 def _upsampled(alpha: F32, texture: Texture) -> F32:
     """Bilinear, `OPACITY_UPSAMPLING` times finer per axis where that stays within bounds."""
     for axis, mode in ((0, texture.wrap[1]), (1, texture.wrap[0])):
+        # Texel centres of the fine grid, between which two coarse ones they lie, and how far along.
         count = alpha.shape[axis]
         factor = max(1, min(OPACITY_UPSAMPLING, MAX_OPACITY_PX // count))
         at = (np.arange(count * factor) + 0.5) / factor - 0.5

@@ -45,6 +45,7 @@ def white_furnace(radiance: Array) -> tuple[F64, F64]:
 
 def box_path(origin: Array, direction: Array, bounds: Bounds) -> tuple[F64, F64]:
     """Distances (entry, exit) of rays and a box, m; entry >= 0, equal where a ray misses."""
+    # Where each ray meets the six planes; parallel ones give infinities, set right below.
     p, d = np.broadcast_arrays(np.asarray(origin, float), np.asarray(direction, float))
     with np.errstate(divide="ignore", invalid="ignore"):
         t = (np.array(bounds).reshape(2, *(1,) * (p.ndim - 1), 3) - p) / d
@@ -61,6 +62,7 @@ def box_path(origin: Array, direction: Array, bounds: Bounds) -> tuple[F64, F64]
 
 def sphere_path(origin: Array, direction: Array, centre: Array, radius: float) -> tuple[F64, F64]:
     """Distances (entry, exit) of rays and a sphere, m; entry >= 0, equal where a ray misses."""
+    # A negative discriminant counts as a ray that touches, and so as a miss.
     away = np.asarray(origin, float) - np.asarray(centre, float)
     d = np.asarray(direction, float)
     b = np.sum(away * d, axis=-1)
@@ -77,10 +79,13 @@ def polygon_irradiance(points: Array, normals: Array, corners: Array, radiance: 
     receiver's horizon is clipped; behind the polygon it is dark. Lambert 1760: L/2 times the
     sum over edges of the angle they subtend times the normal of the wedge, projected.
     """
+    # Corners relative to each point, their heights above its horizon, and edges from v to w.
     p, n = np.asarray(points, float), np.asarray(normals, float)
     v = np.asarray(corners, float) - p[..., None, :]
     w = np.roll(v, -1, axis=-2)
     hv, hw = (np.sum(a * n[..., None, :], axis=-1) for a in (v, w))
+
+    # Edges that cross the horizon are cut there.
     with np.errstate(divide="ignore", invalid="ignore"):
         crossing = v + (w - v) * np.where(hv != hw, hv / (hv - hw), 0.0)[..., None]
     falls, rises = (hv > 0) & (hw <= 0), (hv <= 0) & (hw > 0)
@@ -95,6 +100,7 @@ def polygon_irradiance(points: Array, normals: Array, corners: Array, radiance: 
 
 
 def _edge(a: F64, b: F64, n: F64) -> F64:
+    # The wedge's normal, as long as |a| |b| times the sine of its angle.
     """Angle between a and b (..., edges, 3) times the unit normal of their wedge, along n."""
     wedge = np.cross(a, b)
     sine = np.linalg.norm(wedge, axis=-1)
@@ -124,12 +130,15 @@ def point_single_scatter(
     inner and outer half angles `cone_deg` (smoothstep of the cosine between). Equi-angular:
     t = h tan X, dX = h dt/(h^2 + t^2) removes the light's pole (Kulla2012).
     """
+    # Closest approach of the ray to the light, and the angles X at the light of its two ends.
     p, d = np.asarray(origin, float), np.asarray(direction, float)
     to_light = np.asarray(position) - p
     closest = np.sum(to_light * d, axis=-1)[..., None]
     h = np.sqrt(np.maximum(np.sum(to_light**2, axis=-1)[..., None] - closest**2, 1e-24))
     first = np.arctan2(-closest, h)
     last = np.arctan2(np.asarray(length, float)[..., None] - closest, h)
+
+    # Nodes equal in angle: distance along the ray, and from the light.
     x, w = panels(count, nodes)
     X = first + (last - first) * x
     t = closest + h * np.tan(X)
@@ -137,6 +146,8 @@ def point_single_scatter(
     away = (p[..., None, :] + t[..., None] * d[..., None, :] - position) / r[..., None]
     # The eye looks along d: light reaches it travelling along -d.
     phase = henyey_greenstein(-np.sum(away * d[..., None, :], axis=-1), g)
+
+    # Extinction on both parts of the path, and the falloff of a spot.
     source = intensity * np.exp(-sigma_t * (t + r)) * phase
     if axis is not None:
         source = source * spot_falloff(away @ np.asarray(axis), *cone_deg)
@@ -168,11 +179,14 @@ def directional_single_scatter(
 
     Panels carry the kinks where the light's path changes the face it entered by.
     """
+    # Nodes along the eye ray's part inside the box.
     p, d = np.asarray(origin, float), np.asarray(direction, float)
     entry, leave = box_path(p, d, bounds)
     x, w = panels(count, nodes)
     depth = (leave - entry)[..., None] * x
     at = p[..., None, :] + (entry[..., None] + depth)[..., None] * d[..., None, :]
+
+    # From each node back against the light to where it entered.
     _, lit = box_path(at, -np.asarray(travel), bounds)
     through = np.sum(np.exp(-sigma_t * (lit + depth)) * w, axis=-1)
     phase = henyey_greenstein(-np.sum(d * np.asarray(travel), axis=-1), g)
@@ -196,11 +210,14 @@ def box_single_scatter_intensity(
     Parallel light of `irradiance` travels along `travel`. A volume integral over
     (count * nodes)^3 points.
     """
+    # Nodes in the whole box, each with its share of the volume.
     low, high = np.array(bounds[0]), np.array(bounds[1])
     x, w = panels(count, nodes)
     grid = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1)
     weight = w[:, None, None] * w[None, :, None] * w[None, None, :] * np.prod(high - low)
     at = low + grid * (high - low)
+
+    # Two optical paths: from the light's entry, and on to the eye's side.
     _, lit = box_path(at, -np.asarray(travel, float), bounds)
     _, seen = box_path(at, np.asarray(view, float), bounds)
     phase = henyey_greenstein(np.dot(travel, view), g)

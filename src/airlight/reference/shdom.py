@@ -41,6 +41,7 @@ class Shdom:
 
     def emission(self, towards_eye: F64) -> F64:
         """In-scattered radiance per unit sigma_s (z, y, x, channel), towards (z, y, x, 3)."""
+        # Band l of the series scatters with g^l (Funk-Hecke); ringing below zero is cut.
         basis = harmonics(np.broadcast_to(towards_eye, (*self.medium.density.shape, 3)), self.bands)
         g = self.medium.g ** band_of(self.bands)[:, None]
         scattered = np.einsum("zyxk,kzyxc,kc->zyxc", basis, self.radiance, g, optimize=True)
@@ -52,6 +53,7 @@ def environment_series(radiance: F64, bands: int, *, prefilter: bool = True) -> 
 
     `prefilter`: smoothed by Hanning's window.
     """
+    # The projection of every texel's radiance, row by row: texels of a row have one solid angle.
     height, width = radiance.shape[:2]
     travel = -latlong_texel_directions(height, width)
     weight = latlong_row_solid_angles(height, width)
@@ -68,11 +70,14 @@ def solve(
 
     Iterates over orders of scattering, at most `iterations` times.
     """
+    # Nodes that integrate products of two series of these bands without error.
     directions, weights = quadrature_directions(bands)
     basis = harmonics(directions, bands)
     incident = np.maximum(basis @ outside, 0.0)
     # Directions that cross layers of one axis to the same sides are swept together.
     groups = [_Group(medium, directions, member) for member in _grouped(medium, directions)]
+
+    # In-scattering in the series' space, one factor for each band and channel.
     scattering = medium.albedo * medium.g ** band_of(bands)[:, None]
     scattering = scattering[:, None, None, None, :]
     shape = (bands * bands, *medium.density.shape, len(medium.g))
@@ -95,6 +100,7 @@ def solve(
 
 
 def _grouped(medium: MediumGrid, directions: F64) -> list[I64]:
+    # The axis whose layers are crossed most often leads; the signs of all three split its group.
     """Directions that cross layers of the same axis and lean to the same sides, together."""
     steepness = np.abs(directions) / medium.cell
     axis = np.argmax(steepness, axis=1)
@@ -106,12 +112,15 @@ class _Group:
     """Ordinates carried through the medium's layers together; arrays turned so that layers lead."""
 
     def __init__(self, medium: MediumGrid, directions: F64, member: I64) -> None:
+        # The leading axis, the other two, and which of them run against the light.
         d, self.member = directions[member], member
         axis = int(np.argmax(np.abs(d[0]) / medium.cell))
         others = [k for k in (2, 1, 0) if k != axis]  # of the array: slower first
         self.order = [2 - axis, *(2 - k for k in others)]
         flips = [bool(d[0, k] < 0.0) for k in (axis, *others)]
         self._flipped = tuple(1 + k for k, flipped in enumerate(flips) if flipped)
+
+        # A path's length through a layer, how many cells it leans aside, its optical depth.
         depth = medium.cell[axis] / np.abs(d[:, axis])
         self.lean = [np.abs(d[:, k]) * depth / medium.cell[k] for k in others]
         density = self._turned(medium.density[None, ..., None])[0]

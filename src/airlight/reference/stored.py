@@ -45,6 +45,7 @@ class StoredScene:
 
 def _as_drawn(scene: Scene) -> Scene:
     """`scene` with the background of the stored images: a sky of 64 rows whose horizon blends."""
+    # Only the generated sky is replaced; scenes that bring another one keep it.
     directional = [light for light in scene.lights if isinstance(light, DirectionalLight)]
     if not directional or scene.environment is None or scene.environment.source != "clear sky":
         return scene
@@ -67,6 +68,7 @@ def save_stored(reference: Image, path: Path, *, stats: Mapping[str, Any]) -> No
 
     The file appears whole or not at all. Raises OutputError, ReferenceFailure without variance.
     """
+    # Layers that hold light, each with its standard error beside it.
     layers = {
         name: reference.layers[name]
         for name in (*LAYERS, *MEDIUM_LAYERS)

@@ -139,6 +139,7 @@ class Beam:
 
     def emitter(self, bounds: Bounds) -> tuple[Emitter, float]:
         """For the kernel, and the power that enters, W."""
+        # Power through each face by its cosine; faces that look away send none.
         d = np.array(checks.unit_vec3(self.direction, "beam direction"))
         low, high, inward = _faces(bounds)
         if self.window is not None:
@@ -155,6 +156,7 @@ class IsotropicEnvironment:
 
     def emitter(self, bounds: Bounds) -> tuple[Emitter, float]:
         """For the kernel, and the power that enters, W."""
+        # A uniform environment: irradiance pi L on every face, entering by the cosine.
         low, high, inward = _faces(bounds)
         power = self.radiance * math.pi * _areas(low, high, inward)
         return _face_emitter(ENVIRONMENT, power, low, high, inward, np.array([0.0, 0.0, 1.0]))
@@ -170,6 +172,8 @@ class PointSource:
     def emitter(self, bounds: Bounds) -> tuple[Emitter, float]:
         """For the kernel, and the power sent into the sampled cone, W."""
         low, high = map(np.array, bounds)
+
+        # The box's bounding sphere.
         centre, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
         # From outside, only the cone that holds the medium's bounding sphere is sampled.
         away = centre - np.array(self.position)
@@ -196,6 +200,8 @@ class Emitting:
         emission = volume.emission
         if emission is None:
             raise ReferenceFailure("the volume emits nothing")
+
+        # Its own grid of emission, else what its density or its whole box emits.
         values = emission.values
         if values is not None:
             return cls(values[..., channel] * np.float32(emission.radiance[channel]))
@@ -227,6 +233,7 @@ Source = Beam | IsotropicEnvironment | PointSource | Emitting
 
 def _faces(bounds: Bounds) -> tuple[F64, F64, F64]:
     """Lower and upper corner and inward normal of the faces -x, +x, -y, +y, -z, +z: (6, 3)."""
+    # Both corners of a face lie in its plane.
     low, high = np.tile(bounds[0], (6, 1)), np.tile(bounds[1], (6, 1))
     face, axis = np.arange(6), np.arange(6) // 2
     upper = face % 2 == 1
@@ -240,6 +247,7 @@ def _faces(bounds: Bounds) -> tuple[F64, F64, F64]:
 
 def _within(window: Bounds, low: F64, high: F64, inward: F64) -> tuple[F64, F64]:
     """The rectangles' parts inside the window; empty ones where their plane is outside it."""
+    # Cut on the two axes in the face's plane; its third coordinate stays.
     first, last = np.maximum(low, window[0]), np.minimum(high, window[1])
     missed = np.any(first > last, axis=1, keepdims=True)
     flat = inward != 0.0
@@ -258,6 +266,8 @@ def _face_emitter(
     total = float(power.sum())
     if total <= 0.0:
         raise ReferenceFailure("the light sends no power into the box")
+
+    # Dark faces take no part in the draw.
     lit = power > 0.0
     chance = np.cumsum(power[lit]) / total
     emitter = Emitter(

@@ -30,6 +30,7 @@ def bounds_along(scene: Scene, axes: F64) -> Box:
     """
     boxes = [_mesh_along(mesh, axes) for mesh in scene.meshes]
     for volume in scene.volumes:
+        # A volume is a box of its own, placed by a matrix.
         placed = volume.world_from_volume
         low, high = box_along(axes @ placed[:3, :3], *volume.bounds)
         offset = axes @ placed[:3, 3]
@@ -61,6 +62,7 @@ def _mesh_along(mesh: Mesh, axes: F64) -> Box:
         low, high = box_along(linear, *geometry_bounds(geometry))
         return low + offset, high + offset
     boxes: list[Box] = []
+    # Else each vertex that a triangle uses is turned, some triangles at a time.
     for part in chunks(len(geometry.indices)):
         used = np.unique(geometry.indices[part])
         placed = geometry.positions[used].astype(np.float64) @ linear.T + offset

@@ -39,6 +39,7 @@ class Camera:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
+        # Each field is checked, and kept as plain numbers.
         put(self, "position", checks.vec3(self.position, "camera position"))
         put(self, "target", checks.vec3(self.target, "camera target"))
         put(self, "up", checks.unit_vec3(self.up, "camera up"))
@@ -51,6 +52,7 @@ class Camera:
             put(self, "focus_m", checks.number(self.focus_m, "focus_m", low=1e-6, high=1e9))
         if self.film_px is not None:
             put(self, "film_px", checks.size_px(self.film_px, "film_px"))
+        # The view needs a direction, and an up that is not along it.
         look = np.subtract(self.target, self.position)
         if not np.any(look):
             raise SceneError("camera position and target are the same point")
@@ -82,6 +84,7 @@ def film_of(aspect: float, usual: tuple[int, int] = USUAL_PX) -> tuple[int, int]
     its height. None for one that no image has."""
     if not MOST_ASPECT > aspect > 1.0 / MOST_ASPECT:
         return None
+    # The usual area in the shape that is asked for.
     width = (usual[0] * usual[1] * aspect) ** 0.5
     height = width / aspect
     return (2 * round(width / 2.0), 2 * round(height / 2.0))

@@ -35,6 +35,7 @@ def number(value: Any, name: str, *, low: float = -MOST, high: float = MOST) -> 
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise SceneError(f"{name} must be a number, not {shown(value)}")
     try:
+        # Whole numbers of any length are numbers to Python, and no float can hold the largest.
         x = float(value)
     except OverflowError:
         raise SceneError(f"{name} is too large") from None
@@ -104,7 +105,9 @@ def unit_vec3(value: Any, name: str) -> Vec3:
 
 def rgb(value: Any, name: str, *, high: float = MOST) -> Rgb:
     """A linear Rec.709 triple of non-negative numbers; one number stands for grey."""
+    # One number is grey, and a boolean is none.
     grey = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    # Colours have a bound of their own, not that of metres.
     triple = vec3([value] * 3 if grey else value, name, high=math.inf)
     if min(triple) < 0.0:
         raise SceneError(f"{name} = {list(triple)} is negative")
@@ -157,6 +160,7 @@ def array(
     a = np.ascontiguousarray(value, dtype=dtype)
     # What was checked before stays the same object: that is how a frame knows what did not change.
     is_own = a is value and not a.flags.writeable
+    # None in a shape stands for any length.
     fits = a.ndim == len(shape) and all(
         want is None or have == want for have, want in zip(a.shape, shape, strict=True)
     )
@@ -169,6 +173,7 @@ def array(
         )
     if is_own:
         return a
+    # A view is made read-only, so that the caller's own array stays writable.
     if a is value or a.base is not None:
         a = a.view()
     a.flags.writeable = False

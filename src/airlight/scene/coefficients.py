@@ -38,6 +38,7 @@ def coefficient_grid(
 
     Raises SceneError, where its voxels are not those of the density, `shape`.
     """
+    # One channel stands for three of the same.
     colours = np.ndim(values) == 4
     wanted = (None, None, None, 3) if colours else (None, None, None)
     grid = checks.array(values, name, shape=wanted, dtype=np.float32)
@@ -66,8 +67,10 @@ def scale_density_tint(sigma: F32) -> tuple[Rgb, F32, F32 | None]:
 
     There is no tint where its channels are one density's, to a thousandth of the largest.
     """
+    # Per channel the largest value is the colour; the channels' shapes remain.
     top = sigma.reshape(-1, 3).max(axis=0)
     shares = sigma / np.maximum(top, 1e-30)
+    # A channel of nothing takes the shape of the others, so that it needs no tint.
     shares[..., top <= 0.0] = shares.max(axis=-1, keepdims=True)
     if float(np.ptp(shares, axis=-1).max()) <= _ALIKE:
         return _rgb(top), np.ascontiguousarray(shares[..., int(np.argmax(top))]), None
@@ -79,6 +82,7 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
 
     `given`: sigma_s and sigma_a, or sigma_t and albedo, m^-1, and g. Raises SceneError.
     """
+    # One pair of coefficients or the other.
     names = [name for name, value in given.items() if value is not None]
     pairs = (("sigma_t", "albedo"), ("sigma_s", "sigma_a"))
     has_t, has_s = (any(name in names for name in pair) for pair in pairs)
@@ -90,6 +94,7 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
         raise SceneError("no coefficient is a grid", remedy="Use shape = 'box', or a density.")
     shape = np.shape(given[grids[0]])[:3]
     full = {name: _filled(given[name], name, shape) for name in names}
+    # The mean cosine stays a number where it is one, so that it needs no mixture.
     g = {"g_grid": full["g"]} if np.ndim(given["g"]) >= 3 else {"g": given["g"]}
     # sigma_t = density times tint; albedo = sigma_s / sigma_t, where anything is.
     if has_t:
@@ -100,6 +105,7 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
             {"albedo_grid": full["albedo"]} if is_grid else {"albedo": checks.rgb(own, "albedo")}
         )
     else:
+        # What is not given is zero; without any extinction there is no albedo either.
         nothing = np.zeros((*shape, 3), np.float32)
         sigma_s = full.get("sigma_s", nothing)
         sigma_t = sigma_s + full.get("sigma_a", nothing)
@@ -140,10 +146,12 @@ def shares_by_g(volume: Volume, sigma_t: F32) -> list[tuple[Rgb, F32 | float]]:
     grid = volume.g_grid
     if grid is None:
         return [(volume.g, 1.0)]
+    # Only what is there counts for how far apart mean cosines lie.
     is_some = sigma_t > 0.0
     low = [_extreme(grid[..., c][is_some[..., c]], min) for c in range(3)]
     high = [_extreme(grid[..., c][is_some[..., c]], max) for c in range(3)]
     span = np.subtract(high, low)
+    # As many phase functions as keep neighbours within _STEP; one where all are alike.
     pieces = max(1, int(np.ceil(float(span.max()) / _STEP - 1e-6))) if span.max() > 1e-6 else 0
     if pieces == 0:
         return [(_rgb(low), 1.0)]
@@ -177,6 +185,7 @@ def parts_of(volume: Volume) -> tuple[Volume, ...]:
         group = object()
         shares, materials = mixed(rows)
         for share, material in zip(shares.T, materials, strict=True):
+            # A density of at most 1; the coefficients take up the rest.
             peak = float(share.max())
             s, a = material[:3] * peak, material[3:] * peak
             t = s + a
@@ -195,6 +204,7 @@ def parts_of(volume: Volume) -> tuple[Volume, ...]:
     # Emission is the volume's once.
     if volume.emission is not None:
         made[0] = replace(made[0], emission=_by_voxel(volume.emission, volume.density))
+    # Read-only arrays stay the same object in later values, which caches go by.
     for part in made:
         assert part.density is not None
         part.density.flags.writeable = False
@@ -211,6 +221,7 @@ def in_parts(scene: Scene) -> Scene:
 def grouped(volumes: Sequence[Volume]) -> list[tuple[Volume, ...]]:
     """Volumes with those that are parts of the same one, and have the same g, together."""
     groups: list[list[Volume]] = []
+    # Parts of one volume follow each other, as `in_parts` puts them.
     for volume in volumes:
         if groups and volume.part_of is not None and volume.part_of is groups[-1][0].part_of:
             groups[-1].append(volume)

@@ -26,14 +26,17 @@ def denoised(image: Image) -> Image:
     An image without such layers is denoised as a whole. Pixels that are not finite count as black.
     Raises SettingsError where pyoidn is not installed or cannot be used here.
     """
+    # What the filter knows of the surfaces, of which noise is none.
     guides = {name: image.layers[name] for name in ("albedo", "normal") if name in image.layers}
     if "albedo" not in guides:
         guides = {}  # the filter takes normals beside albedo alone
     light = {name: image.layers[name] for name in GATHERED if name in image.layers}
     if not light and "direct" in image.layers:
         return image  # nothing was gathered
+    # Without layers there is but the whole to filter.
     if not light:
         return _with(image, _filtered(image.radiance, guides), {})
+    # The image changes by what its gathered layers lost, so that the layers still add up to it.
     made = {name: _filtered(values, guides) for name, values in light.items()}
     change = sum(made[name] - _finite(values) for name, values in light.items())
     return _with(image, np.maximum(_finite(image.radiance) + change, 0.0), made)

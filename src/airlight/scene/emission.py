@@ -39,6 +39,7 @@ class Emission:
         put(self, "radiance", checks.rgb(self.radiance, "emission"))
         put(self, "temperature_scale", checks.number(self.temperature_scale, "temperature_scale"))
         put(self, "temperature_offset", checks.number(self.temperature_offset, "its offset"))
+        # What shines is given by a grid or by a temperature, not by both.
         if self.grid is not None and self.temperature is not None:
             raise SceneError(
                 "emission has a grid of its own and a temperature", remedy="Leave one of them out."
@@ -49,6 +50,7 @@ class Emission:
             put(self, "temperature", _grid(self.temperature, "volume temperature", signed=True))
             if self.temperature.ndim != 3:
                 raise SceneError("volume temperature must be (z, y, x): one number for each voxel")
+            # Negative kelvins are found here, not when a frame needs them.
             _ = self._kelvin
 
     @property

@@ -53,6 +53,7 @@ class Environment:
             if pixels.size == 0:
                 raise SceneError("environment map has no pixels")
             checks.at_most(pixels, checks.MOST, "environment map")
+            # Negative radiance, as ringing filters leave it, is none.
             if pixels.min() < 0.0:
                 pixels = np.maximum(pixels, 0.0)
             put(self, "map", pixels)
@@ -68,6 +69,7 @@ class Environment:
         height = self.map.shape[0]
         if not self.horizon or height < 2:
             return self.map
+        # Rows of the finer map in rows of the old one; each half ends at its own last row.
         middle = (height + 1) // 2
         at = (np.arange(height * factor) + 0.5) / factor - 0.5
         is_up = np.arange(len(at)) < middle * factor

@@ -40,20 +40,24 @@ def _digest(parts: Iterable[bytes | memoryview]) -> bytes:
 
 def _parts(value: Any) -> Iterator[bytes | memoryview]:
     """The value as bytes: each kind opens with its own mark, and lists say how long they are."""
+    # Numbers and text by how Python writes them, arrays by their bytes.
     if value is None or isinstance(value, (bool, int, float, str, np.generic)):
         yield f"{type(value).__name__}:{value!r};".encode()
     elif isinstance(value, np.ndarray):
         yield f"array:{value.dtype.str}{value.shape};".encode()
         yield np.ascontiguousarray(value).reshape(-1).view(np.uint8).data
+    # A file counts by what it holds, wherever it lies.
     elif isinstance(value, Path):
         yield f"file:{value.name};".encode()
         yield from _file(value)
+    # Keys in one order, whichever they were put in.
     elif isinstance(value, Mapping):
         yield f"map:{len(value)};".encode()
         for key in sorted(value, key=repr):
             yield from _parts(key)
             yield from _parts(value[key])
     elif isinstance(value, (tuple, list)):
+        # The length goes before the items, so that no two nestings read alike.
         yield f"list:{len(value)};".encode()
         for item in value:
             yield from _parts(item)
@@ -62,6 +66,7 @@ def _parts(value: Any) -> Iterator[bytes | memoryview]:
 
 
 def _made(value: Any) -> Iterator[bytes | memoryview]:
+    # A dataclass is its type and its fields, less what no image depends on.
     if is_dataclass(value) and not isinstance(value, type):
         yield f"{type(value).__qualname__};".encode()
         for field in fields(value):
@@ -70,6 +75,7 @@ def _made(value: Any) -> Iterator[bytes | memoryview]:
                 yield from _parts(getattr(value, field.name))
     elif isinstance(value, functools.partial):
         yield from _parts((value.func, value.args, value.keywords))
+    # A function counts by its name: its code belongs to the program, not to the scene.
     elif isinstance(value, FunctionType):
         yield f"function:{value.__module__}.{value.__qualname__};".encode()
     else:

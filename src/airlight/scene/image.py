@@ -41,6 +41,7 @@ class Image:
     @property
     def doubts(self) -> tuple[str, ...]:
         """Warnings of pixels that are NaN or infinite, which files show as black or as white."""
+        # A pixel is counted once, whichever of its channels is wrong.
         count = int((~np.isfinite(self.radiance)).any(axis=-1).sum())
         if not count:
             return ()
@@ -66,6 +67,7 @@ class Image:
         Raises SettingsError for a layer that it does not have or that is no colour.
         """
         pixels = self.layers.get(layer) if layer else self.radiance
+        # Layers of scalars, such as depth, have no colours to show.
         if pixels is None or pixels.ndim != 3:
             colours = [name for name, values in self.layers.items() if values.ndim == 3]
             raise SettingsError(

@@ -53,6 +53,7 @@ def within(low: float, high: float) -> Check:
 
 def local_date(value: Any, name: str) -> date:
     """A check for TOML's local dates."""
+    # A date with a time of day is a date to Python, too.
     if isinstance(value, datetime) or not isinstance(value, date):
         raise SceneError(f"{name} = {checks.shown(value)} is no date", remedy="Write 2026-06-21.")
     return value

@@ -47,6 +47,7 @@ def through_lens(
     right = np.cross(forward, camera.up)
     right /= np.linalg.norm(right)
     focus = distance if camera.focus_m is None else camera.focus_m
+    # One point of the lens for each sample, in metres across the view.
     x, y = lens_points(sample) * (camera.aperture_m / 2.0)
     offset = x * right + y * np.cross(right, forward)
     # The plane in focus stays where it is on the image.

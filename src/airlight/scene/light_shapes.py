@@ -37,6 +37,7 @@ def _disk() -> Geometry:
     # As large as the disk, not inside of it.
     radius = 0.5 * np.sqrt(angle[1] / np.sin(angle[1]))
     rim = np.stack([radius * np.sin(angle), 0.0 * angle, radius * np.cos(angle)], axis=1)
+    # A fan around the middle.
     first = np.arange(1, _DISK_SEGMENTS + 1)
     corners = np.stack([0 * first, first, first % _DISK_SEGMENTS + 1], axis=1)
     positions = np.concatenate([np.zeros((1, 3)), rim])
@@ -90,6 +91,7 @@ class LightMeshes:
         lights = [x for x in scene.lights if isinstance(x, AreaLight) and x.visible]
         if not lights:
             return scene
+        # Made again only where lights or meshes changed, as caches want the same objects.
         last = self._last
         if last is None or last[0] != scene.lights or last[1] is not scene.meshes:
             made = tuple(light_mesh(x, self._material(row, x)) for row, x in enumerate(lights))
@@ -98,6 +100,7 @@ class LightMeshes:
 
     def _material(self, row: int, light: AreaLight) -> Material:
         known = self._materials.get(row)
+        # Looks alone make a material: a light that only moves keeps its own.
         wanted = _looks(light)
         if known is None or _looks(known[0]) != wanted:
             known = (light, light_material(light))

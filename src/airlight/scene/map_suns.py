@@ -90,12 +90,14 @@ def map_suns(pixels: F32, most: int = MOST) -> MapSuns | None:
         if spot is None or float(luminance(spot[1])) < _LEAST_SHARE * total:
             break
         towards, irradiance, (rows, columns), level = spot
+        # The spot is cut down to its surroundings before the next one is looked for.
         rest[rows, columns] = np.minimum(rest[rows, columns], level)
         bright[rows, columns] = luminance(rest[rows, columns])
         found.append((towards, irradiance))
     if not found:
         return None
     towards, irradiance = (np.array(values) for values in zip(*found, strict=True))
+    # What the map loses is what its suns are still seen by.
     beyond = luminance(pixels).astype(np.float32) - luminance(rest).astype(np.float32)
     return MapSuns(rest, towards, irradiance, np.maximum(beyond, np.float32(0.0)))
 
@@ -128,6 +130,7 @@ def _brightest(
     level = np.median(texels[around], axis=0)
     weight = np.broadcast_to(solid[first:last, None], inside.shape)[inside][:, None]
     over = np.maximum(texels[inside].astype(np.float64) - level, 0.0) * weight
+    # For small angles 2 (1 - cos) is their square; a texel has a width of its own.
     away = 2.0 * float((over.sum(axis=1) * (1.0 - cosine[inside])).sum())
     square = away / max(float(over.sum()), 1e-30) + texel**2 / 3.0
     if square > np.radians(_WIDEST_DEG) ** 2:
@@ -158,10 +161,12 @@ class SunLights:
             most = MOST if self._count is None else self._count
             self._suns = None if pixels is None else map_suns(pixels, most)
             self._pixels, self._last = pixels, None
+        # The first scene decides how many lights there are; a renderer cannot add any.
         if self._count is None:
             self._count = 0 if self._suns is None else len(self._suns.towards)
         if not self._count:
             return scene
+        # Suns that later maps lack are black, so that the number of lights stays.
         black = DirectionalLight((0.0, -1.0, 0.0), (0.0, 0.0, 0.0))
         if environment is None or self._suns is None:
             return replace(scene, lights=scene.lights + (black,) * self._count)

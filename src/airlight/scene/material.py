@@ -83,6 +83,7 @@ class Material:
     is_unlit: bool = False
 
     def __post_init__(self) -> None:
+        # Colours and shares in [0, 1], emission without a bound but that of all numbers.
         put = object.__setattr__
         put(self, "base_color", checks.rgb(self.base_color, "base_color", high=1.0))
         for name in ("alpha", "roughness", "metallic", "specular", "transmission"):
@@ -115,6 +116,7 @@ class Material:
 
     @property
     def _has_gaps(self) -> bool:
+        # Coverage below 1 somewhere: by the factor, or by the image's alpha.
         texture = self.base_color_texture
         is_covered = texture is None or bool((texture.pixels[..., 3] == 255).all())
         return self.is_blended and (self.alpha < 1.0 or not is_covered)

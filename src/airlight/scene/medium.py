@@ -49,6 +49,7 @@ class Medium:
         put(self, "albedo", checks.rgb(self.albedo, "albedo", high=1.0))
         put(self, "g", mean_cosine(self.g))
         put(self, "emission", checks.rgb(self.emission, "emission"))
+        # Bounds and an endless medium contradict each other; a top belongs to an endless one.
         if self.bounds is not None:
             put(self, "bounds", checks.bounds(self.bounds, "medium bounds"))
             if self.endless:
@@ -73,6 +74,7 @@ class Medium:
 
 def mean_cosine(value: Any) -> Rgb:
     """g per channel, each in (-1, 1)."""
+    # One number for all channels.
     grey = isinstance(value, (int, float)) and not isinstance(value, bool)
     g = checks.vec3([value] * 3 if grey else value, "g")
     if not all(-1.0 < c < 1.0 for c in g):
@@ -84,12 +86,14 @@ def extinction_and_albedo(sigma_s: Any, sigma_a: Any) -> tuple[Rgb, Rgb]:
     """(sigma_t, albedo) from scattering and absorption, m^-1."""
     s, a = checks.rgb(sigma_s, "sigma_s"), checks.rgb(sigma_a, "sigma_a")
     t = (s[0] + a[0], s[1] + a[1], s[2] + a[2])
+    # Where nothing is, the albedo does not matter.
     w = tuple(x / y if y > 0.0 else 0.0 for x, y in zip(s, t, strict=True))
     return t, (w[0], w[1], w[2])
 
 
 def filled_box(low: Any, high: Any, eye: Any) -> tuple[F64, F64]:
     """What a medium without bounds fills: the scene's box low..high and the eye, metres."""
+    # The margin keeps walls that bound the scene inside of the medium.
     low, high = np.minimum(low, eye), np.maximum(high, eye)
     margin = FILL_MARGIN * float(np.linalg.norm(high - low)) + 1e-6
     return low - margin, high + margin
@@ -104,9 +108,11 @@ def medium_box(medium: Medium, low: Any, high: Any, eye: Any) -> tuple[F64, F64]
         return np.array(medium.bounds[0]), np.array(medium.bounds[1])
     if not medium.endless:
         return filled_box(low, high, eye)
+    # Fog ends a quarter of the scene's height above it, unless its top is said.
     top = medium.top
     if top is None:
         top = float(high[1] + _ABOVE * (high[1] - low[1]))
+    # So far that the border is behind opaque fog, or below the horizon seen from above.
     thinnest = min((c for c in medium.sigma_t if c > 0.0), default=1.0)
     aside = float(np.linalg.norm(np.subtract(high, low)) + np.linalg.norm(np.subtract(eye, low)))
     reach = _OPAQUE / thinnest + aside + _HORIZON * max(0.0, float(eye[1]) - top)

@@ -34,6 +34,7 @@ class Geometry:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
+        # Positions and indices first: all others have to match their number.
         positions = checks.array(
             self.positions, "vertex positions", shape=(None, 3), dtype=np.float32
         )
@@ -47,6 +48,7 @@ class Geometry:
             normals = smooth_normals(positions, indices)
         count = len(positions)
         put(self, "normals", checks.array(normals, "normals", shape=(count, 3), dtype=np.float32))
+        # What a vertex may have beside.
         for name, width in (("uvs", 2), ("colors", 4)):
             value = getattr(self, name)
             if value is not None:
@@ -89,6 +91,7 @@ _CORNERS = np.array(np.meshgrid((0, 1), (0, 1), (0, 1))).reshape(3, 8).T
 
 def world_boxes(meshes: Sequence[Mesh]) -> F64:
     """`world_bounds` of many meshes, (M, 2, 3)."""
+    # The eight corners of each geometry's box, placed, and the box around those.
     boxes = np.array([geometry_bounds(mesh.geometry) for mesh in meshes]).reshape(-1, 2, 3)
     matrices = np.array([mesh.world_from_object for mesh in meshes]).reshape(-1, 4, 4)
     corners = boxes[:, _CORNERS, np.arange(3)]
@@ -99,6 +102,7 @@ def world_boxes(meshes: Sequence[Mesh]) -> F64:
 def geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
     """The geometry's own box, metres in its space; cached on the (immutable) geometry."""
     known = geometry.__dict__.get("_bounds")
+    # Vertices that no triangle uses are not seen, and do not count.
     if known is None:
         is_used = np.zeros(len(geometry.positions), dtype=bool)
         is_used[geometry.indices.ravel()] = True
@@ -110,6 +114,7 @@ def geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
 
 def _checked_indices(indices: NDArray[np.uint32], vertex_count: int) -> NDArray[np.uint32]:
     raw = np.asarray(indices)
+    # The least and the most index tell whether all are in range.
     if raw.size == 0:
         raise SceneError("mesh has no triangles")
     if raw.min() < 0 or raw.max() >= vertex_count:

@@ -40,6 +40,7 @@ def origin_near(scene: Scene) -> Vec3:
     before = float(np.linalg.norm(np.maximum(np.maximum(low - eye, eye - high), 0.0)))
     sight = max(before, float(np.linalg.norm(np.subtract(camera.target, eye))))
     sight = max(sight, float(np.abs(eye).max()) / _MOST_STEPS)
+    # Whole steps of a power of two, so that single precision holds the origin exactly.
     step = _STEPS * 2.0 ** np.ceil(np.log2(sight))
     x, y, z = (step * np.round(eye / step) + 0.0).tolist()  # no negative zeros
     return (x, y, z)
@@ -63,6 +64,7 @@ class Nearby:
         """The scene from `origin`; the very same where that is the world's."""
         if not self._is_needed:
             return scene
+        # What has a place in the world, and how it moves.
         ways: dict[str, Callable[[Any], Any]] = {
             "meshes": self._moved_meshes,
             "lights": lambda all_: tuple(light.moved(self._by) for light in all_),
@@ -91,6 +93,7 @@ class Nearby:
         return known[1]
 
     def _moved_meshes(self, meshes: Sequence[Mesh]) -> tuple[Mesh, ...]:
+        # Meshes by identity: those that were there before keep their moved ones.
         known = self._meshes
         self._meshes = {
             id(mesh): known[id(mesh)] if id(mesh) in known else (mesh, self._moved_mesh(mesh))
@@ -119,6 +122,7 @@ class Nearby:
     def _moved_animation(self, animation: Animation | None) -> Animation | None:
         if animation is None:
             return None
+        # An animation's tracks stay in the world; it moves scenes there and back.
         same = {f.name: getattr(animation, f.name) for f in fields(Animation)}
         return _NearbyAnimation(**same, origin=self.origin)
 

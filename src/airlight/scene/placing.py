@@ -20,6 +20,13 @@ def moved_camera(camera: Camera, matrix: F64) -> Camera:
     )
 
 
+def camera_at(camera: Camera, position: Vec3) -> Camera:
+    """The camera at another `position`, metres, with the direction in which it looks."""
+    by = np.eye(4)
+    by[:3, 3] = np.subtract(position, camera.position)
+    return moved_camera(camera, by)
+
+
 def moved_point(p: Vec3, matrix: F64) -> Vec3:
     """A point through a (4, 4) matrix."""
     x, y, z = matrix[:3, :3] @ np.asarray(p) + matrix[:3, 3]

@@ -29,6 +29,7 @@ class PointLights:
     source: str = ""
 
     def __post_init__(self) -> None:
+        # Arrays of the group's own, with the same number of rows or one for all.
         positions = _rows(self.positions, "positions")
         intensities = _rows(self.intensities, "intensities")
         if len(positions) > MOST:

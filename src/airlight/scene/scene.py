@@ -62,6 +62,7 @@ class Scene:
 
         Else of the medium, where it has bounds; else around the camera.
         """
+        # The boxes of all that has one.
         boxes: list[Any] = [*world_boxes(self.meshes)]
         boxes += [volume_world_bounds(volume) for volume in self.volumes]
         # With nothing else, what there is to see is the medium, or the camera's surroundings.

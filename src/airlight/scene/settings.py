@@ -36,6 +36,7 @@ def make_settings(cls: type[S], values: Mapping[str, Any], *, where: object = ""
     Text is parsed ("32", "true", "1,2,3"), so that values may come from a command line.
     Raises SettingsError for an unknown name (naming the nearest), a wrong type or range.
     """
+    # Each value by its field, which says its kind and range.
     fields = {f.name: f for f in dataclasses.fields(cast(Any, cls))}
     checked: dict[str, Any] = {}
     for name, value in values.items():
@@ -48,6 +49,7 @@ def make_settings(cls: type[S], values: Mapping[str, Any], *, where: object = ""
 
 
 def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
+    # A setting's kind is that of its default.
     kind = type(f.default)
     try:
         result = _converted(kind, value)
@@ -66,6 +68,7 @@ def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
         )
     if isinstance(result, (int, float)) and not isinstance(result, bool):
         below, above = low is not None and result < low, high is not None and result > high
+        # NaN, unequal to itself, is in no range.
         if below or above or result != result:
             raise SettingsError(
                 f"setting {f.name} = {value!r} is out of range",
@@ -96,9 +99,11 @@ _TRUTH = {
 
 
 def _converted(kind: type, value: Any) -> Any:
+    # Text is what a command line has; other values have to be of the kind.
     if kind is bool:
         return value if isinstance(value, bool) else _truth(value)
     if kind is int:
+        # A boolean is an integer in Python, and no number here.
         if isinstance(value, bool) or float(value) != int(float(value)):
             raise ValueError
         return int(float(value))

@@ -45,6 +45,7 @@ def sphere(segments: int = 64, rings: int = 32) -> Geometry:
     Vertices lie on the true sphere, with its exact normals. Those of the seam's two sides, which
     differ in u, and those of a pole have the very same position: the sphere is closed.
     """
+    # A lattice of angles, with the seam and the poles once more for their texture coordinates.
     u, v = np.meshgrid(np.linspace(0.0, 1.0, segments + 1), np.linspace(0.0, 1.0, rings + 1))
     azimuth, polar = 2.0 * np.pi * (u - 0.5), np.pi * v
     normals = np.stack(
@@ -64,6 +65,7 @@ def sphere(segments: int = 64, rings: int = 32) -> Geometry:
 
 def _squares(right: F64, down: F64, *, offset: float) -> Geometry:
     """One unit square per row, `offset` metres from the origin along its normal down x right."""
+    # The face's corners from its image axes, moved out along its normal.
     normal = np.cross(down, right)
     corners = np.einsum("ck,kfx->fcx", _CORNERS_RIGHT_DOWN, np.stack([right, down]))
     positions = corners + offset * normal[:, None]
@@ -81,6 +83,7 @@ def _lattice_triangles(segments: int, rings: int) -> NDArray[np.uint32]:
     ring, segment = np.meshgrid(np.arange(rings), np.arange(segments), indexing="ij")
     north_west = ring * (segments + 1) + segment
     south_west = north_west + segments + 1
+    # Cells by their corners; beside a pole one of the two triangles has no area, and is left out.
     lower = np.stack([north_west, south_west, south_west + 1], axis=-1)[:-1]
     upper = np.stack([north_west, south_west + 1, north_west + 1], axis=-1)[1:]
     triangles = np.concatenate([lower.reshape(-1, 3), upper.reshape(-1, 3)])

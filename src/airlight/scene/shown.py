@@ -45,6 +45,7 @@ def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any
         if value is not None
     }
     made = replace(scene, **given) if given else scene
+    # A renderer is made for the kinds of its lights, so those have to stay.
     if [type(x) for x in made.lights] != [type(x) for x in scene.lights]:
         raise SettingsError(
             "frame() got lights of other kinds than the scene's", remedy="Make a new Renderer"

@@ -92,6 +92,7 @@ class Sky:
     @property
     def disk_radiance(self) -> Rgb:
         """W m^-2 sr^-1 of the sun as it is seen; black where it is not."""
+        # The solid angle of the disk spreads its irradiance; what half floats cannot hold is cut.
         solid_angle = 2.0 * math.pi * (1.0 - math.cos(math.radians(SUN_RADIUS_DEG)))
         radiance = np.array(self.irradiance) / solid_angle * self.disk
         most = float(radiance.max())
@@ -118,6 +119,7 @@ def sky_at(latitude_deg: float, longitude_deg: float, when: datetime, *, turbidi
             f"{when.isoformat()} is no time at UTC", remedy="Write years from 2 to 9998."
         ) from None
     elevation, azimuth = sun_angles_deg(utc, latitude, longitude)
+    # The model goes a little below the horizon, and no further.
     if elevation < LOWEST_DEG:
         raise SceneError(
             f"it is night: the sun stands {-elevation:.0f} degrees below the horizon",
@@ -147,6 +149,7 @@ def chosen_sky(sun: Sky | str | None) -> Sky | None:
 
 def sky_of_text(text: str) -> Sky:
     """What `--sun` says. Raises SceneError for text that is neither angles nor a time and place."""
+    # A time and a place, or angles alone; perhaps the turbidity behind them.
     when, at, rest = text.rpartition("@")
     numbers = re.split(r"\s*,\s*", rest.strip())
     try:
@@ -178,8 +181,10 @@ def with_sky(scene: Scene, sky: Sky) -> Scene:
     from .environment import Environment
 
     seen = scene.camera
+    # An exposure of 0 was chosen by nobody, and the real sun needs another.
     if seen.exposure_stops == 0.0:
         seen = replace(seen, exposure_stops=None)
+    # Local lights stay; the sky brings its own sun.
     kept = tuple(light for light in scene.lights if not isinstance(light, DirectionalLight))
     return replace(
         scene, lights=(*kept, sky.sun()), environment=Environment.of_sky(sky), camera=seen
@@ -213,6 +218,7 @@ def followed(scene: Scene) -> Scene:
 
 @functools.lru_cache(maxsize=4)
 def _map(turbidity: float, ground: float, elevation_deg: float, azimuth_deg: float) -> F32:
+    # One map serves all skies of the same haze, ground and sun; scales multiply it later.
     sky = Sky(elevation_deg, azimuth_deg, turbidity, ground)
     made: F32 = sky_map(Air(turbidity, ground), sky.towards_sun, MAP_HEIGHT).astype(np.float32)
     made.flags.writeable = False

@@ -73,6 +73,7 @@ class Volume:
         if self.density is not None:
             density, tint = _checked_density(self.density)
             put(self, "density", density)
+            # Colours of the density join those of the tint, as both multiply the extinction.
             if tint is not None:
                 put(self, "tint", tint if self.tint is None else tint * self.tint)
         self._check_coefficients()
@@ -80,6 +81,7 @@ class Volume:
 
     def _check_coefficients(self) -> None:
         put = object.__setattr__
+        # Of the three only g may be negative.
         for name, low in (("tint", 0.0), ("albedo_grid", 0.0), ("g_grid", -0.9999)):
             values = getattr(self, name)
             if values is None:
@@ -90,17 +92,19 @@ class Volume:
                     remedy="Give it a density grid.",
                 )
             shape, high = self.density.shape, 0.9999 if low else 1.0
+            # The product with the volume's albedo has to stay below 1.
             if name == "albedo_grid":
                 high /= max(*self.albedo, 1e-6)
             put(self, name, coefficient_grid(values, f"volume {name}", shape, low=low, high=high))
         if self.g_grid is not None and self.density is not None:
-            # The mean, of what is scattered.
+            # The mean over the density.
             weights = self.density.astype(np.float64)[..., None] + 1e-30
             r, g, b = (self.g_grid * weights).sum(axis=(0, 1, 2)) / weights.sum()
             put(self, "g", (float(r), float(g), float(b)))
 
     def _check_emission(self) -> None:
         size = self.emission.size if self.emission else None
+        # An emission without a grid is in proportion to the density, or the same everywhere.
         if size is None:
             return
         if self.density is None:

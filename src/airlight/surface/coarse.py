@@ -43,6 +43,8 @@ class CoarseScene:
         self._version = -1
         self._sources: dict[int, NDArray[np.uint32]] = {}
         self._made: dict[int, tuple[Geometry, Geometry]] = {}
+
+        # Only large scenes are simplified.
         if sum(len(m.geometry.indices) for m in scene.original) <= MOST_TRIANGLES:
             return
         # Vertices within a part of a texel become one, where that leaves half of the triangles.
@@ -50,6 +52,8 @@ class CoarseScene:
         cell = float(np.linalg.norm(high - low)) / (_CELLS_A_TEXEL * resolution)
         for first, (geometry, stretch, instances) in _geometries(scene).items():
             drawn = instances * len(geometry.indices)
+
+            # Geometries that lose less than half of their triangles stay as they are.
             if drawn >= FEWEST_OF_A_GEOMETRY and stretch > 0.0:
                 triangles = coarse_triangles(geometry, cell / stretch)
                 if 2 * len(triangles) <= len(geometry.indices):
@@ -72,6 +76,7 @@ class CoarseScene:
 
     def _meshes(self, meshes: tuple[Mesh, ...]) -> tuple[Mesh, ...]:
         """The scene's `meshes`, with simplified geometries where there are any."""
+        # Draws number vertices of the scene, so meshes of one geometry share its first vertex.
         return tuple(
             replace(m, geometry=self._geometry(k, m.geometry)) if k in self._made else m
             for m, k in zip(meshes, self._fine.first_vertices, strict=True)
@@ -89,6 +94,8 @@ class CoarseScene:
 def _geometries(scene: GpuScene) -> dict[int, tuple[Geometry, float, int]]:
     """By first vertex: the geometry, how much its largest instance stretches it, its instances."""
     found: dict[int, tuple[Geometry, float, int]] = {}
+
+    # The spectral norm: no edge of an instance is longer than that times the geometry's own.
     for mesh, first in zip(scene.original, scene.first_vertices, strict=True):
         stretch = float(np.linalg.norm(mesh.world_from_object[:3, :3], 2))
         _, known, instances = found.get(first, (mesh.geometry, 0.0, 0))
@@ -110,6 +117,7 @@ def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
     `cell` is in metres of object space. Where the grid would have too many cells, all triangles of
     the geometry are returned.
     """
+    # A grid over the geometry's box.
     positions, indices = geometry.positions, geometry.indices
     low = positions.min(axis=0).astype(np.float64)
     count = np.floor((positions.max(axis=0) - low) / cell).astype(np.int64) + 1
@@ -127,12 +135,18 @@ def coarse_triangles(geometry: Geometry, cell: float) -> NDArray[np.uint32]:
         a, b, c = cluster[indices[part]].T
         is_left = (a != b) & (b != c) & (c != a) & ~is_leaf[part]
         remaining.append(np.stack([a[is_left], b[is_left], c[is_left]], axis=1))
+
+    # The smallest cluster leads, by a turn: equal triangles become equal rows and keep their side.
     corners = np.concatenate(remaining)
     turn = corners.argmin(axis=1)[:, None]
     corners = np.take_along_axis(corners, (turn + np.arange(3)) % 3, axis=1)
+
+    # Keys of three numbers below 2^21 fit into 64 bits; with more, repeated triangles stay.
     key = (corners[:, 0] * len(middle) + corners[:, 1]) * len(middle) + corners[:, 2]
     if len(middle) < 1 << 21:
         corners = corners[np.sort(np.unique(key, return_index=True)[1])]
+
+    # Each cluster is drawn at its middle vertex.
     triangles = middle[corners].astype(np.uint32)
     sheets, leaves = indices[~is_leaf], indices[is_leaf]
     return np.concatenate([_with_lost(positions, sheets, triangles, low, cell, count), leaves])
@@ -176,11 +190,14 @@ def _with_lost(
     count: I64,
 ) -> NDArray[np.uint32]:
     """The `coarse` triangles, replaced by those of `indices` where much area was lost."""
+    # Area before and after, by blocks of cells.
     side, blocks = cell * _BLOCK, -(-count // _BLOCK)
     old, old_area = _blocks_and_areas(positions, indices, low, side, blocks)
     new, new_area = _blocks_and_areas(positions, coarse, low, side, blocks)
     had = np.bincount(old, old_area, int(np.prod(blocks)))
     has = np.bincount(new, new_area, len(had))
+
+    # Blocks that lost or gained too much keep their triangles.
     is_lost = (has < _LEAST_AREA * had) | (has > _MOST_AREA * had)
     return np.concatenate([coarse[~is_lost[new]], indices[is_lost[old]]])
 

@@ -20,6 +20,7 @@ def in_draw_order(scene: GpuScene, draws: list[Draw]) -> list[Draw]:
     Of coincident surfaces the last one is visible. CPU adapters draw some materials in a second
     pass (see `GpuScene.is_drawn_last`); on GPUs these come last, too.
     """
+    # A stable partition: the order within either part stays.
     is_late = [scene.is_drawn_last(draw) for draw in draws]
     if not any(is_late) or all(is_late):
         return draws
@@ -52,6 +53,8 @@ class DrawParts(Generic[Parts]):
         state = (scene.version, scene.color_changes)
         if scene is self._scene and state == self._state:
             return
+
+        # The list of everything outlives moves, because it holds the same draws in the same order.
         whole = self._cached.get(id(scene.draws))
         self._cached.clear()
         if whole and scene is self._scene and state[1] == self._state[1]:

@@ -69,6 +69,8 @@ class Culling:
 
     def __init__(self, draws: list[Draw]) -> None:
         self.draws = draws
+
+        # Instances in a row, each with the number of its draw.
         counts = [d.instance_count for d in draws]
         self._draw_of = np.repeat(np.arange(len(counts)), counts)
         self._visible: dict[bytes, Visible] = {}
@@ -86,6 +88,7 @@ class Culling:
         The same value is returned for the same view until something moves. The depth planes are not
         tested, because what stands before a light's near plane still casts a shadow.
         """
+        # The oldest view makes room.
         key = clip_from_world.tobytes()
         found = self._visible.get(key)
         if found is None:
@@ -97,6 +100,8 @@ class Culling:
     def _culled(self, clip_from_world: F64) -> Visible:
         if not self.draws:
             return self._whole
+
+        # Planes of the clip box are sums of the matrix's rows; those of depth are left out.
         x, y, w = clip_from_world[0], clip_from_world[1], clip_from_world[3]
         planes = np.stack([w + x, w - x, w + y, w - y, w])
         # The corner that lies farthest inside a plane decides.
@@ -125,6 +130,7 @@ def draw_order(meshes: tuple[Mesh, ...]) -> list[list[int]]:
     Opaque ones come before cut-out ones, and translucent ones last.
     """
 
+    # A material's and a geometry's rank is where the scene names it first.
     first_use: dict[int, int] = {}
     for mesh in meshes:
         for part in (mesh.material, mesh.geometry):

@@ -60,10 +60,13 @@ class GBuffer:
     """Whether CPU adapters draw the visibility buffer instead."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        # Surfaces in one pass, or after depth, which leaves hidden pixels unshaded.
         self._depth_pass = MeshPass(gpu, _Depth, culls=True)
         self._only_pass = MeshPass(gpu, _Cutout, culls=True)
         self._pass = MeshPass(gpu, _Cutout, opaque=_Opaque, culls=True)
         self._sized = gpu.scope()
+
+        # CPU adapters draw triangle ids, and surfaces from them.
         self._visibility: VisibilityBuffer | None = None
         if self.has_triangle_ids and uses_visibility_buffer(gpu):
             self._visibility = VisibilityBuffer(gpu, size)
@@ -122,6 +125,8 @@ class GBuffer:
             targets = (self.albedo, self.normal, self.emission)
             inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
             visibility = VisibilityParams(clip_from_world=clip_from_world, inv_size=inv_size)
+
+            # One of the two clears the targets, even where nothing is drawn.
             if first or not then:
                 self._visibility.encode(
                     commands, scene, first, clip_from_world, depth, targets, visibility
@@ -146,6 +151,8 @@ class GBuffer:
         """The draws of the first pass, those of the second, and whether the first is depth only."""
         if self._visibility:
             return *self._visibility.split(scene, draws), False
+
+        # Depth first pays off where pixels are many beside triangles.
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) / 3
         is_depth_first = self.size[0] * self.size[1] >= DEPTH_FIRST_PX * triangles
         opaque = [draw for draw in draws if draw.material.alpha_cutoff <= 0.0]

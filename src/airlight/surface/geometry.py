@@ -105,8 +105,11 @@ class GpuScene:
         Only their transforms, their vertices and their materials' emission may differ. Raises
         SceneError for meshes with other triangles or materials.
         """
+        # Vertices and emission go to buffers of their own, only where they changed.
         deformed = self._deform(meshes)
         deformed = self._relight(meshes) or deformed
+
+        # Rows in the order of draws.
         placed, first = ([of[i] for i in self.order] for of in (meshes, self._first))
         packed = packed_instances(placed, first, self.material_rows)
         self.current = meshes
@@ -125,6 +128,7 @@ class GpuScene:
             row = self._material_index[id(first.material)]
             if mesh.material is self._shown[row]:
                 continue
+            # Only emission may change: all else is part of pipelines and texture sets.
             if not differ_in_emission_alone(mesh.material, first.material):
                 raise SceneError(
                     f"mesh '{mesh.name}' has another material than before",
@@ -141,11 +145,14 @@ class GpuScene:
 
     def _deform(self, meshes: tuple[Mesh, ...]) -> bool:
         """Upload the vertices of geometries that changed; returns whether any did."""
+        # The meshes of creation, each with the geometry that it shared.
         if len(meshes) != len(self.first_vertices):
             raise SceneError(
                 f"there are {len(meshes)} meshes where there were {len(self.first_vertices)}",
                 remedy="Make a new Renderer",
             )
+
+        # Meshes that shared a geometry still must, as they are drawn as its instances.
         wanted: dict[int, Geometry] = {}
         for mesh, first in zip(meshes, self.first_vertices, strict=True):
             if wanted.setdefault(first, mesh.geometry) is not mesh.geometry:
@@ -156,6 +163,8 @@ class GpuScene:
         # Geometries are compared by identity: a deformed one is another.
         uploaded = self._vertices.uploaded
         changed = [key for key, geometry in wanted.items() if geometry is not uploaded[key]]
+
+        # Recorded draws and cached lists know by these counts whether they still hold.
         for first in changed:
             geometry, had_colors = wanted[first], uploaded[first].colors is not None
             self.replaced += self._vertices.deform(first, geometry)
@@ -191,6 +200,8 @@ class GpuScene:
                 ],
                 self.store,
             )
+
+            # Materials that changed before the table was made show what they have now.
             for row, (shown, first) in enumerate(zip(self._shown, self._materials, strict=True)):
                 if shown is not first:
                     self._triangle_table.relight(row, shown)
@@ -241,6 +252,7 @@ class GpuScene:
 
     def _textures_of(self, m: Material) -> MaterialTextures:
         """The textures of a material; those with the same maps share one value and bind group."""
+        # What a texture shows: its image, whatever its scale, and how it wraps.
         maps = {name: map_of(m, name) for name in MAPS}
         key = tuple(None if t is None else (*image_of(t), t.wrap) for t in maps.values())
         found = self._texture_sets.setdefault(key, MaterialTextures(self.store, maps))

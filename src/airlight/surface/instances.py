@@ -29,12 +29,16 @@ def packed_instances(
     packed = np.zeros(max(1, len(meshes)), InstanceData.dtype)
     if not meshes:
         return packed
+
+    # Transforms of this frame and of creation, which tell what never moved.
     placed = np.stack([mesh.world_from_object for mesh in meshes])
     before = np.stack([mesh.world_from_object for mesh in first])
     # Matrices are stored column by column.
     packed["world_from_object"] = placed.swapaxes(1, 2)
     packed["normal_from_object"] = normal_matrix(placed).swapaxes(1, 2)
     packed["material"] = materials
+
+    # An instance is static where vertices and transform are those of creation.
     is_same = [mesh.geometry is other.geometry for mesh, other in zip(meshes, first, strict=True)]
     is_still = np.array(is_same) & (placed == before).all(axis=(1, 2))
     sizes = np.ptp(world_boxes(meshes), axis=1).max(axis=1)

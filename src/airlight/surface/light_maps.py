@@ -38,8 +38,11 @@ class LightMaps:
         """`resolution`: blocks along the side of a directional light's map, each of `block` by
         `block` texels.
         """
+        # Local lights have half the side: they have six maps, or a narrow one.
         sides = (resolution * block, max(SMALLEST_LOCAL, resolution // 2))
         names, blocks = ("directional", "local"), (block, 1)
+
+        # A light of six views owns six layers in a row.
         self.owners = [
             [row for row, light in group for _ in range(view_count(light))]
             for group in _by_kind(lights)
@@ -61,6 +64,7 @@ class LightMaps:
 
         low..high: the box that the lights must see, metres.
         """
+        # Each group's views fit the box; a group without lights draws nothing.
         is_drawn = False
         for group, maps in zip(_by_kind(lights), self.groups, strict=True):
             if group:

@@ -75,6 +75,7 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
 
 def light_rows(lights: tuple[Light, ...]) -> list[dict[str, Any]]:
     """One row per light; views of directional and of local lights are counted separately."""
+    # Parallel and local views lie in two arrays, each counted from 0.
     rows, used = [], {True: 0, False: 0}
     for light in lights:
         is_parallel = isinstance(light, DirectionalLight)
@@ -97,6 +98,8 @@ def packed_lights(lights: tuple[Light, ...]) -> NDArray[np.void]:
     if table is None:
         table = pack_array(LightData, light_rows(lights))
         table.flags.writeable = False
+
+    # The one just found leads; the one asked for longest ago makes room.
     rest = tuple(entry for entry in _recent if entry[1] is not table)
     _recent = ((lights, table), *rest)[:_MOST_RECENT]
     return table

@@ -74,6 +74,7 @@ def widened(view: LightView, times: float) -> LightView:
 
     A smaller part of the map is then drawn, and shadows are coarser.
     """
+    # Clip coordinates shrink, so the view holds more.
     wide = np.diag([1.0 / times, 1.0 / times, 1.0, 1.0]) @ view.clip_from_world
     texel = (view.texel[0] * times, view.texel[1] * times)
     return LightView(wide, texel, view.is_perspective, view.light)
@@ -88,6 +89,8 @@ def light_views(
     along columns of texels, which change all at once when the light moves.
     """
     views: list[LightView] = []
+
+    # One view along parallel light or of a narrow cone, else a cube; none of sampled lights.
     for index, light in enumerate(lights):
         if isinstance(light, DirectionalLight):
             views.append(_parallel(light, index, (low, high), resolution, turn_deg))
@@ -110,6 +113,7 @@ def view_count(light: Light) -> int:
 def _parallel(
     light: DirectionalLight, index: int, box: tuple[F64, F64], resolution: int, turn_deg: float
 ) -> LightView:
+    # The box seen along the light, a little wider, lest its own faces be cut.
     low, high = triple(box[0]), triple(box[1])
     view, near, far = _extent_along(triple(light.direction), low, high, turn_deg)
     margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
@@ -125,6 +129,7 @@ def _parallel(
 @lru_cache(maxsize=64)
 def _extent_along(direction: Vec3, low: Vec3, high: Vec3, turn_deg: float) -> tuple[F64, F64, F64]:
     """view_from_world of a directional light, turned about it, and the box low..high in that."""
+    # A turn in the plane of the map moves no light, only the texels' rows.
     view = view_from_world((0.0, 0.0, 0.0), direction, (0.0, 1.0, 0.0))
     if turn_deg:
         cos, sin = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
@@ -137,6 +142,8 @@ def _cone(
     position: Vec3, cone: tuple[Vec3, float], index: int, box: tuple[F64, F64], resolution: int
 ) -> LightView:
     axis, half_angle_deg = cone
+
+    # A little wider than the cone, so that filtering at its rim meets texels.
     fov = np.radians(2.0 * half_angle_deg) * 1.01
     return _perspective(position, (axis, (0, 1, 0)), fov, index, box, resolution)
 
@@ -160,10 +167,13 @@ def _perspective(
     least: float = 0.0,
 ) -> LightView:
     """`axes`: where it looks, and what is up; `least`, m: what is nearer is not drawn."""
+    # The depth range ends just behind the box's farthest corner.
     far = float(np.linalg.norm(box_corners(*box) - position, axis=1).max()) * 1.01
     near = max(1e-3 * far, 1e-4, least)
     far = max(far, 2.0 * near)
     view = view_from_world(position, *axes)
     clip = clip_from_view_perspective(fov, near, far) @ view
+
+    # At 1 m distance a map of this angle is 2 tan(fov / 2) wide.
     texel = 2.0 * float(np.tan(0.5 * fov)) / resolution
     return LightView(clip, (texel, texel), True, index)

@@ -83,10 +83,13 @@ def differ_in_emission_alone(a: Material, b: Material) -> bool:
 
 def chance_to_meet(m: Material) -> float:
     """The share of light head on that does not pass a surface, where its map's alpha is 1."""
+    # The mean colour of the map, in linear light.
     base, texture = np.array(m.base_color), m.base_color_texture
     if texture is not None:
         mean = texture.pixels[..., :3].reshape(-1, 3).mean(axis=0) / 255.0
         base = base * (srgb_decode(mean) if texture.is_srgb else mean)
+
+    # Head on, Fresnel's term is the surface's F0.
     coverage = m.alpha if m.is_blended else 1.0
     passed = passed_share(base[None], [coverage], [transmission(m)], [0.04 * m.specular])
     return max(1.0 - float(passed.mean()), 1e-6)

@@ -25,6 +25,7 @@ def _of_instances(fields: dict[str, tuple[str, int, int]]) -> dict[str, Any]:
 
     `fields` by name: vertex format, number of columns, location of the first.
     """
+    # A matrix is as many attributes as it has columns, 16 bytes each.
     offsets: Any = InstanceData.dtype.fields
     attributes = [
         {"shader_location": location + i, "offset": offsets[name][1] + 16 * i, "format": form}
@@ -89,6 +90,7 @@ class MeshPipeline(RasterPipeline):
         front_face: str,
         has_map_transform: bool,
     ) -> None:
+        # The shader's overrides: which maps there are, if they are transformed, if there are holes.
         constants = {f"HAS_{name.upper()}_MAP": float(name in maps) for name in self.maps}
         if self.maps:
             constants["HAS_MAP_TRANSFORM"] = float(has_map_transform)
@@ -109,6 +111,8 @@ class MeshPipeline(RasterPipeline):
         """Set the material's bind group; each set of textures has one."""
         if self.second is None:
             return
+
+        # Found by identity: the textures are stored beside, so that no others get their id.
         found = self._groups.get(id(draw.textures))
         if found is None:
             group = self.second.make(draw.textures.bound, commands.arena)
@@ -171,6 +175,8 @@ class MeshPass:
         # What is in the key by its id is stored beside it, so that nothing else gets that id.
         kept = (draws, commands, scene.instances, *bound.values())
         key = (commands.put(params), scene.replaced, *map(id, kept))
+
+        # The first time: encoded as it is, and remembered in place of the oldest.
         if key not in self._recorded:
             if len(self._recorded) >= _RECORDED:
                 self._recorded.pop(next(iter(self._recorded)))
@@ -225,6 +231,7 @@ class MeshPass:
 
     def _count(self, commands: Commands, scene: GpuScene, draws: list[Draw]) -> None:
         """Count vertices and the buffers that they read, for the tally of a stage."""
+        # Each pipeline's buffers count once, vertices as often as they are drawn.
         assert commands.tally is not None
         read: list[Buffer] = []
         for pipeline in {id(p): p for p in map(self._pipeline, draws)}.values():
@@ -244,6 +251,7 @@ class MeshPass:
         # A pipeline for each kind of draw, made when one comes first.
         key = (is_cutout, is_culled, draw.is_mirrored, maps, has_map_transform)
         if key not in self._pipelines:
+            # Mirrored meshes wind the other way.
             cull = "back" if is_culled else "none"
             self._pipelines[key] = kind(
                 self.gpu,

@@ -64,6 +64,8 @@ def is_packable(m: Material) -> bool:
 def metallic_factor(m: Material) -> float | None:
     """The factor that the maps apply to the material's metallic; None where it varies."""
     texture = m.metallic_roughness_texture
+
+    # A constant channel is a factor, and needs no texel.
     if texture is None or m.metallic == 0.0:
         return 1.0
     metallic = texture.pixels[..., 2]
@@ -96,6 +98,7 @@ def packed_sets(
 
     `image` returns what a texture's texels are identified by.
     """
+    # Equal sets of images share one key; factors and transforms are the material's own.
     keys: list[Hashable | None] = []
     sets: dict[Hashable, Maps] = {}
     for m in materials:
@@ -177,12 +180,15 @@ def _packed(
     is_srgb: bool,
 ) -> NDArray[np.uint32]:
     """One mip level (texels, 2): square roots of linear light, 10 bits each; normal, roughness."""
+    # Channels without a map are all ones, so that factors hold alone.
     some = next(level for level in (base, rough, normal) if level is not None)
     texels = np.full((some.shape[0] * some.shape[1], 2), 0xFFFFFFFF, np.uint32)
     # The root of light spends its 10 bits where the eye tells colours apart.
     if base is not None:
         codes = _roots(is_srgb)[base.reshape(-1, 4)[:, :3]]
         texels[:, 0] = codes[:, 0] | codes[:, 1] << 10 | codes[:, 2] << 20
+
+    # The second word: three bytes of the normal, one of roughness (green in glTF).
     surface = texels.view(np.uint8)[:, 4:8]
     if normal is not None:
         surface[:, :3] = normal.reshape(-1, 4)[:, :3]

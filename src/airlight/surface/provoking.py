@@ -38,6 +38,8 @@ def unique_provoking(indices: U32) -> tuple[U32, U32]:
     corners[:, 0] = np.arange(count)
     for corner in (1, 2):
         wanted = indices[:, corner].astype(np.int64)
+
+        # A vertex's copies lie in a row of the sorted keys: those around this triangle.
         after = np.searchsorted(keys, wanted * count + np.arange(count))
         before = np.maximum(after - 1, 0)
         after = np.minimum(after, count - 1)

@@ -81,6 +81,7 @@ def flux_unit(light: Light) -> float:
 
     Scenes in centimetres have lights ten thousand times as strong as those in metres.
     """
+    # A power of two, so that dividing by it rounds nothing.
     strongest = max(light.row().color)
     return float(2.0 ** max(0.0, np.ceil(np.log2(max(strongest, 1.0) / _STRONGEST))))
 

@@ -77,6 +77,8 @@ class ShadowMaps:
                 stale.append(layer)
         if not stale:
             return
+
+        # Views are uploaded together, maps drawn one by one.
         self.version += 1
         self.views.write(pack_array(LightViewData, [view.fields for view in views]))
         for layer in stale:

@@ -81,12 +81,14 @@ def _spread(mean_length: float) -> float:
 
     The mean of its directions has the length `mean_length` = (1 + cos radius) / 2.
     """
+    # Capped at a radius of 84 degrees: towards 90 the tangent has no bound.
     cosine = min(max(2.0 * mean_length - 1.0, 0.1), 1.0)
     return float(np.sqrt(1.0 - cosine**2) / cosine)
 
 
 def environment_map(environment: Environment) -> F64:
     """Scaled radiance (H, W, 3); a constant environment becomes a small map."""
+    # A constant sky is a map as coarse as its light is smooth.
     if environment.map is None:
         return np.tile(np.asarray(environment.radiance), (32, 64, 1)) * environment.scale
     return environment.map.astype(np.float64) * environment.scale
@@ -118,6 +120,7 @@ def _half_pixels(
     radiance: NDArray[Any], sun_luminance: NDArray[Any] | None, scale: float
 ) -> NDArray[np.float16]:
     """Texels (H, W, 4) of the background; a: the luminance of suns that are lights, too."""
+    # Alpha holds what a directional light sends already, so that the background alone shows it.
     pixels = np.zeros((*radiance.shape[:2], 4), np.float16)
     half_floats(radiance, scale, out=pixels[..., :3])
     if sun_luminance is not None:
@@ -153,6 +156,8 @@ class EnvironmentTexture:
         While other scenes show the one before, `texture` is another afterwards.
         """
         old = self._shown
+
+        # Texels are compared by address, not by value; a turned map is the same.
         is_same = old and environment and _pixels_of(old) == _pixels_of(environment)
         if not is_same:
             if _background_map(environment)[0].shape[1::-1] != self.texture.size[:2]:
@@ -193,6 +198,7 @@ class EnvironmentTexture:
 
 def _upload(texture: Texture, environment: Environment | None) -> None:
     """Upload the texels, in bands where they are many: the device copies each upload."""
+    # The device copies each upload: bands bound what is in flight.
     radiance, scale = _background_map(environment)
     suns = _sun_luminance(environment)
     height, width = radiance.shape[:2]
@@ -219,6 +225,7 @@ def _texels_of(environment: Environment | None) -> tuple[object, ...]:
 
 def _background_map(environment: Environment | None) -> tuple[NDArray[Any], float]:
     """The map (H, W, 3) of the background, and the factor that scales it."""
+    # An invisible environment is black behind the surfaces, and still lights them.
     if environment is None or not environment.visible:
         return np.zeros((1, 1, 3)), 1.0
     if environment.map is None:

@@ -69,6 +69,7 @@ class SurfelViews:
 
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> bool:
         """Draw those of `views` that changed; returns whether any did."""
+        # Views whose camera or geometry changed since their layers were drawn.
         stale = []
         for index, view in enumerate(views):
             key = (scene.version, view.clip_from_world.tobytes())
@@ -86,6 +87,7 @@ class SurfelViews:
     def _draw(
         self, commands: Commands, scene: GpuScene, index: int, peel: int, view: LightView
     ) -> None:
+        # A view's layers lie in a row.
         layer = index * self.peels + peel
         colors = [
             {
@@ -114,9 +116,12 @@ class SurfelViews:
 
 def camera_view(camera: Camera, aspect: float, low: F64, high: F64, resolution: int) -> LightView:
     """What the camera sees, in a square image; `aspect` is its width over its height."""
+    # The wider side's angle, up to where a perspective would waste its texels on the rim.
     half = np.tan(np.radians(camera.fov_y_deg) / 2.0) * max(1.0, aspect)
     fov = float(min(2.0 * np.arctan(half), np.radians(_WIDEST_DEG)))
     eye = np.asarray(camera.position, np.float64)
+
+    # Depth as far as the box's farthest corner.
     far = float(np.linalg.norm(box_corners(low, high) - eye, axis=1).max()) * 1.01
     look = np.subtract(camera.target, camera.position)
     clip = clip_from_view_perspective(fov, max(1e-3 * far, 1e-4), far)

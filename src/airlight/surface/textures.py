@@ -49,6 +49,8 @@ class TextureStore:
         """The device's copy of `texture`."""
         if texture is None:
             return default
+
+        # Identical images of other scenes on the device are found by their digest.
         found = self._textures.get(image_of(texture))
         if found is None:
             key = ("texture", self._image(texture))
@@ -90,6 +92,7 @@ class TextureStore:
 
     def _image(self, texture: SceneTexture) -> Hashable:
         """A key that textures of the same texels share, of whatever scene."""
+        # The image's digest is taken once, however many textures show it.
         found = self._images.get(image_of(texture))
         if found is None:
             found = (texture, (array_digest(texture.pixels), texture.is_srgb))
@@ -125,6 +128,7 @@ class MaterialTextures:
     @cached_property
     def bound(self) -> dict[str, Texture | Sampler]:
         """Textures and samplers by slot name."""
+        # Without a map, white leaves the factors as they are, and a flat normal the surface's.
         store, found = self._store, dict[str, Texture | Sampler]()
         for name, texture in self._maps.items():
             default = store.flat_normal if name == "normal" else store.white
@@ -140,6 +144,7 @@ def _solid(gpu: Gpu, label: str, rgba: tuple[int, int, int, int]) -> Texture:
 
 
 def _uploaded(gpu: Gpu, texture: SceneTexture, chain: list[NDArray[np.uint8]]) -> Texture:
+    # Codes stay sRGB on the device, whose samplers decode before they filter.
     height, width = texture.pixels.shape[:2]
     format = "rgba8unorm-srgb" if texture.is_srgb else "rgba8unorm"
     made = Texture(gpu, texture.source or "texture", (width, height), format, mips=len(chain))

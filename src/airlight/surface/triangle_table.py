@@ -122,6 +122,8 @@ class TriangleTable:
         """`geometries` by their first vertex in the scene's buffers, `instances` their geometry
         (its first vertex) and material in the scene's order."""
         self.gpu = gpu
+
+        # Ids have 16 bits: a scene of more instances or materials is drawn without the table.
         fits = len(instances) <= _MOST and len(materials) <= _MOST
         geometries = _chosen(geometries, most_triangles(gpu) if fits else 0)
         key = ("triangles", *((k, geometry_digest(g)) for k, g in geometries.items()))
@@ -163,6 +165,7 @@ class TriangleTable:
 
     def shows(self, base_vertex: int, material: Material) -> bool:
         """Whether the table has instances of that geometry with that material."""
+        # Vertex colours are in no row of the table.
         geometry = self._last.get(base_vertex)
         is_plain = geometry is not None and geometry.colors is None
         return is_plain and self._is_packed[id(material)]
@@ -185,6 +188,8 @@ class TriangleTable:
 
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
         packed = np.zeros(max(1, len(instances)), InstanceIds.dtype)
+
+        # From vertex numbers to those of triangles, counted from 1: 0 is the background.
         for index, (key, material) in enumerate(instances):
             first = 1 + self.shared.first_triangle.get(key, 0) - self.base_vertex.get(key, 0)
             packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
@@ -201,6 +206,8 @@ class TriangleTable:
         self._is_packed = {
             id(m): at is not None for m, at in zip(materials, locations, strict=True)
         }
+
+        # Factors of each material, and where its maps lie.
         rows = np.zeros(max(1, len(materials)), MATERIAL)
         uv_transforms = np.tile(np.array(_IDENTITY_UV, np.float32), (len(rows), 1))
         for index, (m, location) in enumerate(zip(materials, locations, strict=True)):
@@ -247,6 +254,7 @@ def _fields(m: Material, location: Location | None) -> tuple[Any, ...]:
 
 def _uv_transform(m: Material) -> tuple[float, ...]:
     """Scale and offset of the material's texture coordinates."""
+    # Packable maps share one transform, so any of them tells it.
     some = m.base_color_texture or m.normal_texture or m.metallic_roughness_texture
     return (*some.scale, *some.offset) if some else _IDENTITY_UV
 
@@ -264,6 +272,8 @@ def _triangles(g: Geometry) -> U32:
     if g.normals is not None:
         # Rounded as the scene's vertices are.
         normals = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0).astype(np.int16)
+
+    # Corner and edges, so that a pixel's barycentric coordinates need no subtraction.
     for part in chunks(len(rows)):
         a, b, c = (g.indices[part, k] for k in range(3))
         values = (p[a], p[b] - p[a], p[c] - p[a], uv[a], uv[b] - uv[a], uv[c] - uv[a])

@@ -52,6 +52,8 @@ class VertexBuffers:
     def __init__(self, gpu: Gpu, geometries: list[Geometry]) -> None:
         self.gpu = gpu
         self.offsets: dict[int, tuple[int, int]] = {}
+
+        # Where each geometry begins among indices and among vertices.
         index_count = vertex_count = 0
         for geometry in geometries:
             self.offsets[id(geometry)] = (index_count, vertex_count)
@@ -85,6 +87,7 @@ class VertexBuffers:
 
 def check_same_triangles(old: Geometry, new: Geometry) -> None:
     """Raise SceneError where a geometry became one of other triangles."""
+    # Shared indices are equal without a look at them.
     same = len(old.positions) == len(new.positions) and (
         np.shares_memory(old.indices, new.indices) or np.array_equal(old.indices, new.indices)
     )
@@ -97,6 +100,7 @@ def check_same_triangles(old: Geometry, new: Geometry) -> None:
 
 
 def _vertex_data(g: Geometry) -> NDArray[Any]:
+    # Normals as 16-bit integers, colours as half floats; no colour is white.
     data = np.zeros(len(g.positions), _VERTEX)
     if g.normals is not None:
         data["normal"][:, :3] = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0)

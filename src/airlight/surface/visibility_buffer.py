@@ -135,6 +135,8 @@ class VisibilityBuffer:
     ) -> None:
         """`surface` is the second pass, with VISIBILITY_SLOTS; it tests against depth."""
         self.gpu, self._surface = gpu, surface
+
+        # Lights see both sides of culled surfaces, cameras look through their backs.
         kinds = (
             (_LightCutoutTriangleIds, _LightTriangleIds)
             if of_lights
@@ -161,6 +163,8 @@ class VisibilityBuffer:
         # What the table holds is drawn from it; all else as ever.
         shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in draws]
         rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]
+
+        # The table has vertices and indices of its own, for which draws exchange theirs.
         table = scene.triangle_table
         return (
             [
@@ -204,6 +208,8 @@ class VisibilityBuffer:
             )
         # What that triangle is there.
         table = scene.triangle_table
+
+        # A pipeline with maps' transforms, or without: made when it is first needed.
         has_transforms = table.has_map_transforms
         if has_transforms not in self._surfaces:
             constants = {"HAS_MAP_TRANSFORM": float(has_transforms)}

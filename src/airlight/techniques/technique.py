@@ -120,6 +120,11 @@ class Technique:
         return next((solver for solver in self.solvers if isinstance(solver, kind)), None)
 
     @property
+    def follows_eye(self) -> bool:
+        """Whether lattices reach as far into a medium as the scene's cameras see."""
+        return self.media is not None and not self.kit.settings.bounds
+
+    @property
     def stats(self) -> dict[str, Any]:
         """The values of --stats; where two solvers have the same key, the first one's counts."""
         found = self.kit.stats

@@ -20,6 +20,7 @@ from airlight.scene import Medium
 from airlight.scene.animation import Animation
 from airlight.scene.io import load
 from airlight.scene.io.images import load_image
+from airlight.scene.placing import camera_at
 from small_viewer import SETTINGS as SMALL
 
 SIZE = (48, 28)
@@ -193,6 +194,26 @@ def test_fog_can_be_added_thickened_and_taken_away(gpu, scene_file):
     assert session.state.message == ""
     assert np.abs(thin - clear).mean() < np.abs(thick - clear).mean()
     session.close()
+
+
+def test_a_camera_far_out_in_fog_gets_lattices_that_reach_to_it(gpu, scene_file):
+    scene = replace(load(scene_file), medium=Medium((0.05,) * 3))
+    settings = {**SMALL, "gather": "off"}
+    session = Session(scene, source=str(scene_file), technique="lpv-scatter", settings=settings)
+    made = Screen(gpu, session)
+    try:
+        made.settle(3)
+        first = session.renderer
+        session.controls.camera = camera_at(scene.camera, (1.4, 1.3, 3.0))
+        made.settle(2)
+        assert session.renderer is first
+        away = camera_at(scene.camera, (9.0, 6.0, 20.0))
+        session.controls.camera = away
+        made.settle(3)
+        assert session.renderer is not first
+        assert session.renderer.made_for.reach.beyond(replace(scene, camera=away)) is None
+    finally:
+        session.close()
 
 
 def test_times_of_passes_are_measured_when_wanted(screen):

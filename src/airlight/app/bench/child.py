@@ -31,6 +31,7 @@ def first_image(
     `settings` are KEY=VALUE. Raises AirlightError with the command's own message.
     """
     with tempfile.TemporaryDirectory(prefix="airlight-bench-") as folder:
+        # Settings as words of the command line, so that all of the command is measured.
         words = ["render", scene, "-o", str(Path(folder) / "first.png"), "-q"]
         words += ["--size", f"{size[0]}x{size[1]}", "--technique", technique]
         words += ["--adapter", adapter]
@@ -56,6 +57,7 @@ def _run(words: Sequence[str]) -> subprocess.CompletedProcess[str]:
 
 
 def _told(done: subprocess.CompletedProcess[str]) -> dict[str, Any]:
+    # The last line is the child's own; without it the child has ended before its end.
     lines = done.stdout.splitlines()
     told = json.loads(lines[-1]) if lines and lines[-1].startswith("{") else {"code": 1}
     if told["code"] != 0:

@@ -86,6 +86,7 @@ def command(output: Path | None, **options: Any) -> None:
     camera, too.
     """
     reads(*options["scenes"])
+    # Minutes of measuring are not to end in a file that cannot be written.
     if output is not None:
         check_writable(output)
     with progress(quiet=options["quiet"]) as report:
@@ -198,6 +199,7 @@ def _first_images(cases: Sequence[Case], adapter: str, report: Report) -> list[d
     from .child import first_image
 
     found = []
+    # Each in a process of its own, with imports, compiling and writing.
     for index, case in enumerate(cases):
         report(f"first image of {case.name}", index / len(cases))
         texts = [f"{key}={value}" for key, value in case.settings.items()]
@@ -230,6 +232,7 @@ def _growth(
     known = [axis for axis in axes(is_long=plan.is_long) if axis.is_known(LpvSettings)][
         : plan.growth_tables
     ]
+    # The paper's lattice, where the settings say no other.
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if plan is QUICK else {}), **settings}
     found = []
     for index, axis in enumerate(known):

@@ -52,6 +52,7 @@ def moved(lights: Sequence[Light], step: int) -> tuple[Light, ...]:
 
 
 def _moved(light: Light, step: int) -> Light:
+    # A directional light has no place to move to, so it turns.
     if isinstance(light, DirectionalLight):
         c, s = np.cos(np.radians(TURN_DEG * step)), np.sin(np.radians(TURN_DEG * step))
         x, y, z = light.direction
@@ -82,6 +83,7 @@ def counted(renderer: Renderer) -> dict[str, dict[str, int]]:
         commands.tally, commands.is_recordable = tally, False
         try:
             renderer.frame(lights=moved(scene.lights, 1), camera=flown(scene.camera, 1), read=False)
+            # The counted frame is none of those that are timed.
             renderer.frame_ms.pop()
             renderer.python_ms.pop()
         finally:
@@ -108,6 +110,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
         renderer.frame_ms.clear()
         renderer.python_ms.clear()
         last = WARM_UP_FRAMES + frames
+        # Frames as a user sees them, with the light alone in motion.
         for step in range(WARM_UP_FRAMES, last):
             renderer.frame(lights=moved(scene.lights, step), read=False)
         still_ms, python_ms = list(renderer.frame_ms), list(renderer.python_ms)
@@ -124,6 +127,7 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
         counts = counted(renderer)
         # All of it with what the case was, so that a file of results stands alone.
         stats = renderer.stats()
+        # Cells of all cascades; without any, those of the one lattice.
         lattices = [part["cells"] for part in stats.get("cascades", ())] or [stats["lattice"]]
         return {
             **{key: stats[key] for key in ("device", "adapter_type", "peak_gpu_bytes")},

@@ -60,6 +60,7 @@ def axes(*, is_long: bool = False) -> tuple[Axis, ...]:
 def point_lights(scene: Scene, count: int) -> tuple[Light, ...]:
     """`count` point lights on a line through the middle of the scene, 1 W/sr in all."""
     low, high = scene.bounds
+    # At equal distances from each other and from the walls, above the middle.
     share = (np.arange(count) + 1.0) / (count + 1.0)
     along = low + (high - low) * np.stack([share, np.full(count, 0.6), np.full(count, 0.5)], 1)
     power = 1.0 / count
@@ -80,6 +81,7 @@ def _with_ground(scene: Scene, value: int) -> tuple[Scene, Mapping[str, Any]]:
     # A lattice of n x n points has about 2 n^2 triangles.
     side = round(math.sqrt(500.0 * value)) + 1
     x, z = np.meshgrid(np.linspace(x0, x1, side), np.linspace(z0, z1, side))
+    # Gentle hills, so that triangles face various ways.
     y = y0 + 0.05 * np.sin(9.0 * x) * np.cos(7.0 * z)
     at = np.arange(side * side, dtype=np.uint32).reshape(side, side)
     # The four corners of each square, which two triangles fill.

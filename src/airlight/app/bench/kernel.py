@@ -44,6 +44,7 @@ def compiled(folder: Path, c_file: Path | None = None) -> tuple[Path | None, str
     """The C program made in `folder` and its compiler's line; or None and why not."""
     source = c_file or C_FILE
     compiler = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), "")
+    # Each thing that is missing is said, as a result without C is no failure.
     if not source.is_file():
         return None, f"skipped: benchmarks/{source.name} is not here (this is not a checkout)"
     if not compiler:
@@ -81,7 +82,8 @@ def in_turns(
     """Milliseconds of both, run by run in turns so that they see the same machine; the ratio."""
     own: list[float] = []
     theirs: list[float] = []
-    # Interleaved, so that a machine that slows down slows both; the pause lets its clock settle.
+    # Interleaved, so that a machine that slows down slows both; in the pause OpenMP's threads
+    # stop spinning.
     for index in range(2 + runs):  # the first two compile and touch the memory
         yardstick_ms = c() if c else 0.0
         if index >= 2:
@@ -93,6 +95,7 @@ def in_turns(
     if c is None:
         return {"device_ms": spread(own)}
     found, yardstick = spread(own), spread(theirs)
+    # Ratios of the medians, and of the least times, which other work disturbs least.
     return {
         "device_ms": found,
         "c_ms": yardstick,
@@ -116,6 +119,7 @@ def device_runner(gpu: Gpu, side: int, blocked: bool) -> Iterator[Callable[[], f
     cells = placement.cells
     injected = buffer_of(gpu, "injected", rng.random((3 * cells, 4), dtype=np.float32))
     faces = buffer_of(gpu, "faces", random_faces(rng, cells))
+    # Walls that block reflect, too.
     kind = StepKind(is_blocked=blocked, is_reflecting=blocked)
     propagate = Propagate(gpu, placement, kind)
     commands = Commands(gpu)

@@ -92,6 +92,7 @@ def _with_voxels(scene: Scene, side: int) -> tuple[Scene, dict[str, Any]]:
     """The first volume's density repeated or thinned to side^3 voxels."""
     volume = scene.volumes[0]
     assert volume.density is not None
+    # Voxels are repeated or skipped, whichever the size asks for.
     at = [np.minimum(np.arange(side) * n // side, n - 1) for n in volume.density.shape]
     density = np.ascontiguousarray(volume.density[np.ix_(*at)])
     made = dataclasses.replace(volume, density=density)
@@ -101,6 +102,7 @@ def _with_voxels(scene: Scene, side: int) -> tuple[Scene, dict[str, Any]]:
 def moved(scene: Scene, step: int, *, moves: bool) -> Scene:
     """`step` frames on: the map turned, and where the medium `moves`, its voxels shifted."""
     assert scene.environment is not None
+    # The map turns, so that no light from it can be reused.
     sky = dataclasses.replace(scene.environment, rotation_deg=TURN_DEG * step)
     scene = dataclasses.replace(scene, environment=sky)
     if not moves:

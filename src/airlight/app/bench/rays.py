@@ -62,6 +62,7 @@ def measure(
     names = scenes or (SCENES[:1] if quick else SCENES)
     for index, name in enumerate(names):
         report(f"rays in {name}", index / len(names))
+        # Each scene has a scope of its own on the device, so that none pays for another's memory.
         gpu = open_gpu(adapter).scope()
         try:
             cases.append({"scene": name, **_case(gpu, load(name), size, runs)})
@@ -95,6 +96,7 @@ def _case(gpu: Gpu, scene: Scene, size: tuple[int, int], runs: int) -> dict[str,
         values = {"params": params, "starts": starts, **rays.bound}
         _timed(gpu, bench, size, values)  # compiles
         ms, cpu_ms = zip(*(_timed(gpu, bench, size, values) for _ in range(runs)), strict=True)
+        # Later kinds start only where the camera's rays hit.
         sent = _sent(starts, size) if number else size[0] * size[1]
         kinds[kind] = {"rays": sent, "ms": min(ms), "cpu_ms": min(cpu_ms)}
     return {**rays.stats, "build_s": build_s, "kinds": kinds}
@@ -105,6 +107,7 @@ def _timed(
 ) -> tuple[float, float]:
     """Milliseconds by the clock and of the processor."""
     commands = Commands(gpu)
+    # All of the host's and the device's work for one dispatch.
     begin_s, begin_cpu_s = time.perf_counter(), time.process_time()
     bench.dispatch(commands, size, **values)
     commands.submit()

@@ -24,6 +24,7 @@ class Table:
 def tables(results: Mapping[str, Any]) -> list[Table]:
     """Every table that `results`, as `airlight bench -o` writes them, have numbers for."""
     found: list[Table] = []
+    # Only parts that were measured have a table.
     if results.get("frames"):
         found += [_frames(results["frames"]), _stages(results["frames"])]
     if results.get("propagation"):
@@ -77,6 +78,7 @@ def table_markdown(table: Table) -> str:
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cells) + " |"
 
+    # The first column is text, all others are numbers.
     rule = ["---", *["---:"] * (len(table.columns) - 1)]
     rows = [line(table.columns), line(rule), *map(line, table.rows)]
     return f"**{table.title}**\n\n" + "\n".join(rows)
@@ -118,6 +120,7 @@ def _frames(cases: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def _stages(cases: Sequence[Mapping[str, Any]]) -> Table:
+    # Stages of all cases, in the order in which they first come.
     names = list(dict.fromkeys(name for case in cases for name in case["passes"]))
     rows = tuple(
         (name, *(milliseconds(c["passes"][name]) if name in c["passes"] else "-" for c in cases))
@@ -133,6 +136,7 @@ def _propagation(found: Mapping[str, Any], steps: str) -> Table:
     for c in found["cases"]:
         own = c["device_ms"]
         times = [milliseconds(own["median"]), milliseconds(own["min"])]
+        # Without C the columns of the yardstick stay empty.
         yardstick = ["-"] * 4
         if "c_ms" in c:
             theirs = c["c_ms"]
@@ -171,6 +175,7 @@ def _growth(table: Mapping[str, Any]) -> Table:
         stages = (milliseconds(row["passes"].get(name, 0.0)) for name in names)
         frame = milliseconds(row["flying_ms"]["median"])
         sizes = (str(row["value"]), str(row["cells"]), str(row["triangles"]))
+        # Without a time for the first image stands a dash.
         first_s = row.get("first_image_s")
         first = "-" if first_s is None else f"{first_s:.2f}"
         lines.append((*sizes, first, frame, *stages))

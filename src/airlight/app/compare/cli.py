@@ -146,6 +146,7 @@ def write(comparison: Comparison, folder: Path) -> None:
     from .images import png_bytes
     from .page import page, sheet
 
+    # Each file appears when it is complete: numbers, the sheet of images, and the page.
     results, contact, index = _files(folder)
     write_json(comparison.to_json(), results)
     with whole_file(contact) as part:

@@ -52,6 +52,7 @@ def signed_map(image: F32, reference: F32, stops: float) -> U8:
 
     Of displayed luminance (sRGB, exposed by `stops`), so that it shows what an eye would.
     """
+    # Displayed luminance of both, and the part of the full colour that the difference gets.
     a, b = (luminance(displayed(c, stops)) for c in (image, reference))
     d = np.clip((a - b) / FULL_DIFFERENCE, -1.0, 1.0)[..., None]
     linear: F64 = np.where(d > 0.0, d * TOO_BRIGHT, -d * TOO_DARK)
@@ -60,6 +61,7 @@ def signed_map(image: F32, reference: F32, stops: float) -> U8:
 
 def heat(error: F32) -> U8:
     """A map (H, W) of errors in [0, 1] in the colours FLIP is drawn in; (H, W, 3)."""
+    # Between the map's eighths, linearly in code values.
     at = np.clip(np.asarray(error, dtype=np.float64), 0.0, 1.0) * (len(MAGMA) - 1)
     rgb = [np.interp(at, np.arange(len(MAGMA)), MAGMA[:, c]) for c in range(3)]
     return np.rint(np.stack(rgb, axis=-1)).astype(np.uint8)
@@ -108,6 +110,7 @@ def contact_sheet(
             draw.text((x, top + 4), text, FAINT if pixels is None else INK, font=font)
             if pixels is not None:
                 small = PIL.Image.fromarray(pixels)
+                # An image of another size is scaled to its cell.
                 if small.size != (cell_width_px, height):
                     size = (cell_width_px, height)
                     small = small.resize(size, PIL.Image.Resampling.LANCZOS)
@@ -124,6 +127,7 @@ def _height_px(cells: Sequence[tuple[str, U8 | None]], width_px: int) -> int:
 def _narrow(text: str, width_px: int, size_px: int) -> Any:
     """The font at its size; smaller, down to what can be read, where the text is too long."""
     font = PIL.ImageFont.load_default(size_px)
+    # A narrower font, but none that cannot be read.
     share = width_px / max(font.getlength(text), 1.0)
     if share >= 1.0:
         return font

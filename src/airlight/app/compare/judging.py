@@ -175,6 +175,7 @@ def _has_bounces(technique: str, scene: Scene) -> bool:
 
 
 def _compare_command(label: str, techniques: tuple[str, ...], output: Path, plan: Plan) -> str:
+    # The words that made the comparison, so that the page says how to repeat it.
     words = ["airlight", "compare", label, "--technique", *techniques, "-o", str(output)]
     words += ["--size", _size_word(plan.size), "--spp", str(plan.spp)]
     words += ["--samples", str(plan.samples), *_own_words(plan)]
@@ -191,6 +192,7 @@ def _own_words(plan: Plan) -> list[str]:
 
 
 def _about(outcomes: list[Outcome]) -> dict[str, str]:
+    # The device as any technique that worked has named it.
     stats = next((o.image.stats for o in outcomes if o.image is not None), {})
     about = {"airlight": __version__, "machine": f"{platform.system()} {platform.machine()}"}
     return about | ({"device": str(stats["device"])} if "device" in stats else {})

@@ -70,10 +70,12 @@ def _sheet_row(view: LayerView, panel: Panel) -> list[tuple[str, U8 | None]]:
 
 def number(value: float | None, digits: int = 3) -> str:
     """Three digits that matter, or a dash for a score that could not be taken."""
+    # NaN is the score that could not be taken.
     if value is None or value != value:
         return DASH
     if abs(value) in (0.0, float("inf")):
         return "0" if value == 0.0 else "\N{INFINITY}"
+    # Decimals where they are readable, else an exponent.
     if 1e-3 <= abs(value) < 1e4:
         return f"{value:#.{digits}g}".rstrip(".")
     return f"{value:.{digits - 1}e}"
@@ -89,6 +91,7 @@ def seconds(value: float | None) -> str:
 
 
 def _facts(c: Comparison) -> str:
+    # What all scores rest on: the reference, its noise, and the exposure.
     r = c.reference
     facts = {
         "size": f"{c.size[0]} x {c.size[1]}",
@@ -155,6 +158,7 @@ _TIME_HEAD = (
 def _summary_row(outcome: Outcome) -> tuple[str, ...]:
     m = outcome.metrics
     assert m is not None
+    # Errors of a black image and of direct light alone show what a score is worth.
     beside = (number(other.relmse if other else None) for other in (m.black, m.direct_only))
     return (
         _relmse(m),
@@ -167,6 +171,7 @@ def _time_row(outcome: Outcome) -> tuple[str, ...]:
     by_relmse, by_l2 = outcome.equal_time, outcome.equal_time_l2
     assert by_relmse is not None
     assert by_l2 is not None
+    # Error and time each way: how long a path tracer takes, and what it reaches in that time.
     return (
         seconds(outcome.seconds),
         seconds(by_relmse.seconds_to_match),
@@ -199,6 +204,7 @@ def _legend(c: Comparison) -> str:
 
 def _layer(view: LayerView) -> str:
     truth = f"truth-{view.name}"
+    # One table of scores for the layer, a row of images for each technique.
     rows = [(p.technique, tuple(_score(p.metrics, key) for _, key in SCORES)) for p in view.panels]
     table = _table(("", *(name for name, _ in SCORES)), rows) if rows else ""
     panels = "".join(_panel(p, truth) for p in view.panels)

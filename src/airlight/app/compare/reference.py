@@ -82,6 +82,7 @@ def reference_for(
     from ...reference.mitsuba import LAYERS, NoLayers
 
     name = scene_hash(scene, size)
+    # The limit is a point in time, which all runs share.
     job = _Job(scene, size, spp, noise, time.monotonic() + timeout_s, report)
     names = tuple(layer for layer in LAYERS if layer != "transmittance")
     try:
@@ -123,6 +124,7 @@ def _cached_or_rendered(job: _Job, names: tuple[str, ...], file: str) -> Referen
 
 def _samples_missing(have: Reference | None, spp: int, noise: float | None) -> int:
     wanted, done = spp, 0 if have is None else have.spp
+    # A noise that is asked for may need more samples than were asked for.
     if noise is not None and have is not None and have.floor > noise:
         # Variance falls as 1/N; a tenth more, so that the estimate of it need not be exact.
         wanted = max(spp, math.ceil(1.1 * done * have.floor / noise))
@@ -160,6 +162,7 @@ def _render(job: _Job, names: tuple[str, ...], spp: int, seed: int) -> Reference
 
 def _merged(a: Reference, b: Reference) -> Reference:
     """Two independent estimates as one: means by samples, variances of means by their squares."""
+    # Shares of the samples, by which two means become one.
     total = a.spp + b.spp
     u, v = a.spp / total, b.spp / total
 
@@ -180,6 +183,7 @@ def _merged(a: Reference, b: Reference) -> Reference:
 def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
     """What is cached at `path`; None where it is nothing, broken, or lacks the layers `names`."""
     try:
+        # A broken cache is as good as none.
         with own_files(), opened_npz(path) as archive:
             about = json.loads(str(archive.array("about", kinds="U")))
             arrays = {name: archive.array(name) for name in archive.names if name != "about"}
@@ -193,6 +197,7 @@ def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
 
 def _cache(reference: Reference, path: Path) -> str:
     """Write it for the next time; empty, or a warning where the cache cannot be written."""
+    # What is not an array goes into one text.
     about = {"spp": reference.spp, "seconds": reference.seconds, "notes": reference.notes}
     arrays: dict[str, Any] = {"about": json.dumps(about), "radiance": reference.image.radiance}
     arrays |= reference.image.layers
@@ -201,6 +206,7 @@ def _cache(reference: Reference, path: Path) -> str:
 
 def scene_hash(scene: Scene, size: tuple[int, int]) -> str:
     """A name for what the reference of `scene` at `size` depends on: values, not files or ids."""
+    # The format and the size are part of the name.
     digest = hashlib.sha256(f"{FORMAT} {size}".encode())
     known: dict[int, bytes] = {}
     digest.update(_content(scene, known))

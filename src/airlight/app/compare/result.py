@@ -1,4 +1,4 @@
-"""What a comparison found: values only; `compare_page` draws them."""
+"""What a comparison found: values only; `page` draws them."""
 
 from __future__ import annotations
 
@@ -117,6 +117,7 @@ class Comparison:
         return LayerView(name, shown(truth, self.stops), tuple(panels))
 
     def _panel(self, technique: str, scores: Metrics, layer: F32, truth: F32) -> Panel:
+        # Without the package of FLIP the panel has no map.
         try:
             flip = heat(metrics_display.flip_map(truth, layer, self.stops))
         except ImportError:

@@ -95,10 +95,13 @@ def make_sequence(plan: Plan, loaded: Scene, output: Path, options: Mapping[str,
     if is_video:
         check_writable(output)
     show_warnings(loaded)
+    # Settings and options are checked together: some frames depend on those before them.
     made = checked_settings(plan.technique, loaded, plan.settings)
     _check_alone(plan, made, options)
+    # A digest of all that the frames depend on marks the video, for runs that resume.
     asked = plan.asked(loaded)
     comment = f"airlight sequence {digest({**asked, 'frames': [plan.first, plan.last]})}"
+    # A video's frames lie in a folder beside it until it is encoded.
     folder = FrameFolder(output.with_name(output.name + ".frames") if is_video else output)
     if is_video:
         sweep_video(output)
@@ -108,6 +111,7 @@ def make_sequence(plan: Plan, loaded: Scene, output: Path, options: Mapping[str,
         make_frames(plan, loaded, folder, farm=options["farm"], quiet=options["quiet"])
         if is_video:
             _encode(plan, folder, output, comment, quiet=options["quiet"])
+    # The frames of a finished video are only kept if asked for.
     if is_video and not options["keep_frames"]:
         folder.clear()
     click.echo(str(output))
@@ -191,6 +195,7 @@ def _farmed(
 
 def _note_device(folder: FrameFolder, device: str) -> None:
     """Keep which devices made frames, and say it where there are several."""
+    # Devices round differently.
     devices = folder.manifest.get("devices", [])
     if device not in devices:
         folder.note(devices=[*devices, device])
@@ -222,6 +227,7 @@ def check_sequence(output: Path, options: Mapping[str, Any]) -> None:
             where=output,
             remedy="End it in .mp4, or give a folder.",
         )
+    # Layers have a place in EXR alone.
     if options["layers"] and options["kind"] != "exr":
         raise SettingsError("--layers needs --format exr")
 

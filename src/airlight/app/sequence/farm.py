@@ -55,11 +55,13 @@ def farm_frames(
     the cluster does not answer, is lost or has no workers, and what a frame's making raises.
     """
     with _client(address, answer_s) as client:
+        # The scene is sent once, and shared by all frames.
         sent = client.submit(_Sent, plan, scene, pure=False)
         futures = {
             client.submit(_made, sent, frame, priority=-frame, pure=False): frame
             for frame in frames
         }
+        # Frames are written as they come; what is not needed any more is cancelled.
         try:
             for future in _finished(client, set(futures), address, patience_s):
                 take(futures.pop(future), *future.result())
@@ -74,6 +76,7 @@ def _client(address: str, answer_s: float) -> Iterator[Any]:
     from distributed.comm import CommClosedError
 
     _silence()
+    # A scheduler that does not answer is told apart before the library's own client waits for it.
     check_scheduler(address, answer_s)
     try:
         # One that never connected would wait 20 s for its end, and print a traceback.
@@ -104,6 +107,7 @@ def _finished(client: Any, pending: set[Any], address: str, patience_s: float) -
 
     alone_since: float | None = None
     while pending:
+        # The wait is short, so that a lost cluster is noticed between frames.
         try:
             done, _ = wait(pending, timeout=_POLL_S, return_when="FIRST_COMPLETED")
         except TimeoutError:
@@ -172,6 +176,7 @@ _MAKER: list[tuple[_Sent, FrameMaker]] = []
 
 def _made(sent: _Sent, frame: int) -> tuple[bytes, str, list[str]]:
     """On a worker: a frame's file, the device that made it, doubts about it. One at a time."""
+    # One renderer for each process, made again for another scene or plan.
     with _LOCK:
         if not _MAKER or _MAKER[0][0] is not sent:
             for _, old in _MAKER:

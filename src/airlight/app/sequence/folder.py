@@ -69,6 +69,7 @@ class FrameFolder:
         Raises OutputError.
         """
         missing = [frame for frame in plan.frames if not is_whole(self.file(plan, frame))]
+        # A frame that is made must not take the place of a file that the scene reads.
         for frame in missing:
             check_output(self.file(plan, frame))
         return missing
@@ -81,6 +82,7 @@ class FrameFolder:
 
     def clear(self) -> None:
         """Remove the frames and the notes about them; the folder, too, unless more is in it."""
+        # What a person has put beside the frames stays.
         for file in self.path.iterdir() if self.path.is_dir() else ():
             if _FRAME.fullmatch(file.name) or file.name == MANIFEST:
                 file.unlink(missing_ok=True)
@@ -108,6 +110,7 @@ class FrameFolder:
     def _take_up(self, asked: Mapping[str, Any], count: int, *, resume: bool) -> None:
         self.manifest = _read(self.path / MANIFEST)
         there = self.manifest["asked"]
+        # Frames of another run are not mixed in without being asked for.
         if not resume:
             raise OutputError(
                 f"holds a sequence already ({count} frames)",
@@ -162,6 +165,7 @@ def _read(path: Path) -> dict[str, Any]:
             held = json.loads(read_text(path))
     except (SceneError, ValueError, RecursionError):
         held = None
+    # Only what later code relies on, each of its kind.
     if not (
         isinstance(held, dict)
         and isinstance(held.get("asked"), dict)
@@ -180,6 +184,7 @@ def _is_stops(value: Any) -> bool:
 
 def _is_alive(pid: int) -> bool:
     """Whether a process of that number runs here; True where that cannot be known."""
+    # Signal 0 asks for the process and sends nothing; not so outside of POSIX.
     if os.name != "posix":
         return True
     try:

@@ -40,6 +40,7 @@ class FrameMaker:
         """One frame. Raises SceneError where the scene cannot be at its time."""
         image = self.renderer.frame(time=self.plan.time_s(frame), samples=self.plan.samples)
         assert image is not None
+        # The curve and the table of the command, in place of the camera's.
         if self.plan.tone_map is not None:
             image = replace(image, tone_map=self.plan.tone_map)
         return replace(image, lut=self.plan.lut)
@@ -71,6 +72,7 @@ def metered_stops(plan: Plan, scene: Scene) -> float | None:
     """
     if plan.exposure_stops is not None or scene.at(plan.start_s).camera.exposure_stops is not None:
         return None
+    # A small image meters as a large one does, at less cost.
     width, height = plan.size
     small = (_METERED_WIDTH_PX, max(1, round(_METERED_WIDTH_PX * height / width)))
     with _renderer(plan, scene, small if width > _METERED_WIDTH_PX else plan.size) as renderer:

@@ -92,6 +92,7 @@ def frame_span(
             remedy="Add keyframes to its scene file ([[camera.key]] ...) or grids that follow "
             "each other ([[volume]] sequence), or use airlight render.",
         )
+    # What the options leave open is the animation's.
     start = animation.start_s if start_s is None else start_s
     end = animation.last_s if end_s is None else end_s
     rate = animation.fps if fps is None else fps
@@ -99,6 +100,7 @@ def frame_span(
         raise SettingsError(f"the end at {end:g} s is not after the start at {start:g} s")
     # A frame at the very end would show a loop's first image twice.
     first, last = 0, max(0, int(-(-(end - start) * rate // 1)) - 1)
+    # A product that is whole but for rounding counts as whole.
     exact = (end - start) * rate
     if abs(exact - round(exact)) < 1e-6:
         last = max(0, round(exact) - 1)

@@ -17,6 +17,7 @@ def counted(
     what: str, total: int, done: int = 0, *, quiet: bool = False
 ) -> Iterator[Callable[[], None]]:
     """Gives a function to call after each of `total`, of which `done` were there before."""
+    # Bars need a terminal; in a log a line now and then will do.
     if quiet:
         yield lambda: None
     elif sys.stderr.isatty():
@@ -68,9 +69,11 @@ class Lines:
         """One more is done."""
         self.done += 1
         now = self._clock()
+        # The first frame tells how long one takes, the last ends the count.
         is_due = now - self._last_s >= _LINE_EVERY_S or self.done in (self.before + 1, self.total)
         if is_due:
             self._last_s = now
+            # Frames that were there before say nothing of how long one takes.
             spent = now - self._began_s
             left = spent / (self.done - self.before) * (self.total - self.done)
             tail = f", {_spoken(left)} left" if self.done < self.total else f" in {_spoken(spent)}"

@@ -69,6 +69,7 @@ def _place(address: str) -> tuple[str, str, int]:
     from distributed.comm.addressing import parse_address, parse_host_port
     from distributed.comm.registry import get_backend
 
+    # `distributed` itself reads the address; what it cannot, it says here.
     scheme, location = parse_address(address)
     get_backend(scheme)
     if scheme == "inproc":
@@ -96,6 +97,7 @@ def _greeting(connection: socket.socket, deadline_s: float) -> bytes:
     It is a length (unsigned, 64 bits, little endian) and as many bytes.
     """
     try:
+        # A length that no greeting has is some other server's first bytes.
         (length,) = struct.unpack("<Q", _received(connection, 8, deadline_s))
         is_short = length <= _LONGEST_GREETING
         return _received(connection, length, deadline_s) if is_short else b""
@@ -107,6 +109,7 @@ def _received(connection: socket.socket, count: int, deadline_s: float) -> bytes
     """`count` bytes, or fewer where the connection ends. Raises TimeoutError, OSError."""
     received = b""
     while len(received) < count:
+        # Each part may take the rest of the time for all.
         connection.settimeout(_left(deadline_s))
         part = connection.recv(count - len(received))
         if not part:

@@ -64,6 +64,7 @@ def video_comment(path: Path) -> str:
     """What `write_video` kept in a video; empty where there is none, or not all of it."""
     import av
 
+    # A video that was cut off may hold a comment and lack frames.
     if not is_whole(path):
         return ""
     try:
@@ -81,6 +82,7 @@ def _encode(
     rate = Fraction(fps).limit_denominator(_LARGEST_RATE_PART)
     # H.264 in Rec.709 with limited range and halved chroma: what browsers and players expect.
     stream = container.add_stream("libx264", rate=rate, options=_QUALITY)
+    # The first frame decides the size.
     first = _even(frames[0])
     stream.height, stream.width = first.shape[:2]
     stream.pix_fmt = "yuv420p"
@@ -89,6 +91,7 @@ def _encode(
     context.color_range = _LIMITED
     # Each frame has its own time stamp, so that the rate may be a fraction.
     for index, file in enumerate(frames):
+        # The first frame has been read for its size.
         pixels = first if index == 0 else _even(file)
         if pixels.shape != first.shape:
             raise OutputError("has another size than the first frame", where=file)
@@ -113,5 +116,6 @@ def _even(file: Path) -> NDArray[np.uint8]:
             where=file,
             remedy="Delete it, and make it again by --resume.",
         ) from None
+    # Halved chroma needs even sides.
     height, width = pixels.shape[:2]
     return np.pad(pixels, ((0, height % 2), (0, width % 2), (0, 0)), mode="edge")

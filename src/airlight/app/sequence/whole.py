@@ -25,6 +25,7 @@ def is_whole(path: Path) -> bool:
     """Whether the file at `path` (.png, .exr or .mp4) is there and reaches to its own end."""
     try:
         with own_files(), opened(path) as file:
+            # The size, then back to the beginning.
             size = file.seek(0, 2)
             file.seek(0)
             return _CHECKS[path.suffix.lower()](file, size)
@@ -35,6 +36,7 @@ def is_whole(path: Path) -> bool:
 def _png(file: BinaryIO, size: int) -> bool:
     if file.read(8) != _PNG_HEAD:
         return False
+    # Chunk after chunk, each with the checksum of its kind and data, up to the last one's.
     while file.tell() < size:
         length, kind = struct.unpack(">I4s", file.read(8))
         if file.tell() + length + 4 > size:
@@ -74,6 +76,7 @@ def _exr(file: BinaryIO, size: int) -> bool:
         if line != low + k * _EXR_LINES:
             return False
         end = max(end, start + 8 + length)
+    # The file has to end with the block that lies last.
     return end == size
 
 
@@ -89,6 +92,7 @@ def _text(file: BinaryIO) -> bytes:
 
 def _mp4(file: BinaryIO, size: int) -> bool:
     place = 0
+    # Boxes follow each other, each behind its length; 1 stands for a length of 64 bits.
     while place < size:
         file.seek(place)
         length, _ = struct.unpack(">I4s", file.read(8))

@@ -51,6 +51,7 @@ class Asking:
         """Open what was chosen since the last call; true where something was."""
         if self._dialog is None or not self._dialog.ready(0):
             return False
+        # The dialog is over, whether or not something was chosen.
         names, self._dialog = self._dialog.result(), None
         for name in names[:1]:
             self._opened(name)

@@ -63,6 +63,7 @@ def serve(
     canvas = make_canvas(http, session, size, page)
     view = CanvasView(canvas, session, page.saver, page)
     page.touched = view.touched
+    # The loop's tasks: closing by signals, and watching the scene file.
     http.loop.add_task(close_on_signals, canvas, name="close on signals")
     http.loop.add_task(view.watch, sleep, name="watch the scene file")
     guard = Guard(http.asgi, token, listen)
@@ -105,6 +106,7 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int], page: Page) 
                 event = {**event, "shown": page.is_shown}
             if (is_asking or id == self._active_client) and page.heard(event):
                 return
+            # What a page sends is checked; the server's own events need no check.
             kept = event if id == _SERVER else believed(event)
             if kept is None:
                 return
@@ -119,6 +121,7 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int], page: Page) 
                     super()._on_event(sizes[self._active_client], self._active_client)
 
     title = f"{session.state.scene.name} - airlight"
+    # Each page has the scene's name, escaped, as its title.
     for name, kind in FILES.items():
         text = web_text(name).replace("<title>airlight", f"<title>{html.escape(title)}")
         http.resources[name] = (kind, text)
@@ -129,6 +132,7 @@ def make_canvas(http: Any, session: Session, size: tuple[int, int], page: Page) 
 
 def link_to(bound: socket.socket, token: str) -> str:
     """The address to open, with its token."""
+    # Listening on all addresses, the machine's name is what others can open.
     host, port = bound.getsockname()[:2]
     if host in ("0.0.0.0", "::"):
         host = socket.gethostname()

@@ -36,6 +36,7 @@ class Turns:
     @contextmanager
     def frame(self) -> Iterator[None]:
         """The viewer's own turn: a frame, or a part of one; in its thread only."""
+        # Background work is held back as soon as a frame is wanted, before the device is free.
         self._depth += 1
         self._free.clear()
         try:
@@ -49,6 +50,7 @@ class Turns:
     @contextmanager
     def behind(self) -> Iterator[None]:
         """A turn for background work, while no frame is being drawn."""
+        # A task's own nested passes are in its turn already.
         if self.is_behind_here:
             yield
             return
@@ -115,6 +117,7 @@ class Task(Generic[T]):
 
     def check(self) -> None:
         """For the work itself, where it could end: raises `Stopped` when it should, and pauses."""
+        # Paused work looks now and then whether it was told to stop.
         while not (self._may_go_on.wait(_LOOK_S) or self._is_stopped):
             pass
         if self._is_stopped:
@@ -129,6 +132,7 @@ class Task(Generic[T]):
 
     def _run(self) -> None:
         try:
+            # What ends the work is stored, and raised where its result is asked for.
             self._result = self._work(self._commands)
         except Stopped:
             pass

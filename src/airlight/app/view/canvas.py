@@ -86,6 +86,7 @@ class CanvasView:
 
     def image_place(self) -> Place:
         """Where on the surface the image is, pixels."""
+        # The panel takes a strip at the left; the rest of the surface is the image's.
         width, height = self.surface.size
         logical = (width / self._ratio, height / self._ratio)
         left = round(self.panel.width(*logical) * self._ratio) if self.panel else 0
@@ -121,6 +122,7 @@ class CanvasView:
     def on_event(self, event: dict[str, Any]) -> None:
         """Keys of the viewer, lights in a hand, and the camera's share of mouse and keys."""
         kind = event["event_type"]
+        # The panel first, then a light in the hand; what neither takes is the camera's.
         if not self._is_panels(event):
             if kind == "key_down":
                 self._key(event["key"], event.get("modifiers", ()))
@@ -142,6 +144,7 @@ class CanvasView:
 
     def _key(self, key: str, modifiers: tuple[str, ...]) -> None:
         session, panel = self.session, self.panel
+        # Keys of the panel, then of the view, then undo and redo.
         if key == "Tab" and panel:
             panel.is_shown = not panel.is_shown
         elif key == "?" and panel:
@@ -160,6 +163,7 @@ class CanvasView:
         """Whether a press, a turn of the wheel or a key is the panel's; a drag goes on over it."""
         if self.panel is None:
             return False
+        # Only a press begins something; a drag that began on the image goes on over the panel.
         if event["event_type"] in ("pointer_down", "wheel"):
             return self.panel.covers(event["x"], event["y"])
         return event["event_type"] == "key_down" and self.panel.takes_text()

@@ -99,11 +99,13 @@ class CameraControls:
 
     def advance(self, seconds: float) -> None:
         """Fly on for `seconds` by the keys that are held."""
+        # Moves of all held keys add up.
         moves = [_MOVES[key] for key in self._keys if key in _MOVES]
         if not moves:
             return
         speed = _REACH_PER_S * self.reach_m * (_FASTER if "Shift" in self._keys else 1.0)
         right, _, forward = axes(self.camera)
+        # Along the image's right, the world's up, and the view.
         x, y, z = np.sum(moves, axis=0)
         along = x * right + y * np.asarray(self.camera.up) + z * forward
         # A frame that took long must not throw the camera out of the room.
@@ -111,6 +113,7 @@ class CameraControls:
 
     def pinch(self, dx: float, dy: float, scale: float) -> None:
         """Two fingers went along by pixels, and `scale` times as far apart."""
+        # Fingers that go apart are notches of a wheel.
         self._pan(dx, dy)
         notches = float(np.log(scale) / np.log(_NEARER_PER_NOTCH))
         self._wheel({"dy": 100.0 * notches})
@@ -132,6 +135,7 @@ class CameraControls:
         if not self._button:
             return
         x, y = event["x"], event["y"]
+        # By how much the pointer went since the last event.
         dx, dy = x - self._at[0], y - self._at[1]
         self._at = (x, y)
         # With control the drag turns the light, alone the camera; with shift or another button it
@@ -183,6 +187,7 @@ class CameraControls:
         camera = self.camera
         right, up, _ = axes(camera)
         distance = float(np.linalg.norm(np.subtract(camera.target, camera.position)))
+        # A pixel is so many metres at the target's distance.
         span = 2.0 * distance * np.tan(np.radians(camera.fov_y_deg) / 2.0)
         self._shift((up * dy - right * dx) * span / max(self.height_px, 1.0))
 
@@ -237,6 +242,7 @@ def turned_direction(v: Any, up: Vec3, azimuth_deg: float, elevation_deg: float)
     flat = v / length - height * axis
     # Straight up or down has no azimuth: any does.
     flat = flat / np.linalg.norm(flat) if np.linalg.norm(flat) > 1e-6 else _across(axis)
+    # Turned about the axis, and raised within a degree of it.
     angle = np.radians(azimuth_deg)
     flat = flat * np.cos(angle) + np.cross(axis, flat) * np.sin(angle)
     elevation = np.degrees(np.arcsin(np.clip(height, -1.0, 1.0))) + elevation_deg

@@ -62,6 +62,7 @@ class Document:
         except AirlightError as error:
             self.state.message = str(error)
             return
+        # What a hand changed stays, what the file changed is taken.
         before, self.source.loaded = self.source.loaded, after
         self.state.take(before, after)
         self.controls.free = FreeSpace(after)
@@ -75,6 +76,7 @@ class Document:
         except AirlightError as error:
             self.state.message = str(error)
             return
+        # Another scene has another camera, and nothing to undo.
         scene = self.source.loaded
         self.state.begin(scene, first_look(scene))
         self.controls = CameraControls(scene.camera, reach_m(scene), FreeSpace(scene))
@@ -89,6 +91,7 @@ class Document:
         if path.suffix.lower() not in MAP_SUFFIXES:
             self.open(name)
             return
+        # A map lights the scene that is open.
         try:
             light = read_radiance(path)
             self.state.put_environment(
@@ -115,6 +118,7 @@ class Document:
     def doubts(self) -> tuple[str, ...]:
         """What of the air is hardly meant; looked for when the air has changed and a hand rests."""
         scene = self.state.scene
+        # Looking for doubts casts rays, so it waits until a hand rests.
         key = (scene.medium, id(scene.meshes))
         if key != self._doubted[0] and not self.is_held:
             self._doubted = key, doubts(self.scene_now())

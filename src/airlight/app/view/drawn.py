@@ -59,6 +59,7 @@ class Drawn:
         was_quick, self.is_quick = self.is_quick, is_quick and r.gpu.is_cpu
         # Lattices may lag while lights are moved: they get LATTICE_SHARE of the time.
         lags = self.is_quick and _are_lights(now, self._solved)
+        # A hand that begins to move lights starts the clock.
         if lags and not was_quick:
             self._lattices_s = begin
         wait_s = self._lattices_ms * 1e-3 * (1.0 / LATTICE_SHARE - 1.0)
@@ -108,6 +109,7 @@ def _quickly(r: Renderer) -> Iterator[None]:
 def solved_by(r: Renderer) -> tuple[Any, ...]:
     """What the solution of the renderer's scene depends on."""
     scene = r.scene
+    # Parts that light depends on, by identity.
     parts = (
         scene.lights,
         scene.light_groups,
@@ -130,6 +132,7 @@ def solved_by(r: Renderer) -> tuple[Any, ...]:
 
 def _are_lights(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
     """Whether nothing but lights and sky has changed since there was a solution."""
+    # All but the lights and the sky have to be the same objects.
     others = [i for i in range(len(now)) if i not in _LIGHTS]
     return len(before) == len(now) and is_same(
         tuple(now[i] for i in others), tuple(before[i] for i in others)

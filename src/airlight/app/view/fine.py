@@ -68,6 +68,7 @@ def finer_settings(now: Any, scene: Scene, *, is_cpu: bool) -> dict[str, Any]:
 
 def _larger(now: Any, scene: Scene, most_cells: int) -> dict[str, int]:
     """A lattice of more cells for the sky's light, if that is not too large."""
+    # The lattice that the technique would have, with more cells along each side.
     axes = lattice_axes(scene, follows_walls=now.follow_walls)
     low, high = lattice_box(scene, now.bounds, in_medium=isinstance(now, MediaSettings), axes=axes)
     for ratio in _RATIOS:
@@ -108,6 +109,7 @@ class Fine:
 
     def __init__(self, gpu: Gpu, turns: Turns) -> None:
         self.gpu, self._turns = gpu, turns
+        # Two means, of gathered and of plain samples, and from when on each is better.
         self.samples, self.plain, self.message = 0, 0, ""
         self._from = SHOWN_FROM
         self._given_up = 0
@@ -240,6 +242,7 @@ class Fine:
         for is_plain, index in stages + [(False, index) for index in range(SAMPLES)]:
             if self._shot is not shot:
                 return
+            # Plain samples do not gather.
             drawn.renderer.view.may_gather = not is_plain
             place = (float(self._jitters[index][0]), float(self._jitters[index][1]))
             drawn.draw(
@@ -255,10 +258,12 @@ class Fine:
         with self._turns.behind():
             if self._shot is not shot:
                 return
+            # Each kind of samples has a mean of its own.
             presenter = self._plain_presenter if is_plain else self.presenter
             if presenter is None:
                 presenter = Presenter(self.gpu, shot.size, shot.format)
             presenter.resize(shot.size)
+            # The sample joins the mean of those before it.
             layers = r.technique.layers(r.view)
             presenter.take(commands, layers, r.view, shot.look, index)
             commands.submit()

@@ -48,6 +48,7 @@ class FreeSpace:
         towards = target - eye
         length = float(np.linalg.norm(towards))
         reach = float(self._reaches(eye, (towards / length)[None])[0])
+        # The target lies on the surface that is hit, or before it.
         if reach >= _BESIDE * length:
             return target
         return np.asarray(eye + towards * (_PIVOT_SHARE * reach / length))
@@ -58,6 +59,7 @@ class FreeSpace:
         `arm_m` away from it where the straight way there is free, else nearer: the longest of some
         arms. None where no arm is free.
         """
+        # The arm grows little at a time, and shrinks until the straight way there is free.
         now = float(np.linalg.norm(eye - pivot))
         longest = min(arm_m, now * _LONGER)
         ends = pivot + outwards * (longest * _SHORTER ** np.arange(_ARMS))[:, None]
@@ -76,6 +78,7 @@ class FreeSpace:
         length = float(np.linalg.norm(by))
         if length == 0.0:
             return by
+        # A gap stays before the surface.
         reach = float(self._reaches(eye, (by / length)[None])[0]) - self.gap_m
         return np.asarray(by * (np.clip(reach, 0.0, length) / length))
 

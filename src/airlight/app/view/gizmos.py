@@ -68,6 +68,7 @@ class Grips:
 
     def handle(self, event: Mapping[str, Any], seen: Projection) -> bool:
         """Take an event, its place in the image's logical pixels; true where it was for these."""
+        # A plain press of the left button may take a handle.
         kind = event["event_type"]
         if kind == "pointer_down" and event["button"] == LEFT and not event.get("modifiers"):
             self._held = self._taken(seen, event["x"], event["y"])
@@ -93,6 +94,7 @@ class Grips:
         found: list[Mark] = []
         for index, light in enumerate(lights):
             at = place(light, seen)
+            # A light behind the eye has no mark.
             if at is None:
                 continue
             is_chosen = index == self.state.picked
@@ -108,6 +110,7 @@ class Grips:
     ) -> Callable[[Projection, float, float], None] | None:
         """What a press at a pixel takes: the nearest handle, else the line between two images."""
         lights = self.state.scene.lights if self.is_shown else ()
+        # Every handle by its distance from the press.
         near = [
             (float(np.hypot(*(handle.at - (x, y)))), handle)
             for handle in handles(lights, self.state.picked, seen)
@@ -147,6 +150,7 @@ class _Hold:
             self.state.set_light(self.index, changed)
 
     def _moved(self, seen: Projection, x: float, y: float) -> Light | None:
+        # A hand moves lights by their meaning: directions, one axis, or a plane.
         light = self.light
         position = position_of(light)
         if position is None:  # infinitely far: it comes from where the hand is
@@ -212,6 +216,7 @@ def handles(lights: tuple[Light, ...], chosen: int, seen: Projection) -> Iterato
         yield Handle("light", index, at)
         if index != chosen:
             continue
+        # The chosen light's arrows and aim, unless they would cover its own dot.
         for axis, end in enumerate(_arm_ends(light, seen)):
             if end is not None and np.hypot(*(end - at)) > _REACH_PX:
                 yield Handle("axis", index, end, axis)
@@ -232,11 +237,13 @@ def _aim(light: Light, seen: Projection) -> F64 | None:
     position = position_of(light)
     if position is None or not light.is_aimed:
         return None
+    # The aim is a dot ahead of the light, as far on the image at every distance.
     return seen.pixel(position + _AIM_PX * seen.pixel_m(position) * direction_of(light))
 
 
 def _arms(light: Light, seen: Projection, at: F64) -> Iterator[Mark]:
     """The arrows of a light that is somewhere, and the line along which it shines."""
+    # Arrows with a dot at their ends.
     for (_, colour), end in zip(_AXES, _arm_ends(light, seen), strict=False):
         if end is not None and np.hypot(*(end - at)) > _REACH_PX:
             yield Mark("line", (_pair(at), _pair(end)), colour, 2.0)
@@ -251,6 +258,7 @@ def _outline(light: Light, seen: Projection) -> Iterator[Mark]:
     """The border of a surface that shines."""
     border = light.outline(seen.camera.position)
     pixels = [] if border is None else [seen.pixel(corner) for corner in border]
+    # A border that is partly behind the eye is not drawn.
     if pixels and all(pixel is not None for pixel in pixels):
         yield Mark("line", tuple(_pair(p) for p in pixels if p is not None), _GOLD, 1.5)
 

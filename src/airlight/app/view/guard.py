@@ -60,6 +60,7 @@ class Guard:
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         """Handle one connection."""
+        # What is no connection of a browser, such as the server's own start, goes on.
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
@@ -69,10 +70,12 @@ class Guard:
             await _refuse(scope, send, REFUSAL)
         elif not _is_from_own_page(scope, self.listen):
             await _refuse(scope, send, FOREIGN)
+        # Steering goes by the socket; all else on the page is only read.
         elif scope["type"] == "websocket":
             await self.app({**scope, "path": f"/{rest}"}, receive, send)
         elif scope.get("method") not in ("GET", "HEAD"):
             await _answer(send, 405, "Only GET.\n")
+        # The page's links are relative, so its address ends in a slash.
         elif str(scope["path"]) == f"/{self.token}":
             await _answer(send, 308, "", (b"location", f"/{self.token}/".encode()))
         else:
@@ -92,6 +95,7 @@ def _is_from_own_page(scope: Message, listen: str) -> bool:
     headers = [(bytes(name).lower(), bytes(value)) for name, value in scope.get("headers", ())]
     hosts = [value for name, value in headers if name == b"host"]
     origins = [value for name, value in headers if name == b"origin"]
+    # Headers may come twice, which proxies and servers read differently.
     if len(hosts) != 1 or len(origins) > 1:
         return False
     # A name that was rebound to this machine, and a page of another site, are both refused.
@@ -116,6 +120,7 @@ def is_own(host: str, listen: str) -> bool:
     On loopback: localhost and loopback addresses, through a tunnel, too. Served to others: any
     address in numbers, since no DNS is asked for one, and the names of this machine.
     """
+    # Loopback can only be this machine.
     if host == "localhost" or is_loopback(host or "none"):
         return True
     if is_loopback(listen):
@@ -128,6 +133,7 @@ def is_own(host: str, listen: str) -> bool:
 
 
 async def _answer(send: Send, status: int, text: str, *headers: tuple[bytes, bytes]) -> None:
+    # Even refusals have the headers that keep pages of others out.
     kind = (b"content-type", b"text/plain; charset=utf-8")
     start = {"type": "http.response.start", "status": status, "headers": [kind, *headers]}
     await _with_headers(send)(start)
@@ -145,6 +151,7 @@ def _with_headers(send: Send) -> Send:
 
 def is_loopback(address: str) -> bool:
     """Whether only this machine can reach the address."""
+    # An empty address and localhost are loopback without a look-up.
     if address in ("", "localhost"):
         return True
     try:
@@ -155,6 +162,7 @@ def is_loopback(address: str) -> bool:
 
 def bound_socket(address: str, port: int) -> socket.socket:
     """A listening socket; port 0 takes a free one. Raises AirlightError saying what to do."""
+    # Loopback, unless another address is asked for.
     host = address if address not in ("", "localhost") else LOOPBACK
     try:
         family, kind, protocol, _, place = socket.getaddrinfo(
@@ -164,6 +172,7 @@ def bound_socket(address: str, port: int) -> socket.socket:
         raise AirlightError(
             f"'{address}' is no address of this machine", remedy="Leave --listen out for loopback"
         ) from None
+    # The port is taken at once, so that a link that is said leads here.
     made = socket.socket(family, kind, protocol)
     try:
         # Not SO_REUSEADDR on Windows: there it would share a port that is in use.

@@ -47,6 +47,7 @@ class Panel:
 
     def width(self, whole: float, height: float) -> float:
         """How much of a surface's width, in logical pixels, the panel takes from the image."""
+        # A narrow surface has no room beside the image: the panel lies over it.
         is_beside = whole >= PANEL_WIDTH + _LEAST_IMAGE and height >= _LEAST_SIDE
         return PANEL_WIDTH if self.is_shown and is_beside else 0.0
 
@@ -64,6 +65,7 @@ class Panel:
     def draw(self) -> None:
         """Build this frame's widgets; what they change is in the session at once."""
         display = imgui.get_io().display_size
+        # A surface that is folded to nothing has no place for a panel.
         if min(display.x, display.y) < _LEAST_SIDE:
             self._has_popup = False
             return
@@ -138,6 +140,7 @@ class Panel:
         tip(widget.tip)
         if widget.change is None:
             return
+        # What takes long counts when the hand lets go; until then the panel shows what it holds.
         slides = widget.kind in ("number", "whole", "text", "colour")
         if not (widget.waits and slides):
             if changed:
@@ -175,6 +178,7 @@ class Panel:
                 return changed, tuple(min(max(float(c), 0.0), 1.0) for c in colour)
             case "sky":
                 return sky_pad(label, value)
+            # Bars and charts are only looked at.
             case "bar":
                 imgui.progress_bar(value[0], (-1.0, 0.0), value[1])
             case "chart":
@@ -193,6 +197,7 @@ class Charts:
         """An image (h, w, 3) uint8 at its size."""
         height, width = image.shape[:2]
         known = self._known.get(key)
+        # An image that is the same object is on the device already.
         if known is None or known[0] is not image:
             if known is not None:
                 self._backend.unregister_texture(known[2])
@@ -240,6 +245,7 @@ def _slid(widget: Widget, label: str, value: Any) -> tuple[bool, Any]:
     if widget.is_logarithmic:
         flags |= imgui.SliderFlags_.logarithmic
     low, high = widget.low, widget.high
+    # Without both ends there is nothing to slide between.
     if widget.kind == "text" or low is None or high is None:
         text = f"{value:g}" if isinstance(value, float) else str(value)
         changed, new = imgui.input_text(label, text)

@@ -16,6 +16,7 @@ _PAD_PX = 96.0
 def sky_pad(label: str, angles: tuple[float, float]) -> tuple[bool, tuple[float, float]]:
     """A pad that is the sky seen from below the ground, north up; and the angles."""
     azimuth, elevation = angles
+    # The pad: a button that nothing is drawn of, with the sky over it.
     corner = imgui.get_cursor_screen_pos()
     imgui.invisible_button(f"{label} pad", (_PAD_PX, _PAD_PX))
     radius = _PAD_PX / 2.0
@@ -41,6 +42,7 @@ def sky_pad(label: str, angles: tuple[float, float]) -> tuple[bool, tuple[float,
 
 def _pad(centre: tuple[float, float], radius: float, azimuth: float, elevation: float) -> None:
     draw = imgui.get_window_draw_list()
+    # The sky's disk, rings at every 30 degrees, and the light's dot.
     draw.add_circle_filled(centre, radius, _packed((0.16, 0.19, 0.24)), 48)
     for share in (1.0, 2.0 / 3.0, 1.0 / 3.0):
         draw.add_circle(centre, radius * share, _packed((0.36, 0.40, 0.46)), 48)
@@ -59,6 +61,7 @@ def draw_marks(marks: tuple[Mark, ...], left: float) -> None:
     draw = imgui.get_background_draw_list()
     for mark in marks:
         points = [(left + x, y) for x, y in mark.points]
+        # A dark border under each mark, so that it shows before every image.
         bright, dark = _packed(mark.colour), _packed(GROUND[:3], 0.7)
         if mark.kind == "line":
             for one, two in itertools.pairwise(points):

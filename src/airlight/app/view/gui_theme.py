@@ -23,6 +23,7 @@ _FONT_PX = 14.5
 def put_theme() -> None:
     """The theme, for the imgui context of this moment."""
     imgui.style_colors_dark()
+    # Round corners, thin borders, some space.
     style = imgui.get_style()
     style.window_rounding = 0.0
     style.frame_rounding = style.grab_rounding = style.popup_rounding = 5.0
@@ -30,6 +31,7 @@ def put_theme() -> None:
     style.window_padding, style.frame_padding = imgui.ImVec2(14.0, 12.0), imgui.ImVec2(8.0, 4.0)
     style.item_spacing, style.grab_min_size = imgui.ImVec2(8.0, 6.0), 9.0
     style.scrollbar_size = 9.0
+    # Greys with a touch of blue.
     for colour, grey, alpha in (
         (imgui.Col_.window_bg, 0.105, 1.0),
         (imgui.Col_.popup_bg, 0.13, 0.98),

@@ -28,6 +28,7 @@ class Kept:
     def of(cls, state: ViewState) -> Kept:
         """The state's part that is kept."""
         s = state
+        # Dictionaries are copied, as the state goes on changing its own.
         settings = {name: dict(own) for name, own in s.settings.items() if own}
         return cls(s.scene, s.technique, settings, s.look, s.light, s.sliced)
 
@@ -62,9 +63,11 @@ class History:
     def note(self, state: ViewState) -> None:
         """Remember the state, where it is another one than the last."""
         now = Kept.of(state)
+        # Choosing a light is no change by itself, and goes with the one before.
         if now.is_as(self._kept[self._at]):
             self._kept[self._at] = replace(self._kept[self._at], light=now.light)
             return
+        # A new change ends what could have been done again.
         self._kept = [*self._kept[: self._at + 1], now][-_MOST:]
         self._at = len(self._kept) - 1
 

@@ -55,6 +55,7 @@ class Making:
         if self._task and self.wanted == structure:
             return
         self.give_up()
+        # What ended is closed; while something still ends, nothing new begins.
         for task in self._ending:
             if not task.is_done:  # memory for one of them at a time
                 return
@@ -91,6 +92,7 @@ def _warm(commands: SlicedCommands, make: Callable[[], Renderer]) -> Drawn:
     """A renderer with its scene solved and one image drawn, so that its next one is quick."""
     drawn = Drawn(make())
     try:
+        # Its first image compiles what its next ones need.
         drawn.solve(commands)
         drawn.draw(commands, drawn.renderer.scene.camera, (0.0, 0.0), 0)
         commands.submit()

@@ -30,12 +30,14 @@ _NEEDED = {
 
 def believed(event: Any) -> dict[str, Any] | None:
     """An event from a page as far as it can be used, sizes within reason; else None."""
+    # Messages without a type, and those that only the server may send, are dropped.
     if not isinstance(event, dict) or not isinstance(kind := event.get("type"), str):
         return None
     if kind in _SERVERS_OWN:
         return None
     if kind == "resize":
         return _resize(event)
+    # What the event needs has to be there, and each value of its kind.
     if any(key not in event for key in _NEEDED.get(kind, ())):
         return None
     stamped = {"timestamp": 0.0, **event}
@@ -50,6 +52,7 @@ def _resize(event: dict[str, Any]) -> dict[str, Any] | None:
         return None
     if width < 1 or height < 1 or not 0.1 <= ratio <= 10.0:
         return None  # a tab folded to nothing: the last size stays
+    # Sizes beyond a large screen's are cut.
     return {
         **event,
         "pwidth": min(width, LARGEST_SIDE_PX),
@@ -73,6 +76,7 @@ def _is_list(value: Any, holds: Callable[[Any], bool]) -> bool:
 
 def _is_kind(key: str, value: Any) -> bool:
     """Whether a value is of the kind that its key has; keys that are not known may be anything."""
+    # Times first, as they are larger than any other number; then kinds by key.
     if key in ("timestamp", "localtime"):  # milliseconds or seconds since 1970
         return isinstance(value, (int, float)) and abs(value) < 1e15
     if key in ("x", "y", "dx", "dy", "button", "index", "ntouches"):

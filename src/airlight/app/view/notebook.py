@@ -37,6 +37,7 @@ def view(
     still image, which stands behind the widget; without anywidget it is all there is. Outside
     notebooks use `airlight view`. Raises SceneError, SettingsError, DeviceError.
     """
+    # A scene that came as a value has no file to watch.
     source = "" if isinstance(scene, Scene) else str(scene)
     loaded = scene if isinstance(scene, Scene) else load(source)
     session = Session(
@@ -92,6 +93,7 @@ def live_widget(
                 super()._rfb_handle_msg(widget, kept, buffers)
 
         def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+            # The still stands in the notebook's file, for pages without a kernel.
             bundle = super()._repr_mimebundle_(**kwargs)
             data, metadata = bundle if isinstance(bundle, tuple) else (bundle or {}, {})
             if still is None:

@@ -81,6 +81,7 @@ class Page:
     def heard(self, message: Any) -> bool:
         """Take a page's message, unless it is wrong; false where it is none of the panel's."""
         kind = message.get("type") if isinstance(message, dict) else None
+        # Messages of the panel by their type; others may be the canvas's.
         does = {
             "hello": self._hello,
             "set": self._set,
@@ -100,6 +101,7 @@ class Page:
 
     def _set(self, message: Message) -> None:
         key, value = message.get("key"), message.get("value")
+        # Whether the panel is shown is the page's own; all else changes a widget.
         if key == _SHOWN and isinstance(value, bool):
             self.is_shown = value
         elif isinstance(key, str):
@@ -107,6 +109,7 @@ class Page:
 
     def _pinch(self, message: Message) -> None:
         """Two fingers went along and apart."""
+        # Numbers within reason, or the message is dropped.
         numbers = [message.get(name) for name in ("dx", "dy", "scale")]
         if not all(isinstance(v, (int, float)) and not isinstance(v, bool) for v in numbers):
             return
@@ -140,6 +143,7 @@ class Page:
     def _address(self, image: U8) -> str:
         """A chart as an address of data; made once for each image."""
         known = self._charts.get(id(image))
+        # A few charts are remembered, of which the oldest goes.
         if known is None or known[0] is not image:
             from PIL import Image as Pillow
 

@@ -67,6 +67,7 @@ def _control(field: dataclasses.Field[Any]) -> Control:
 
 def _kind(field: dataclasses.Field[Any]) -> Kind:
     default = field.default
+    # By the default's own type; booleans before numbers, as they are integers in Python.
     if isinstance(default, bool):
         return "flag"
     if field.metadata.get("choices"):
@@ -78,6 +79,7 @@ def _kind(field: dataclasses.Field[Any]) -> Kind:
 
 def checked(settings: type, values: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """`values` with `name` set; what equals its default is left out. Raises SettingsError."""
+    # All values are checked together, and defaults that were not chosen left out.
     made: Any = make_settings(settings, {**values, name: value})
     defaults = {c.name: c.default for c in controls(settings)}
     every = {key: getattr(made, key) for key in (*values, name)}
@@ -95,6 +97,7 @@ def shown_value(control: Control, values: Mapping[str, Any]) -> Any:
 
 
 def _parsed(control: Control, text: str) -> Any:
+    # Checked as a setting of its own, by the default's kind.
     """A value that came as text from the command line."""
     one = dataclasses.make_dataclass(
         "One", [(control.name, Any, dataclasses.field(default=control.default, metadata={}))]

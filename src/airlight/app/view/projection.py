@@ -40,6 +40,7 @@ class Projection:
         """The unit vector from the eye through a pixel."""
         right, up, forward = axes(self.camera)
         across, down = x - self.size[0] / 2.0, y - self.size[1] / 2.0
+        # The image plane lies at the focal length, in pixels.
         direction = forward + (right * across - up * down) / self._focal_px
         return np.asarray(direction / np.linalg.norm(direction))
 
@@ -55,6 +56,7 @@ class Projection:
         slope = float(ray @ normal)
         if abs(slope) < 1e-6:
             return None
+        # In front of the eye alone.
         distance = float(np.subtract(point, self.camera.position) @ normal) / slope
         return np.asarray(np.add(self.camera.position, distance * ray)) if distance > 0.0 else None
 
@@ -64,5 +66,6 @@ class Projection:
         cosine = float(ray @ axis)
         if 1.0 - cosine * cosine < 1e-4:  # the axis points at the eye
             return None
+        # The points nearest to each other of two lines.
         away = np.subtract(point, self.camera.position)
         return float((cosine * (ray @ away) - axis @ away) / (1.0 - cosine * cosine))

@@ -62,6 +62,7 @@ class Quality:
     def share(self) -> float:
         """How much of the refinement is done, 0 to 1; 1 only where it is at its end."""
         done = self._done / self._wanted
+        # A coarse view that nobody else draws at full size is half done at most.
         return 0.5 * done if self.is_alone and self.is_coarse else done
 
     @property
@@ -159,11 +160,13 @@ class Quality:
                 share = (min(ms, before) / _AIM_MS) ** 0.5
                 self.still_scale = _step_above(self._full[0] / max(plan.size[0], 1) * share)
                 self._slow_ms, self._is_slow = 0.0, True
+        # Moving frames that are slow twice coarsen those after them.
         elif ms > _SLOW_MS:
             self._quick_frames = 0
             if before:
                 self._slow_ms = 0.0
                 self._coarsen(min(ms, before))
+        # Quick frames have to last before a finer one is tried.
         elif ms < _FAST_MS and self.scale > 1.0:
             self._quick_frames += 1
             if self._quick_frames >= _PATIENCE:

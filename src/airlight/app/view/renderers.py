@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from ...gather.solver import GatherSolver
 from ...gpu.device import open_gpu
 from ...rendering import Renderer
+from ...scene.placing import camera_at
 from ...scene.scene import Scene
 from ...techniques import checked_settings
 from .build import Turns, said
@@ -52,6 +54,7 @@ class Renderers(Document):
         adapter: str,
         model: Mapping[str, Any] | None,
     ) -> None:
+        # Wrong settings are refused before a device is asked for.
         checked_settings(technique, scene, settings or {})
         self.gpu, self._adapter = open_gpu(adapter), adapter
         own = {technique: dict(settings)} if settings else {}
@@ -65,6 +68,7 @@ class Renderers(Document):
         self._shot: Shot | None = None
         self._size = (1, 1)
         self._made: tuple[Any, ...] | None = None
+        self._eye: tuple[float, float, float] | None = None  # that lattices in fog reach to
         self._refused: tuple[Any, ...] | None = None
         # Moving frames gather on GPUs, until they prove too slow for it.
         self._gathers_moving = not self.gpu.is_cpu
@@ -73,6 +77,11 @@ class Renderers(Document):
     def renderer(self) -> Renderer | None:
         """What draws while the view moves; None until the first was made."""
         return self._drawn.renderer if self._drawn else None
+
+    @property
+    def wanted(self) -> tuple[Any, ...]:
+        """What a renderer is made for: the state's structure, and an eye far out in its fog."""
+        return (*structure(self.state), self._eye)
 
     def wait(self) -> None:
         """Return once the renderer that is being made is there, or has been refused."""
@@ -83,7 +92,9 @@ class Renderers(Document):
         """See that there is, or will be, a renderer for the state's structure."""
         if self._making.has_ended:
             self._take_made()
-        state, wanted = self.state, structure(self.state)
+        self._look_beyond()
+        state, wanted = self.state, self.wanted
+        # A structure that is drawn already, or was refused, needs nothing new.
         if wanted in (self._made, self._refused):
             if self._making.is_under_way:  # of a wish that was taken back
                 self._making.give_up()
@@ -96,7 +107,8 @@ class Renderers(Document):
         if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
             self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
         else:
-            make, free = self._maker(size, state.technique, self._moving()), self.controls.free
+            make = self._maker(size, state.technique, self._moving(), eye=self._eye)
+            free = self.controls.free
 
             def made() -> Renderer:
                 if free is not None:  # the first drag asks for it
@@ -104,6 +116,13 @@ class Renderers(Document):
                 return make()
 
             self._making.begin(wanted, made)
+
+    def _look_beyond(self) -> None:
+        """Lattices that end before what the camera sees of the fog are made again, larger."""
+        if self._made is None or self._made[:-1] != structure(self.state):
+            self._eye = None  # what is made now is made for the camera as it is
+        elif self.renderer and self.renderer.made_for.reach:
+            self._eye = self.renderer.made_for.reach.beyond(self.scene_now()) or self._eye
 
     def _emptied(self, fine: Fine) -> Fine:
         """One of which nothing was made; what `fine` holds is given back in the background."""
@@ -113,10 +132,17 @@ class Renderers(Document):
         return Fine(self.gpu, self._turns)
 
     def _maker(
-        self, size: tuple[int, int], technique: str, more: Mapping[str, Any] | None = None
+        self,
+        size: tuple[int, int],
+        technique: str,
+        more: Mapping[str, Any] | None = None,
+        *,
+        eye: tuple[float, float, float] | None = None,
     ) -> Callable[[], Renderer]:
-        """Makes a renderer of the state as it is now, with `more` settings."""
+        """Makes a renderer of the state as it is now, with `more` settings; seen from `eye`."""
         scene, adapter = self.scene_now(), self._adapter
+        if eye is not None:
+            scene = replace(scene, camera=camera_at(scene.camera, eye))
         settings = {**self.state.settings.get(technique, {}), **(more or {})}
         return lambda: BackgroundRenderer(
             scene, technique, size, settings=settings, adapter=adapter
@@ -151,6 +177,7 @@ class Renderers(Document):
         """
         state = self.state
         now = checked_settings(state.technique, state.scene, state.chosen_settings)
+        # What was said by a person or by the file is left as it is.
         told = {**state.scene.settings.get(state.technique, {}), **state.chosen_settings}
         gather, more = getattr(now, "gather", ""), dict[str, Any]()
         if self._gathers_moving and gather == "still" and "gather" not in told:
@@ -178,12 +205,13 @@ class Renderers(Document):
 
     def _refine(self) -> None:
         """Begin the finer image: the view is static, and its coarser image is done."""
-        if not self._is_refined or self._made != structure(self.state):
+        if not self._is_refined or self._made != self.wanted:
             return
         make = self._maker(self._size, self.state.technique, self._finer())
         assert self._drawn is not None
         solver = self._drawn.renderer.technique.find(GatherSolver)
         gathers = solver is not None and solver.settings.gather == "always"
+        # What is seen now, which the finer image has to be better than.
         q = self.quality
         seen = Seen(q.full_samples, is_refined=not q.is_coarse, gathers=gathers)
         self.fine.begin(make, self._shot_now(), seen)

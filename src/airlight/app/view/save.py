@@ -84,6 +84,7 @@ class Saver:
 
     def _text(self, folder: Path) -> str:
         s = self.session
+        # Settings that were chosen here; those of the file are copied with it.
         chosen = {s.state.technique: s.state.chosen_settings} if s.state.chosen_settings else {}
         return scene_text(
             s.scene_now(),
@@ -97,6 +98,7 @@ class Saver:
     def _free(self, suffix: str) -> Path:
         """The first path of the scene's name that is not taken."""
         name = self.session.state.scene.name or "scene"
+        # Letters that every file system takes, and a number that is free.
         safe = "".join(c if c.isalnum() or c in "-_" else "-" for c in name[:_NAME_LETTERS])
         for number in range(1, 10_000):
             path = self.folder / f"{safe}-view-{number:04d}{suffix}"

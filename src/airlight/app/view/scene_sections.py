@@ -26,6 +26,7 @@ def lights(state: ViewState) -> Iterator[Widget]:
     all_lights = state.scene.lights
     if not all_lights:
         return
+    # Lights by their number and type.
     names = tuple(f"{i + 1}  {light.noun}" for i, light in enumerate(all_lights))
     index = min(state.light, len(names) - 1)
 
@@ -46,6 +47,7 @@ def _of_light(state: ViewState, index: int, key: LightKey, control: Control) -> 
     def put(new: Any) -> None:
         state.set_light(index, state.scene.lights[index].changed(key.name, new))
 
+    # Each kind of field has its widget; types that are new fail the type check here.
     match control.widget:
         case "point":
             yield Widget(name, "vector", label, tuple(value), put, step=step, tip=tip)
@@ -110,6 +112,7 @@ def _scaled(colour: tuple[float, ...], strength: float) -> tuple[float, float, f
 def sky(state: ViewState) -> Iterator[Widget]:
     """What surrounds the scene: nothing, one radiance, the file's map, or a sky with its sun."""
     environment, own = state.scene.environment, state.own_environment
+    # The file's own map stays a choice while another environment is shown.
     names = (NO_SKY, UNIFORM, SUN_AND_SKY, *([MAP] if own is not None else []))
 
     def choose(name: str) -> None:
@@ -131,6 +134,7 @@ def sky(state: ViewState) -> Iterator[Widget]:
     if environment.map is None:
         yield from _strength("sky.radiance", "radiance", environment.radiance, put("radiance"))
     else:
+        # Turning shows on a map only.
         turned = environment.rotation_deg
         yield Widget(
             "sky.turned", "number", "turned (degrees)", turned, put("rotation_deg"), -180.0, 180.0
@@ -202,6 +206,7 @@ def _scattering(
     name: str, head: str, of: Medium | Volume, put: Callable[[Any], None]
 ) -> Iterator[Widget]:
     """How dense, how white and how far forwards a medium or a volume is."""
+    # The largest channel is the slider; a change scales all three, or makes grey of nothing.
     largest = max(*of.sigma_t, _LEAST_SIGMA)
 
     def thicken(sigma: float) -> None:

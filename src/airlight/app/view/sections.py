@@ -23,6 +23,7 @@ NONE = "none"
 def sections(session: Session, saver: Saver) -> list[Section]:
     """All that a person at the viewer can change, in the order in which it is asked for."""
     state = session.state
+    # In the order in which a person asks: how it is lit, by what, how it looks, what it costs.
     found = [
         Section("technique", tuple(_technique(session))),
         Section("settings", tuple(_settings(session)), is_open=False),
@@ -91,6 +92,7 @@ def _setter(session: Session, control: Control) -> Callable[[Any], None]:
 
     def put(value: Any) -> None:
         settings = settings_class(state.technique, state.scene)
+        # An empty field means the default.
         if value == "" and control.kind == "text":
             value = control.default
         try:
@@ -121,6 +123,7 @@ def _image(session: Session) -> Iterator[Widget]:
     is_metered = look.exposure_stops is None
     yield Widget("layer", "choice", "layer", at, put("layer"), choices=layers)
     yield Widget("metered", "flag", "exposure from the image", is_metered, meter)
+    # A slider only where the image does not set the exposure.
     if look.exposure_stops is not None:
         stops = put("exposure_stops")
         yield Widget("stops", "number", "exposure (stops)", look.exposure_stops, stops, -8.0, 8.0)

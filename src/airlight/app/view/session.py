@@ -19,7 +19,6 @@ from .drawn import Drawn, is_same
 from .fine import SAMPLES
 from .quality import STILL_SAMPLES, Plan
 from .renderers import COARSER_SAMPLES, PREPARING, REBUILDING, Renderers
-from .state import structure
 
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
@@ -79,6 +78,7 @@ class Session(Renderers):
             self._make()
             self._progress = self._making.progress
             self.controls.height_px = size[1]
+            # Time and hands first: keys that are held, and what turned the light.
             self._go_on(now_s)
             self.state.turn_light(self.controls.take_turn())
             is_busy = self.is_held or now_s - self._touched_s < _HAND_S
@@ -88,6 +88,7 @@ class Session(Renderers):
             # An image that is soon another one needs no refinement: the new renderer needs time.
             is_busy |= self._making.is_under_way
             changed = self._has_changed()
+            # Any change ends the refinement of what was looked at.
             if changed:
                 self._shot = None
                 self.fine.moved()
@@ -110,13 +111,14 @@ class Session(Renderers):
             self._draw_or_say(plan)
         elif not plan.is_moving and self.quality.is_done:
             self._refine()
-        if not plan.is_moving and self._made == structure(self.state):
+        if not plan.is_moving and self._made == self.wanted:
             self._compare()
         return plan.is_moving or plan.sample is not None or not self.quality.is_done
 
     @property
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is."""
+        # How far the finer image is, else what the last frame took.
         if self._shot is not None and self.fine.is_working and not self.fine.samples:
             is_full = self.fine.is_shown or self.quality.full_samples > 0
             return "refining ..." if is_full else "full resolution follows ..."
@@ -135,6 +137,7 @@ class Session(Renderers):
         """How much of the refinement is done, 0 to 1."""
         if not self._is_refined:
             return self.quality.share
+        # Coarser and finer samples count alike.
         samples = self.quality.share * COARSER_SAMPLES + self.fine.samples
         return samples / (COARSER_SAMPLES + SAMPLES)
 
@@ -148,6 +151,7 @@ class Session(Renderers):
 
     def _go_on(self, now_s: float) -> None:
         """What moves by itself: the camera by held keys, the scene by its time."""
+        # Time passes only while something moves by itself.
         spent_s = 0.0 if self._before_s is None else now_s - self._before_s
         self.controls.advance(spent_s)
         state = self.state
@@ -170,7 +174,7 @@ class Session(Renderers):
         # The renderer of what is wanted now, which may still be in the making.
         self._make()
         self.wait()
-        if self.state.message and self._made != structure(self.state):
+        if self.state.message and self._made != self.wanted:
             raise AirlightError(self.state.message)
         # Where the finer solution is shown, it is what is saved.
         drawn = self._drawn
@@ -198,6 +202,7 @@ class Session(Renderers):
         self._drawn = None
 
     def _has_changed(self) -> bool:
+        # What the image depends on, by identity where it can be.
         s = self.state
         seen = (self.controls.camera, s.scene, self._made, s.look.layer, s.shows_times, s.time_s)
         now = (*seen, self._size)
@@ -232,7 +237,7 @@ class Session(Renderers):
         assert plan.sample is not None
         r, commands = drawn.renderer, drawn.renderer.commands
         commands.is_timed, commands.stage_ms = self.state.shows_times, {}
-        if self._made == structure(self.state):
+        if self._made == self.wanted:
             drawn.give(self.scene_now())
         # Light that does not depend on the camera, then one jittered sample of the view.
         drawn.solve(commands, is_quick=plan.is_moving)

@@ -53,10 +53,12 @@ class Shown:
         is_at_rest: bool = True,
     ) -> None:
         """The best image that there is, onto `target`; at rest its exposure is settled."""
+        # The finer image, where it is better than the samples here.
         shown, samples = fine.shown if fine.is_shown else (self._presenter, 0)
         if shown is None:
             return
         samples = samples or self.toned[1]
+        # Tone mapped again where image, samples or look have changed, or the exposure moved.
         if self.toned != (shown, samples, look) or (is_at_rest and not self._is_settled):
             self._tone(shown, commands, look, samples, settled=True)
             self._other = ()
@@ -88,6 +90,7 @@ class Shown:
         presenter = other.presenter
         if presenter is None or other.samples < _COMPARED_FROM:
             return None
+        # The other image has the first one's exposure, so that both can be compared.
         now = (presenter, other.samples, look)
         if self._other != now:
             presenter.tone(commands, look, exposed_as=shown)

@@ -74,12 +74,14 @@ def transferred(density: F32, view: Slice, top: float) -> F32:
     """
     if view.is_plain:
         return density
+    # Limits that meet are a step of a thousandth.
     low, high = view.low * top, max(view.high, view.low + 1e-3) * top
     return np.asarray(np.clip((density - low) / (high - low), 0.0, 1.0) * top, np.float32)
 
 
 def plane(density: F32, view: Slice) -> F32:
     """The densities (rows, columns) of a plane, its up or north at the top."""
+    # The axis of the array (z, y, x) that the plane lies across.
     along = {"x": 2, "y": 1, "z": 0}[view.axis]
     count = density.shape[along]
     cut = density.take(min(int(view.share * count), count - 1), axis=along)
@@ -104,6 +106,7 @@ def density_chart(density: F32, view: Slice) -> U8:
     rows = (np.arange(tall) * height) // tall
     columns = (np.arange(WIDTH) * width) // WIDTH
     image = coloured(shown[rows][:, columns], view.colours)
+    # Under the plane the scale of colours, then the histogram.
     scale = np.linspace(0.0, 1.0, WIDTH)[None].repeat(8, 0)
     gap = np.full((4, WIDTH, 3), _GROUND, np.uint8)
     return np.vstack([image, gap, coloured(scale, view.colours), gap, _curve(density, view, top)])
@@ -118,6 +121,7 @@ def _curve(density: F32, view: Slice, top: float) -> U8:
     tall = bars[(np.arange(WIDTH) * _BINS) // WIDTH] * _CURVE_HEIGHT
     from_below = np.arange(_CURVE_HEIGHT, 0, -1)[:, None]
     chart[from_below <= tall[None]] = _BAR
+    # The transfer function over them, along the same densities.
     x: F32 = ((np.arange(WIDTH) + 0.5) / WIDTH).astype(np.float32)
     y = transferred(x, view, 1.0)
     row = np.rint((1.0 - y) * (_CURVE_HEIGHT - 2)).astype(int)

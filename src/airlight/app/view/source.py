@@ -42,6 +42,7 @@ class Source:
         beside: list[str] = []
         if self._first is not None:
             try:
+                # Files beside the first one stay in the list, whichever of them is open.
                 files = sorted(p for p in self._first.iterdir() if p.suffix.lower() in _SCENES)
             except OSError:
                 files = []

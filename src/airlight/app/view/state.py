@@ -57,6 +57,7 @@ class ViewState:
 
     def show(self, scene: Scene) -> None:
         """Another scene than before, as its file has it."""
+        # The time begins again, and what belongs to the scene's files with it.
         self.scene, self.time_s = scene, 0.0
         environment = scene.environment
         is_map = environment is not None and environment.map is not None and not environment.sky
@@ -95,11 +96,13 @@ class ViewState:
         """Let the animation go on, round from its end to its start."""
         animation = self.scene.animation
         if self.is_playing and animation is not None:
+            # Time goes round within the animation's span.
             span = animation.last_s - animation.start_s
             self.time_s = animation.start_s + (self.time_s + spent_s - animation.start_s) % span
 
     def moved(self) -> Scene:
         """The scene as its animation has it now; the same value until scene or time change."""
+        # One value for each moment, so that a frame sees what did not change.
         key = (id(self.scene), self.time_s)
         if self._moved is None or self._moved[0] != key:
             still = self.scene.animation is None
@@ -110,6 +113,7 @@ class ViewState:
         """The scene with the densities of this moment through their transfer functions."""
         if all(sliced.view.is_plain for sliced in self.sliced.values()):
             return scene
+        # Densities that the animation has made at this moment get their transfer function here.
         volumes = list(scene.volumes)
         for index, sliced in self.sliced.items():
             density = volumes[index].density
@@ -135,6 +139,7 @@ class ViewState:
         """Look at a grid otherwise; where other densities than before count, it changes."""
         before, after = self.sliced[index], self.sliced[index].seen(view)
         self.sliced = {**self.sliced, index: after}
+        # Only limits change the grid; the plane and its colours change the chart.
         if (before.view.low, before.view.high) != (view.low, view.high):
             volume = self.scene.volumes[index]
             density = transferred(after.density, view, after.top)
@@ -143,6 +148,7 @@ class ViewState:
     def put_environment(self, environment: Environment | None) -> None:
         """What is around the scene; the sun of a computed sky goes with that."""
         had = self.scene.environment
+        # A computed sky's sun is the last light, and goes with it.
         if had is not None and had.sky is not None:
             self.scene = without_sun(self.scene)
         if environment is not None and environment.map is not None and environment.sky is None:
@@ -169,6 +175,7 @@ class ViewState:
         index = min(self.light, len(lights) - 1)
         light = lights[index]
         if not hasattr(light, "direction"):
+            # Without a direction it goes about the middle of the scene.
             low, high = self.scene.bounds
             centre = (low + high) / 2.0
             offset = np.subtract(light.position, centre)
@@ -187,6 +194,7 @@ def structure(state: ViewState) -> tuple[Any, ...]:
     """What a renderer is made for: another structure needs another renderer."""
     scene = state.scene
     chosen = {**scene.settings.get(state.technique, {}), **state.chosen_settings}
+    # What a renderer cannot follow: technique, settings, meshes, kinds of things.
     return (
         state.technique,
         repr(sorted(chosen.items())),
@@ -222,6 +230,7 @@ def same(a: Any, b: Any) -> bool:
     # Most parts are the same object, which spares comparing arrays of gigabytes.
     if a is b:
         return True
+    # By what they hold, part by part.
     if type(a) is not type(b):
         return False
     if isinstance(a, np.ndarray):

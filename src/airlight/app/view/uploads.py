@@ -31,6 +31,7 @@ class Uploads:
         if not isinstance(name, str) or not is_number or piece is None:
             self._pieces = []
             return
+        # The first piece begins another file.
         if part == 0:
             self._name, self._parts, self._pieces = name, int(parts or 0), []
         # Pieces come in order, and no larger than a scene may be.
@@ -51,6 +52,7 @@ class Uploads:
         self._folder = None
 
     def _kept(self, data: bytes) -> Path:
+        # The folder goes when the viewer does.
         self._folder = self._folder or tempfile.TemporaryDirectory(prefix="airlight-")
         # The name alone: no page says where a file goes.
         plain = Path(self._name.replace("\\", "/")).name[-_LONGEST_NAME:]

@@ -44,6 +44,7 @@ class Watch:
 
     @staticmethod
     def _stamps(paths: set[Path]) -> dict[Path, tuple[int, int]]:
+        # A file that is not there now has no stamp, and is looked at again.
         found = {}
         for path in paths:
             try:

@@ -88,6 +88,7 @@ def fitting(widget: Widget, value: Any) -> Any:
 
 def told(sections: Iterable[Section], key: str, value: Any) -> bool:
     """Change the widget of that `key`; false where there is none, or the value does not fit."""
+    # The key of a widget is unique, so the first one that has it is meant.
     for section in sections:
         for widget in section.widgets:
             if widget.key == key and widget.change is not None:
@@ -101,6 +102,7 @@ def told(sections: Iterable[Section], key: str, value: Any) -> bool:
 
 def sky_place(azimuth_deg: float, elevation_deg: float) -> F64:
     """Where on the pad of a "sky" a direction is: (2,) in -1 to 1, x to +X, y to +Z, 0 above."""
+    # Distance from the middle is the angle from above; a little beyond the rim lies the horizon.
     away = min((90.0 - elevation_deg) / 90.0, 1.05)
     a = math.radians(azimuth_deg)
     return np.array([math.sin(a), math.cos(a)]) * away
@@ -147,6 +149,7 @@ def _if(is_so: bool, value: Any) -> Any:
 
 
 def _number(value: Any, low: float | None, high: float | None) -> float:
+    # Infinite and huge numbers would break what they set.
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not (is_number and abs(value) <= _FARTHEST):
         raise Unfit

@@ -16,6 +16,7 @@ from .session import Session
 
 def open_window(session: Session, size: tuple[int, int]) -> None:
     """Show `session` until the window is closed. Raises AirlightError without glfw or a display."""
+    # Without a display glfw would fail with an error of its own.
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):

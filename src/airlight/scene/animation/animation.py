@@ -62,6 +62,7 @@ class Animation:
         """When it ends, seconds."""
         if self.end_s is not None:
             return self.end_s
+        # The last keyframe of what comes to rest; endless motion alone has a span of its own.
         ends = [t.end_s for t in self.tracks]
         known = [end for end in ends if np.isfinite(end)]
         end = max(known, default=self.start_s)
@@ -70,9 +71,11 @@ class Animation:
     def at(self, scene: Scene, time_s: float) -> Scene:
         """`scene` at a time. Raises SceneError, naming the time, where it cannot be."""
         time = checks.number(time_s, "time_s")
+        # Time goes round within the span.
         if self.is_loop:
             time = self.start_s + (time - self.start_s) % (self.last_s - self.start_s)
         try:
+            # Tracks in their order, each on what the others have moved.
             for track in self.tracks:
                 scene = track.apply(scene, time)
         except SceneError as error:
@@ -94,6 +97,7 @@ class Animation:
 
     def moments(self, scene: Scene) -> Iterator[Scene]:
         """`scene` with its meshes at 65 times of the span; none where no mesh moves."""
+        # Only what moves meshes can change their box.
         moving = [t for t in self.tracks if getattr(t, "moves_meshes", False)]
         for time in np.linspace(self.start_s, self.last_s, _PROBES) if moving else ():
             for track in moving:
@@ -102,6 +106,7 @@ class Animation:
 
     def eyes(self, scene: Scene) -> list[tuple[float, float, float]]:
         """Where the scene's camera is in the span, metres; sampled at as many times."""
+        # The camera's motion alone: positions need no meshes.
         tracks = [getattr(track, "camera_alone", None) for track in self.tracks]
         moving: list[Track] = [track for track in tracks if track is not None]
         found = [scene.camera.position]

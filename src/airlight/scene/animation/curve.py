@@ -37,6 +37,7 @@ class Curve:
     def __post_init__(self) -> None:
         times = np.array(self.times, dtype=np.float64)
         values = np.array(self.values, dtype=np.float64)
+        # As many times as values, one at least, all finite and rising.
         if times.ndim != 1 or len(times) == 0 or len(times) != len(values):
             raise SceneError(f"{len(values)} keyframes have {times.size} times")
         if not (np.isfinite(times).all() and np.isfinite(values).all()):

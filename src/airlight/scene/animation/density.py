@@ -46,6 +46,7 @@ class VolumeTrack:
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the volume as dense as it is."""
+        # Both grids of the moment; what stays the same object counts as unchanged.
         volumes = list(scene.volumes)
         if self.index >= len(volumes):
             raise SceneError(
@@ -110,7 +111,7 @@ class FileSequence:
 
     @property
     def end_s(self) -> float:
-        """When the last file is reached, seconds; infinite in a loop."""
+        """When the last file has been shown, seconds; infinite in a loop."""
         return float("inf") if self.is_loop else self.start_s + len(self.files) / self.fps
 
     def at(self, time_s: float) -> F32:
@@ -126,6 +127,7 @@ class FileSequence:
         # A frame's time is a quotient; a hair before a file's time is that time.
         nearest = round(place)
         place = float(nearest) if abs(place - nearest) < 1e-6 else place
+        # Within the files: round and round, or the ends hold.
         place = place % count if self.is_loop else min(max(place, 0.0), count - 1.0)
         k, u = int(place), place - int(place)
         if u == 0.0 or self.between == "step":
@@ -152,6 +154,7 @@ class FileSequence:
 
     def _read_emission(self, k: int) -> F32:
         assert self.emission_grid is not None
+        # The file's time of change is part of the key, so that a file written again is read again.
         path = self.files[k]
         key = (path, self._stamp(path), self.grid, self.channels)
         return self._fitting(_with_emission(*key, self.emission_grid)[1], path)
@@ -160,6 +163,7 @@ class FileSequence:
         path = self.files[k]
         key = (path, self._stamp(path), self.grid, self.channels)
         if self.emission_grid is None:
+            # With an emission the density comes on the box that holds both.
             return self._fitting(_density(*key), path)
         return self._fitting(_with_emission(*key, self.emission_grid)[0], path)
 

@@ -41,6 +41,7 @@ class Skeleton:
 
         Node by node down the tree: there are few, and each needs its parent's.
         """
+        # Curves of this moment, by node and path.
         moved = {} if clip is None else {k: c.at(time_s) for k, c in clip.channels.items()}
         world = np.tile(np.eye(4), (len(self.translation), 1, 1))
         for node, parent in self.order:
@@ -49,6 +50,7 @@ class Skeleton:
         return world
 
     def _local(self, node: int, moved: Mapping[tuple[int, str], F64]) -> F64:
+        # A node of a matrix is not animated, as glTF has it.
         if node in self.matrix:
             return self.matrix[node]
         t, r, s = (
@@ -119,6 +121,7 @@ class Rig:
     @property
     def end_s(self) -> float:
         """When it comes to rest, seconds; infinite in a loop."""
+        # The placement may move on when the clip has ended.
         placed = self.world_from_file.end_s if isinstance(self.world_from_file, Placing) else 0.0
         if not self.clips:
             return placed
@@ -155,11 +158,13 @@ class Rig:
         scene = replace(scene, meshes=tuple(meshes), lights=tuple(lights))
         if self.camera is None:
             return scene
+        # Exposure stays the scene's.
         node, camera = self.camera
         seen = moved_camera(camera, world[node])
         return replace(scene, camera=replace(seen, exposure_stops=scene.camera.exposure_stops))
 
     def _clip_time(self, clip: Clip | None, time_s: float) -> float:
+        # Clip time begins at `start_s` and runs `speed` times as fast.
         time = (time_s - self.start_s) * self.speed
         if clip is None or not self.is_loop or clip.end_s <= 0.0:
             return time
@@ -177,6 +182,7 @@ class Rig:
         # One with a skin or morph targets gets new vertices.
         if part.shape.skin is not None:
             world = placed  # a skinned mesh does not hang on its node (section 3.7.3.2)
+        # Weights at rest, unless the clip animates them.
         weights = np.zeros(0) if part.weights is None else part.weights
         if clip is not None and part.node in clip.weights:
             weights = clip.weights[part.node].at(at)

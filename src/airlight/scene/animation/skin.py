@@ -58,6 +58,7 @@ class Shape:
 
         In the node's space; with a skin, in the file's.
         """
+        # Morph targets first, then the skin, as the specification has it.
         positions, normals = self.positions, self.normals
         if self.morph is not None:
             positions = positions + _mixed(weights, self.morph.positions)
@@ -72,6 +73,7 @@ def skinned(
     positions: F32, normals: F32 | None, skin: Skin, matrices: F32
 ) -> tuple[F32, F32 | None]:
     """Positions and normals (V, 3) through the mean of their joints' `matrices` (J, 3, 4)."""
+    # Each vertex's matrix is the mean of its joints', by weight.
     blended = np.zeros((len(positions), 3, 4), np.float32)
     for k in range(skin.weights.shape[1]):
         blended += skin.weights[:, k, None, None] * matrices[skin.influences[:, k]]
@@ -85,6 +87,7 @@ def skinned(
         + np.cross(c, a) * normals[:, 1:2]
         + np.cross(a, b) * normals[:, 2:]
     )
+    # A mirroring matrix turns cofactors around, so its sign goes into the normal.
     handed = np.sign(np.einsum("vi,vi->v", a, np.cross(b, c)))[:, None]
     return placed, _unit(turned * np.where(handed == 0.0, 1.0, handed).astype(np.float32))
 

@@ -23,6 +23,7 @@ Curves = Mapping[str, Curve]
 def _values(curves: Curves, time_s: float) -> dict[str, Any]:
     """{field: number or tuple} at a time."""
     values: dict[str, Any] = {}
+    # Numbers for fields of one component, tuples for others.
     for name, curve in curves.items():
         value = curve.at(time_s).tolist()
         values[name] = value[0] if len(value) == 1 else tuple(value)
@@ -150,6 +151,7 @@ class Placing:
 
     def at(self, time_s: float) -> F64:
         """(4, 4) at a time."""
+        # Curves take the place of the values that do not move.
         values = {**self.still, **_values(self.curves, time_s)}
         matrix = np.eye(4)
         scale = np.broadcast_to(np.array(values.get("scale", 1.0)), 3)
@@ -183,6 +185,7 @@ class MeshTrack:
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the meshes where they are."""
+        # As many meshes as the file had, from the first on.
         meshes = list(scene.meshes)
         _check_index(self.first + len(self.world_from_object) - 1, len(meshes), "mesh")
         moved = self.placing.at(time_s) @ self.world_from_object

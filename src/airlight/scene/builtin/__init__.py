@@ -83,6 +83,7 @@ def builtin_scene(name: str, **options: Any) -> Scene:
     """
     if name not in BUILTIN:
         raise SceneError(f"there is no builtin scene '{name}'", remedy=nearest(name, BUILTIN))
+    # A scene's options are the keyword arguments of its function.
     make = BUILTIN[name]
     known = (make.__kwdefaults__ or {}).keys()
     for option in options:

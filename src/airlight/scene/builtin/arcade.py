@@ -57,12 +57,14 @@ def _upright(sheet: F64, z: float, facing: float) -> Geometry:
 
 def archivolt() -> Geometry:
     """The arch's moulding on both faces of the wall: two fasciae and a hood, with a keystone."""
+    # Two fasciae under a rounded hood, from outside to the arch's edge.
     points: Points = [(0.22, 0.0), (0.22, 0.055), *arc((0.185, 0.055), 0.03, 10.0, 170.0, 2)]
     points += [(0.15, 0.045), (0.08, 0.045), (0.08, 0.03), (0.0, 0.03), (0.0, -0.01)]
     front = moved(
         around_arch(profile(points), ARCH_RADIUS_M, _ARCH_STEPS),
         placed_at(0.0, SPRING_M, WALL_HALF_M),
     )
+    # The keystone cuts through the moulding and stands out of it; then all of it on the other face.
     crown = SPRING_M + ARCH_RADIUS_M
     key = box((-0.09, crown - 0.03, 0.0), (0.09, crown + 0.26, WALL_HALF_M + 0.12))
     half = merged([front, key])
@@ -71,6 +73,7 @@ def archivolt() -> Geometry:
 
 def blind_arch() -> Geometry:
     """A moulding of the same arch on the gallery's outer wall."""
+    # A flatter moulding, whose back lies in the wall.
     points: Points = [(0.14, 0.0), (0.14, 0.05), (0.05, 0.05), (0.05, 0.03), (0.0, 0.03), (0.0, 0)]
     ring = around_arch(profile(points), ARCH_RADIUS_M, _ARCH_STEPS)
     return moved(ring, placed_at(0.0, SPRING_M, OUTER_WALL_Z))
@@ -89,8 +92,10 @@ def groin_vault(half_x_m: float, half_z_m: float, steps: int = 10) -> Geometry:
     for across_x in (True, False):
         rise = np.sin(a if across_x else b)
         positions = np.stack([x, SPRING_M + VAULT_RISE_M * rise, z], axis=-1)
+        # Normals by the gradient of the ellipse, turned downwards.
         bent_x, bent_z = (x / half_x_m**2, 0.0 * z) if across_x else (0.0 * x, z / half_z_m**2)
         normals = -np.stack([bent_x, (rise + 1e-9) / VAULT_RISE_M, bent_z], axis=-1)
+        # Texture coordinates follow the arc, by about its length.
         length_x, length_z = 1.25 * half_x_m * a, 1.25 * half_z_m * b
         flat = (length_x, z) if across_x else (x, length_z)
         webs.append(_web(positions, normals, np.stack(flat, axis=-1), np.sin(a), np.sin(b)))
@@ -132,6 +137,7 @@ def transverse_rib(half_width_m: float) -> Geometry:
     )
     inwards = -np.stack([-np.cos(angle) / half_z, np.sin(angle) / VAULT_RISE_M], axis=1)
     across = np.array([-half_width_m, half_width_m])[:, None]
+    # The underside, as wide as the rib.
     under = np.stack(
         [np.broadcast_to(across, (2, 17)), *(np.tile(inner[:, k], (2, 1)) for k in (1, 0))], axis=-1
     )
@@ -140,6 +146,7 @@ def transverse_rib(half_width_m: float) -> Geometry:
     )
     arc_m = np.broadcast_to(1.5 * angle, (2, 17))
     parts = [patch(under, under_n, np.stack([arc_m, under[..., 0]], axis=-1))]
+    # A cheek on each side, flat.
     for side in (-1.0, 1.0):
         cheek = np.stack([inner, outer])
         points = np.stack(
@@ -152,11 +159,13 @@ def transverse_rib(half_width_m: float) -> Geometry:
 
 def balustrade() -> Geometry:
     """Rails and balusters between two pedestals, `PEDESTAL_M` less a hand high."""
+    # The bottom rail, and the profile of the handrail.
     half = BAY_M / 2.0 - 0.30
     foot = box((-half, 0.0, -0.13), (half, 0.12, 0.13), ("+y", "-z", "+z"))
     rail: Points = [(-0.09, 0.74), (0.09, 0.74), *arc((0.10, 0.80), 0.05, -60.0, 60.0, 3)]
     rail += [(0.15, 0.86), (0.15, 0.92), (-0.15, 0.92), (-0.15, 0.86)]
     rail += [*arc((-0.10, 0.80), 0.05, 120.0, 240.0, 3), (-0.09, 0.74)]
+    # Six balusters stand between them.
     one = baluster()
     places = np.linspace(-0.66, 0.66, 6)
     standing = [moved(one, placed_at(float(x), 0.0, 0.0)) for x in places]

@@ -45,6 +45,7 @@ def atrium(*, seed: int = 7) -> Scene:
 
     About 260,000 triangles, instances counted each. `seed` varies stone, cloth and plants.
     """
+    # Parts draw from one generator in turn, so their order is part of the scene.
     rng = np.random.default_rng(seed)
     carved = stone.carved_limestone(rng)
     meshes = (
@@ -94,6 +95,7 @@ def corner_places(floor_m: float) -> list[F64]:
 
 
 def _ring(long_x: Iterable[float], short_z: Iterable[float], floor_m: float) -> list[F64]:
+    # The long sides, then the short ones, each turned into the court.
     xs, zs = [float(x) for x in long_x], [float(z) for z in short_z]
     return [
         *(placed_at(x, floor_m, -AXIS_Z_M) for x in xs),
@@ -108,6 +110,7 @@ def _both(places: Callable[[float], list[F64]]) -> list[F64]:
 
 
 def _shell(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
+    # Walls and floors in stone of their own, mouldings in the carved one.
     here, above = placed_at(0, 0, 0), placed_at(0, STOREY_M, 0)
     blocks = stone.limestone_blocks(rng)
     tiles = stone.diamond_tiles(rng)
@@ -125,6 +128,7 @@ def _shell(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
 def _arcades(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
     lime = stone.plaster(rng)
     centre_z = arcade.OUTER_WALL_Z + arcade.GALLERY_M / 2.0
+    # A vault spans a gallery and reaches a little into both of its walls.
     half_z = arcade.GALLERY_M / 2.0 + 0.05
     behind = placed_at(0.0, 0.0, centre_z)
     corner_x, corner_z = AXIS_X_M - centre_z, AXIS_Z_M - centre_z
@@ -148,9 +152,11 @@ def _arcades(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
 
 
 def _columns(carved: Finish) -> tuple[Mesh, ...]:
+    # Upper columns are thinner and twisted, and stand on pedestals.
     raised = placed_at(0.0, columns.PEDESTAL_M, 0.0)
     shaft = columns.column(columns.SPRING_M - columns.PEDESTAL_M, 0.21, twist_turns=0.35)
     upper = merged([columns.pedestal(0.36), moved(shaft, raised)])
+    # A corner has one pier, though both arcades that meet there count it.
     piers = [place for floor in _FLOORS for place in corner_places(floor)[:4]]
     return (
         *carved.meshes(columns.column(columns.SPRING_M, 0.26), column_places(0.0), "column"),
@@ -171,10 +177,12 @@ def _drapes(rng: np.random.Generator) -> tuple[Mesh, ...]:
     hung = placed_at(0.0, columns.SPRING_M - 0.12, 0.76)
     colors = ("red", "green", "blue")
     meshes: list[Mesh] = []
+    # Each colour hangs in every third of the draped bays, with folds of its own.
     for k, color in enumerate(colors):
         cloth = fabric.drape(1.85, 5.3, rng)
         places = [bays[bay] @ hung for n, bay in enumerate(_DRAPED) if n % len(colors) == k]
         meshes += cloths[color].meshes(cloth, places, f"{color} drape")
+    # One rod for each drape.
     rods = [bays[bay] @ hung for bay in _DRAPED]
     return (*meshes, *BRONZE.meshes(curtain_rod(1.95, 0.46), rods, "rod"))
 

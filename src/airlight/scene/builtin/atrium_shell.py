@@ -48,6 +48,7 @@ def _floor(x0: float, x1: float, z0: float, z1: float, y: float) -> Geometry:
 
 def outer_walls() -> Geometry:
     """The four walls, inside and outside, the ground below and the roof over the galleries."""
+    # Inside the walls' lining, outside a box without a lid, and the coping that closes it.
     inside = profile([(0.0, 0.0), (0.0, ROOF_M)])
     x, z = OUTER_X_M, OUTER_Z_M
     shell = box((-x, -_FOUNDATION_M, -z), (x, PARAPET_M, z), ("-x", "+x", "-y", "-z", "+z"))
@@ -64,6 +65,7 @@ def outer_walls() -> Geometry:
 
 def skirting() -> Geometry:
     """A plinth along the foot of the outer walls' inner side, of one storey."""
+    # A plinth with a rounded top.
     points: Points = [(0.05, 0.0), (0.05, 0.42), *arc((0.0, 0.44), 0.05, -20.0, 70.0, 3), (0, 0.5)]
     return around_rectangle(profile(points), INNER_X_M, INNER_Z_M, inwards=True)
 
@@ -87,6 +89,7 @@ def string_course() -> Geometry:
 
 def cornice() -> Geometry:
     """The crowning moulding and the parapet above it, around the court."""
+    # From the bottom: fascia, ovolo, the shelf over the dentils, and the crowning moulding.
     t, top = ROOF_M, PARAPET_M
     points: Points = [(0.0, t - 0.75), (0.04, t - 0.72), (0.04, t - 0.60)]
     points += [*arc((0.04, t - 0.52), 0.08, -75.0, 0.0, 4), (0.12, t - 0.36)]
@@ -114,6 +117,7 @@ def _dentils(high: float, low: float) -> Geometry:
         (90, 21, COURT_X_M),
         (-90, 21, COURT_X_M),
     ):
+        # A row about the middle of its side, moved out to the wall, and turned to its side.
         at = (count - 1) / 2.0 * pitch
         row = merged([moved(block, placed_at(k * pitch - at, 0.0, 0.0)) for k in range(count)])
         rows.append(moved(moved(row, placed_at(0.0, 0.0, -away)), placed_at(0, 0, 0, turn)))

@@ -51,6 +51,7 @@ def cloud(*, seed: int = 5) -> Scene:
 
 def cumulus_density(seed: int) -> F32:
     """Density (z, y, x) in [0, 1]: a heap of balls with a flat base, its rim eroded by billows."""
+    # How deep each cell lies in the heap, metres; balls are a little flat.
     rng = np.random.default_rng(seed)
     z, y, x = np.meshgrid(*((np.arange(n) + 0.5) / PER_M for n in SHAPE), indexing="ij")
     centred = np.stack([x - 32.0, y - 7.0, z - 32.0])
@@ -65,6 +66,7 @@ def cumulus_density(seed: int) -> F32:
     wisp = fractal_noise(SHAPE, (16, 10, 16), rng, octaves=3, gain=0.6)
     rim = depth.astype(np.float32) + 3.4 * (0.8 - 1.3 * billow) + 0.5 * wisp
     density = smoothstep(-0.2, 1.3, rim) * smoothstep(2.5, 6.5, (y + 0.8 * wisp).astype(np.float32))
+    # Nothing reaches the grid's border, where it would end in a plane.
     edge = np.minimum.reduce([_inside(i, n / PER_M) for i, n in zip((z, y, x), SHAPE, strict=True)])
     return cast(F32, np.clip(density * smoothstep(0.5, 3.0, edge), 0.0, 1.0))
 
@@ -72,12 +74,14 @@ def cumulus_density(seed: int) -> F32:
 def _heap(rng: np.random.Generator) -> F64:
     """Balls (n, 4): centre and radius, metres from the base's middle; a dome of smaller ones."""
     count = 26
+    # Balls by area over a disk, lower and smaller towards its rim, as the dome falls off.
     away = 21.0 * np.sqrt(rng.random(count))
     angle = rng.uniform(0.0, 2.0 * np.pi, count)
     dome = 1.0 - (away / 24.0) ** 2
     height = rng.uniform(0.0, 1.0, count) * 20.0 * dome
     radius = rng.uniform(4.5, 8.0, count) * (0.6 + 0.6 * dome) * (1.0 - 0.02 * height)
     balls = np.stack([away * np.cos(angle), height, 0.8 * away * np.sin(angle), radius], axis=1)
+    # Three large ones hold them together.
     core = np.array([[0.0, 4.0, 0.0, 14.0], [-9.0, 2.0, 2.0, 9.0], [10.0, 2.0, -2.0, 9.5]])
     return np.concatenate([core, balls])
 

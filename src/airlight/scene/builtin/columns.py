@@ -25,6 +25,7 @@ def column(height_m: float, radius_m: float, *, twist_turns: float = 0.0) -> Geo
     r = radius_m
     base_top, capital = 0.14 + 0.80 * r, 0.62
     shaft_top = height_m - capital
+    # From the ground: plinth, base, shaft, capital, and the abacus with its lid.
     parts = [
         box((-1.5 * r, 0.0, -1.5 * r), (1.5 * r, 0.14, 1.5 * r), ("-x", "+x", "+y", "-z", "+z")),
         revolved(profile(_attic_base(r, 0.14)), 22),
@@ -58,6 +59,7 @@ def _shaft(r: float, low: float, high: float, twist_turns: float) -> Geometry:
     middle = np.linspace(0.07, 0.93, 8 if twist_turns else 4)
     t = np.concatenate([scoop, middle, 1.0 - scoop[::-1]])[:, None]
     entasis = r * (1.0 - 0.16 * t**1.8)
+    # A quarter circle at both ends of a flute is its scoop.
     ends = np.clip(np.minimum(t, 1.0 - t) / 0.06, 0.0, 1.0)
     depth = 0.085 * np.sqrt(1.0 - (1.0 - ends) ** 2)
     # The radius at each angle and height: entasis, less the depth of the flute.
@@ -65,6 +67,7 @@ def _shaft(r: float, low: float, high: float, twist_turns: float) -> Geometry:
     radius = entasis * (1.0 - depth * np.abs(np.sin(0.5 * flutes * angle)))
     height = np.broadcast_to(low + (high - low) * t, radius.shape)
     positions = np.stack([radius * np.sin(turned), height, radius * np.cos(turned)], axis=-1)
+    # Rows run upwards and columns counter-clockwise, so that their cross product points inwards.
     normals = -lattice_normals(positions, closed_columns=True)
     uvs = np.stack([np.broadcast_to(r * angle, radius.shape), -height], axis=-1)
     return patch(positions, normals, uvs)
@@ -83,12 +86,14 @@ def _capital(neck: float, low: float, high: float) -> Geometry:
     positions = np.stack([radius * np.sin(angle), height, radius * np.cos(angle)], axis=-1)
     normals = -lattice_normals(positions, closed_columns=True)
     uvs = np.stack([np.broadcast_to(0.3 * angle, radius.shape), -height], axis=-1)
+    # The astragal: a ring around the neck.
     ring = [(neck, low - 0.03), *arc((neck, low), 0.03, -80.0, 80.0, 3), (neck, low + 0.03)]
     return merged([patch(positions, normals, uvs), revolved(profile(ring), 22)])
 
 
 def _leaf_tier(t: F64, angle: F64, low: float, high: float, shift: float) -> F64:
     """How far the leaves between `low` and `high` stand out of the bell, 0 to 1."""
+    # Eight leaves around, each a lobe; the tips curl outwards.
     lobe = np.abs(np.cos(4.0 * angle + np.pi * shift)) ** 0.7
     along = np.clip((t - low) / (high - low), 0.0, 1.0)
     curl = 0.35 * np.sqrt(along) + 0.65 * along**4
@@ -115,6 +120,7 @@ def pier(half_m: float, height_m: float) -> Geometry:
 
 def pilaster(half_x_m: float, half_z_m: float) -> Geometry:
     """A flat half pier up to the spring, to be set half into a wall; closed by its impost."""
+    # The impost without its upper end, then a lid towards the middle.
     top = [*_impost(SPRING_M)[:-2], (0.08, SPRING_M), (-min(half_x_m, half_z_m), SPRING_M)]
     return around_rectangle(profile([*_pier_base(), *top]), half_x_m, half_z_m)
 
@@ -122,6 +128,7 @@ def pilaster(half_x_m: float, half_z_m: float) -> Geometry:
 def pedestal(half_m: float) -> Geometry:
     """A square block with base and cap under an upper column, `PEDESTAL_M` high."""
     h = PEDESTAL_M
+    # A base with a torus, the die, and a cap with an ovolo.
     points = [(0.06, 0.0), (0.06, 0.12), *arc((0.0, 0.18), 0.05, -60.0, 60.0, 3), (0.0, 0.26)]
     points += [(0.0, h - 0.18), *arc((0.0, h - 0.12), 0.045, -75.0, 0.0, 3)]
     points += [(0.06, h - 0.12), (0.06, h), (-half_m, h)]
@@ -139,6 +146,7 @@ def _impost(top: float) -> Points:
 
 def baluster(segments: int = 8) -> Geometry:
     """A vase-shaped baluster between the rails of a balustrade, 0.62 m high from y = 0.12."""
+    # From the foot over the belly to the neck, and a cap under the rail.
     points: Points = [(0.06, 0.12), (0.06, 0.17), (0.04, 0.20)]
     points += [(0.062, 0.27), (0.074, 0.34), (0.066, 0.42), (0.042, 0.52), (0.032, 0.60)]
     points += [(0.048, 0.645), (0.034, 0.67), (0.058, 0.69), (0.058, 0.74)]
@@ -151,12 +159,14 @@ def fountain() -> tuple[Geometry, Geometry]:
     wall: Points = [(1.34, 0.0), (1.34, 0.10), (1.24, 0.16), (1.20, 0.36)]
     wall += arc((1.24, 0.47), 0.08, -90.0, 90.0, 6)
     wall += [(1.08, 0.55), (1.06, 0.52), (1.04, 0.10), (0.32, 0.10)]
+    # The foot, the bowl upon it, and a knob in the middle of the bowl.
     foot: Points = [(0.34, 0.10), (0.34, 0.42), (0.26, 0.48), (0.15, 0.56), (0.12, 0.80)]
     foot += arc((0.13, 0.92), 0.06, -70.0, 70.0, 5)
     foot += [(0.11, 1.05), (0.16, 1.14), (0.40, 1.22), (0.58, 1.32)]
     foot += arc((0.63, 1.38), 0.045, -60.0, 150.0, 6)
     foot += [(0.50, 1.32), (0.10, 1.26), (0.07, 1.34), (0.06, 1.55)]
     foot += arc((0.0, 1.66), 0.10, -50.0, 89.9, 6)
+    # Water stands below the rims of the basin and of the bowl.
     pool = revolved(profile([(1.06, 0.44), (0.0, 0.44)]), 48)
     bowl = revolved(profile([(0.57, 1.36), (0.0, 1.36)]), 32)
     stone = merged([revolved(profile(wall), 64), revolved(profile(foot), 40)])

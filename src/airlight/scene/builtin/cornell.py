@@ -36,6 +36,7 @@ def cornell(*, light: str = "spot") -> Scene:
     panel glows: W m^-2 sr^-1 of the same intensity on its axis). No environment.
     Raises SceneError for another light.
     """
+    # A lamp under the panel; or None, and the panel itself glows.
     kinds: dict[str, Light | None] = {
         "spot": SpotLight((0.0, HEIGHT_M - 0.06, 0.0), (0.0, -1.0, 0.0), _LAMP_INTENSITY, 50, 75),
         "point": PointLight((0.0, HEIGHT_M - 0.5, 0.0), _LAMP_INTENSITY),
@@ -77,6 +78,7 @@ def _lambert(name: str, color: Rgb) -> Finish:
 def _walls() -> tuple[Mesh, ...]:
     """Five slabs that meet without overlapping faces; each is closed."""
     x, y, z, t = WIDTH_M / 2.0, HEIGHT_M, DEPTH_M / 2.0, WALL_M
+    # White are floor, ceiling and back, which reaches behind the side walls.
     slabs = merged(
         [
             box((-x, -t, -z), (x, 0.0, z)),
@@ -96,6 +98,7 @@ def _walls() -> tuple[Mesh, ...]:
 
 def _blocks() -> tuple[Mesh, ...]:
     """The short block at the right and the tall one at the left, as measured."""
+    # Both blocks are 1.66 m wide and turned by the measured angles.
     white = _lambert("white", WHITE)
     short = box((-0.83, 0.0, -0.83), (0.83, 1.65, 0.83))
     tall = box((-0.83, 0.0, -0.83), (0.83, 3.30, 0.83))

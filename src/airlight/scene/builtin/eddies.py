@@ -31,6 +31,7 @@ class Eddies:
         return _fields(self, seed)
 
     def look_up(self, table: F32, points: F32) -> F32:
+        # The cell of each point, wrapped around the box.
         """The nearest entries of a periodic (x, y, z, channel) table."""
         size = np.array(self.cells, np.int32)
         scale = (size / np.array(self.box_m, np.float32)).astype(np.float32)
@@ -80,7 +81,9 @@ def _fields(of: Eddies, seed: int) -> tuple[F32, F32]:
     curl = np.stack(
         [slope(2, 1) - slope(1, 2), slope(0, 2) - slope(2, 0), slope(1, 0) - slope(0, 1)], axis=-1
     )
+    # Of unit rms over the three components together.
     rms = np.sqrt(np.mean(np.square(curl)) * 3.0)
+    # The noise has eddies of half the size.
     x, y, z = of.largest
     texture = fractal_noise(of.cells, (2 * x, 2 * y, 2 * z), rng, octaves=3, gain=0.6)
     return cast(F32, curl / rms), texture

@@ -16,6 +16,7 @@ def woven(
     rng: np.random.Generator, colors: dict[str, Rgb], size_px: int = 512
 ) -> dict[str, Finish]:
     """One finish per named linear colour, sharing the images of one plain weave."""
+    # A weft or a warp thread every 5 mm.
     tile_m, threads = 0.32, 64
     at = (np.arange(size_px, dtype=np.float32) + 0.5) / size_px * threads
     weft, warp = np.meshgrid(at, at, indexing="ij")
@@ -26,6 +27,7 @@ def woven(
     slub = fractal_noise((size_px, size_px), (4, 32), rng, octaves=3)
     slub += fractal_noise((size_px, size_px), (32, 4), rng, octaves=3)
     grey = (0.72 + 0.28 * crown) * (0.94 + 0.03 * slub)
+    # One image of the weave for all colours, which are factors.
     image = color_texture(np.clip(grey, 0, 1).astype(np.float32), (1.0, 1.0, 1.0), "weave")
     normals = normal_texture((0.0008 * crown).astype(np.float32), tile_m, "weave normals")
     return {
@@ -76,8 +78,10 @@ def drape(
     shape = np.sin(phase) + 0.22 * np.sin(2.0 * phase + 1.0) * (1.0 - t)
     shape += 0.35 * np.sin(0.5 * phase + 2.0) * t
     z = depth * shape
+    # The cloth narrows a little below the rod, and folds lean over to one side.
     x = width_m * (s - 0.5) * (1.0 - 0.05 * np.sin(np.pi * np.minimum(1.6 * t, 1.0)))
     x = x + 0.18 * depth * np.cos(phase)
+    # The hem is uneven.
     hem = 0.09 * fold_m * t * (np.sin(phase * 0.5) + np.sin(2.0 * np.pi * s))
     y = -height_m * t + hem
     positions = np.stack(np.broadcast_arrays(x, y, z), axis=-1)
@@ -85,6 +89,7 @@ def drape(
 
 
 def _cloth_uvs(positions: F64) -> F64:
+    # Arc lengths along the mean row and column.
     across = np.linalg.norm(np.diff(positions, axis=1), axis=-1).mean(axis=0)
     down = np.linalg.norm(np.diff(positions, axis=0), axis=-1).mean(axis=1)
     u = np.concatenate([[0.0], np.cumsum(across)])

@@ -65,6 +65,7 @@ def _hall(
 def _spot(inner_deg: float, outer_deg: float) -> SpotLight:
     """From beside the left wall onto the board's left side, all of its light on the board."""
     aim = (0.0 - _LAMP[0], 1.5 - _LAMP[1], 0.0)
+    # A narrower cone is as much brighter, so that all of them send about the same power.
     power = 6000.0 / (outer_deg * outer_deg)
     color = (power * 1.0, power * 0.9, power * 0.75)
     return SpotLight(_LAMP, aim, color, inner_deg, outer_deg)

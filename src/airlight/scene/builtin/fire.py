@@ -88,6 +88,7 @@ def _burnt(time: float, seed: int) -> tuple[F32, F32]:
     points = _cell_centres()
     height = points[:, 1] - np.float32(BOUNDS[0][1])
     necked = BED_M * (1.0 - 0.35 * smoothstep(0.0, 0.7, height))
+    # Only cells near the column are followed.
     radius = (necked + 0.16 * np.maximum(height - 0.5, 0.0)).astype(np.float32)
     near = np.hypot(points[:, 0], points[:, 2]) < 2.6 * radius
     points, height, radius = points[near], height[near], radius[near]
@@ -95,6 +96,7 @@ def _burnt(time: float, seed: int) -> tuple[F32, F32]:
     eddies, texture = _EDDIES.fields(seed)
     ride = np.array([0.05, _RISE_M_S, -0.04], np.float32) * np.float32(time)
     here = points - ride
+    # What the eddies did while the gas rose is undone in even steps of time.
     step_s = (height / (_RISE_M_S * _TRACE_STEPS)).astype(np.float32)
     for _ in range(_TRACE_STEPS):
         speed = 0.12 + 0.34 * np.minimum(height, 1.0)
@@ -106,14 +108,18 @@ def _burnt(time: float, seed: int) -> tuple[F32, F32]:
     used = height / np.float32(FLAME_M) + 0.35 * rho - 0.30 * puff
     burning = smoothstep(1.05, 0.35, rho - 0.22 * puff) * smoothstep(1.0, 0.45, used)
     burning *= smoothstep(-0.02, 0.10, height)
+    # Smoke begins where the fuel ends, thinner the wider the column has become.
     smoky = smoothstep(1.1, 0.4, rho + 0.14 * puff) * smoothstep(0.45, 1.1, used)
     smoky *= 0.5 * (BED_M / (BED_M + radius)) * (1.0 + 0.4 * puff)
     smoky *= smoothstep(3.2, 2.5, height)
+    # Both fade before the grid's sides, where they would end in a plane.
     edge = np.float32(BOUNDS[1][0]) - np.abs(points[:, ::2]).max(axis=1)
     rim = smoothstep(0.03, 0.20, edge)
+    # Soot glows in the flames as well, so that these have some density.
     grids = np.zeros((2, int(np.prod(SHAPE))), np.float32)
     grids[0][near] = np.clip((smoky + 0.15 * burning) * rim, 0.0, 1.0)
     hot = COOLEST_K + (HOTTEST_K - COOLEST_K) * np.sqrt(burning * rim)
+    # Cells where hardly anything burns have no temperature.
     grids[1][near] = np.where(burning * rim > 0.002, hot, 0.0)
     made = grids.reshape(2, *SHAPE)
     made.flags.writeable = False
@@ -151,6 +157,7 @@ def _hearth(seed: int) -> tuple[Mesh, ...]:
         stones.append(moved(block, placed_at(float(x), 0.0, float(z), float(-angle))))
     meshes = [sooty.meshes(one, [placed_at(0, 0, 0)], f"stone {k}") for k, one in enumerate(stones)]
     bark = Material(name="charred bark", base_color=(0.06, 0.045, 0.035), roughness=0.9)
+    # A log is turned about its axis, with flat ends.
     log = revolved(profile([(0.0, 0.0), (0.055, 0.0), (0.06, 0.4), (0.05, 0.75), (0.0, 0.75)]), 14)
     leaning = [moved(log, _leaning(72.0 * k + 20.0)) for k in range(5)]
     meshes += [

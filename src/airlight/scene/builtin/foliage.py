@@ -39,6 +39,7 @@ def frond_finish(rng: np.random.Generator, size_px: int = 512) -> Finish:
     rib = (0.030 * (1.1 - along) - side) * size_px * 0.5
     stalk = along < 0.05
     alpha = np.clip(np.where(stalk, rib, np.maximum(blade, rib)) + 0.5, 0.0, 1.0)
+    # The blade is lighter at its tip, the rib paler than the leaflets.
     grey, tint = _leaf_color(across, side, along, rib > 0.0, rng)
     height = 0.004 * np.clip(1.0 - 2.4 * across, 0, 1)
     material = Material(
@@ -58,6 +59,7 @@ def _leaf_color(
 ) -> tuple[F32, F32]:
     mottle = fractal_noise(across.shape, (8, 8), rng, octaves=4)
     grey = (1.0 + 0.08 * mottle) * (1.12 - 0.5 * across) * (0.82 + 0.25 * along)
+    # Young parts, at the tips, are lighter; mottled between.
     young, old = np.array([0.16, 0.30, 0.055]), np.array([0.075, 0.19, 0.035])
     mix = np.clip(side + 0.15 * mottle, 0.0, 1.0)[..., None]
     tint = np.where(is_rib[..., None], (0.26, 0.34, 0.10), old + mix * (young - old))
@@ -80,6 +82,7 @@ def fronds(rng: np.random.Generator, count: int = 34, length_m: float = 1.15) ->
     step = np.diff(t, prepend=0.0) * length[:, None]
     out = np.cumsum(step * np.cos(elevation), axis=1)
     up = np.cumsum(step * np.sin(elevation), axis=1)
+    # Each frond lies in a plane through the axis, with its leaflets across.
     radial = np.stack([np.cos(azimuth), np.zeros(count), np.sin(azimuth)], axis=1)
     sideways = np.stack([-np.sin(azimuth), np.zeros(count), np.cos(azimuth)], axis=1)
     width = 0.17 * length
@@ -87,6 +90,7 @@ def fronds(rng: np.random.Generator, count: int = 34, length_m: float = 1.15) ->
     spine = out[..., None] * radial[:, None] + up[..., None] * np.array([0.0, 1.0, 0.0])
     fold = -0.35 * np.abs(spread)[..., None] * _upwards(elevation, radial)[:, :, None]
     points = spine[:, :, None] + spread[..., None] * sideways[:, None, None] + fold
+    # The whole image on every frond, its stalk at the bottom.
     image_u, image_v = np.meshgrid(0.5 + 0.5 * s, 1.0 - t)
     uvs = np.stack([image_u, image_v], axis=-1)
     return merged([patch(p, -lattice_normals(p), uvs) for p in points])
@@ -102,6 +106,7 @@ def _upwards(elevation: F64, radial: F64) -> F64:
 
 def pot(segments: int = 28) -> Geometry:
     """A terracotta pot, 0.8 m wide and 0.75 m high, with a rolled rim; the soil is `soil`."""
+    # From the axis out along the bottom, up the belly, and over the rolled rim inside.
     shape: Points = [(0.0, 0.0), (0.24, 0.0), (0.26, 0.03)]
     shape += [(0.30, 0.16), (0.345, 0.32), (0.37, 0.46), (0.372, 0.55), (0.35, 0.63)]
     shape += arc((0.36, 0.69), 0.04, -70.0, 160.0, 8)

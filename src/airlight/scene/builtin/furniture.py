@@ -15,6 +15,7 @@ BOARD_M = 0.022
 
 def sofa() -> tuple[Geometry, Geometry]:
     """(upholstery, feet) of a two-seat sofa, 1.9 m wide, 0.9 m deep."""
+    # Base, two arms and back; then seat and back cushions.
     parts = [
         rounded_box((-0.75, 0.10, -0.40), (0.75, 0.30, 0.42), 0.04),
         rounded_box((-0.95, 0.10, -0.45), (-0.72, 0.60, 0.45), 0.07),
@@ -24,6 +25,7 @@ def sofa() -> tuple[Geometry, Geometry]:
     for x in (-0.36, 0.36):
         parts.append(rounded_box((x - 0.355, 0.30, -0.22), (x + 0.355, 0.45, 0.44), 0.06))
         parts.append(rounded_box((x - 0.34, 0.45, -0.24), (x + 0.34, 0.84, -0.08), 0.07))
+    # Feet stand in from the corners.
     feet = [
         box((x - 0.03, 0.0, z - 0.03), (x + 0.03, 0.10, z + 0.03))
         for x in (-0.85, 0.85)
@@ -71,6 +73,7 @@ def shelf_heights() -> list[float]:
 def books(rng: np.random.Generator, colors: int) -> list[Geometry]:
     """Rows of books for the `shelf`, as one geometry for each of `colors` bindings."""
     piles: list[list[Geometry]] = [[] for _ in range(colors)]
+    # Each board is filled from the left to a place of its own.
     for base in shelf_heights()[:5]:
         at, end = -0.57, float(rng.uniform(0.1, 0.5))
         while at < end:
@@ -84,6 +87,7 @@ def books(rng: np.random.Generator, colors: int) -> list[Geometry]:
 
 def vase() -> Geometry:
     """A bellied vase, 0.32 m high."""
+    # Up the outside, over the lip, and a little way down the inside.
     points: Points = [(0.0, 0.0), (0.05, 0.0), (0.055, 0.01), (0.085, 0.07), (0.10, 0.13)]
     points += [(0.095, 0.18), (0.065, 0.235), (0.04, 0.27), (0.038, 0.29)]
     points += [*arc((0.05, 0.315), 0.008, -60.0, 170.0, 4), (0.035, 0.29), (0.03, 0.25)]
@@ -92,6 +96,7 @@ def vase() -> Geometry:
 
 def lamp_shade() -> Geometry:
     """A pendant lamp of metal hanging from y = 0 on a thin rod; its shade opens downwards."""
+    # The rod, its cap, and the bell of the shade; the inside back up.
     points: Points = [(0.008, 0.0), (0.006, -0.55), (0.03, -0.56), (0.05, -0.60)]
     points += [*arc((0.02, -0.78), 0.20, 80.0, 5.0, 8), (0.205, -0.77), *_inner_shade()]
     return revolved(profile(points[::-1], crease_deg=40.0), 36)
@@ -104,6 +109,7 @@ def _inner_shade() -> Points:
 def picture_frame(width_m: float, height_m: float) -> tuple[Geometry, Geometry]:
     """(frame, canvas) hanging around the origin, facing +z, its back at z = 0."""
     x, y, b = width_m / 2.0, height_m / 2.0, 0.04
+    # Top and bottom bars span the corners, the upright ones fit between them.
     bars = [
         rounded_box((-x - b, y, 0.0), (x + b, y + b, 0.03), 0.006),
         rounded_box((-x - b, -y - b, 0.0), (x + b, -y, 0.03), 0.006),

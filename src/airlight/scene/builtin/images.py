@@ -24,6 +24,7 @@ def color_texture(
     grey: Field, tints: Field | Rgb, source: str, alpha: Field | None = None
 ) -> Texture:
     """sRGB texture of `grey` (H, W) times `tints`, one linear colour or (H, W, 3)."""
+    # A table of the sRGB curve instead of a power for each texel.
     scaled = np.multiply(grey, np.float32(_STEPS), dtype=np.float32)
     pixels = np.full((*grey.shape, 4), 255, np.uint8)
     for channel in range(3):
@@ -40,11 +41,13 @@ def normal_texture(height_m: Field, width_m: float, source: str) -> Texture:
 
     As in glTF: x to the image's right, y to its top, z outwards; linear.
     """
+    # Central differences across two texels; the field wraps around.
     texel_m = np.float32(2.0 * width_m / height_m.shape[1])
     slope_x = (np.roll(height_m, -1, 1) - np.roll(height_m, 1, 1)) / texel_m
     slope_down = (np.roll(height_m, -1, 0) - np.roll(height_m, 1, 0)) / texel_m
     z = 1.0 / np.sqrt(1.0 + slope_x * slope_x + slope_down * slope_down)
     pixels = np.full((*height_m.shape, 4), 255, np.uint8)
+    # Rows run downwards and green upwards, hence the sign of its slope.
     for channel, value in enumerate((-slope_x * z, slope_down * z, z)):
         pixels[..., channel] = value * np.float32(127.5) + np.float32(128.0)
     return Texture(pixels, is_srgb=False, source=source)

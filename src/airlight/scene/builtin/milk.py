@@ -71,6 +71,7 @@ def knot_density() -> F32:
 
 def knot(stations: int = 192, sides: int = 24) -> Geometry:
     """A tube of radius TUBE_M around a trefoil, leaning back, closed."""
+    # A trefoil: (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), a little deeper.
     t = np.linspace(0.0, 2.0 * np.pi, stations + 1)
     line = np.stack(
         [
@@ -94,10 +95,12 @@ def knot(stations: int = 192, sides: int = 24) -> Geometry:
 
 def _rings(line: F64, angle: F64) -> F64:
     """Points (stations, sides, 3) around a closed line, in frames that turn with its curvature."""
+    # Tangents and curvatures by differences to both neighbours of each station.
     ahead, behind = np.roll(line[:-1], -1, axis=0), np.roll(line[:-1], 1, axis=0)
     along = (ahead - behind)[np.r_[0 : len(line) - 1, 0]]
     inward = (ahead + behind - 2.0 * line[:-1])[np.r_[0 : len(line) - 1, 0]]
     along /= np.linalg.norm(along, axis=1, keepdims=True)
+    # The frame at right angles, around which a circle makes the tube's ring.
     across = np.cross(along, inward)
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     inward = np.cross(across, along)

@@ -25,6 +25,7 @@ def fractal_noise(
     B-splines. Octaves finer than two samples a cell are left out. Wraps around on every axis;
     mean 0, standard deviation 1; float32.
     """
+    # The coarsest octave: white noise on the lattice.
     coefficients = rng.standard_normal(cells).astype(np.float32)
     for octave in range(1, octaves):
         if any(4 * n > size for n, size in zip(coefficients.shape, shape, strict=True)):
@@ -34,6 +35,7 @@ def fractal_noise(
         coefficients = _halved(coefficients)
         fine = rng.standard_normal(coefficients.shape, dtype=np.float32)
         coefficients += np.float32(gain**octave) * fine
+    # Values at the samples, of mean 0 and deviation 1.
     total = _spread(coefficients, shape)
     total -= total.mean()
     return cast(F32, total / np.float32(max(float(total.std()), 1e-12)))
@@ -48,6 +50,7 @@ def smoothstep(low: float, high: float, x: NDArray[np.floating[Any]]) -> F32:
 def _halved(coefficients: F32) -> F32:
     """The same periodic cubic B-spline on a lattice twice as fine: Lane1980."""
     for axis in range(coefficients.ndim):
+        # Splines split: even points are weighed 1 6 1, odd ones 1 1.
         before, after = np.roll(coefficients, 1, axis), np.roll(coefficients, -1, axis)
         even = (before + 6.0 * coefficients + after) / 8.0
         odd = (coefficients + after) / 2.0
@@ -73,6 +76,7 @@ def _spline_weights(size: int, count: int) -> F32:
     at = (np.arange(size) + 0.5) * count / size
     cell = np.floor(at).astype(np.intp)
     t = at - cell
+    # Four basis functions reach each sample.
     basis = [(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3]
     weights = np.zeros((size, count), np.float32)
     for k, weight in enumerate(basis):

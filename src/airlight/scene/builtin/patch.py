@@ -42,6 +42,7 @@ def placed_at(x: float, y: float, z: float, turn_deg: float = 0.0, scale: float 
 
 def moved(geometry: Geometry, world_from_object: F64) -> Geometry:
     """The geometry in another frame; the matrix is a rotation, a uniform scale and a shift."""
+    # Rotations turn normals as they are; a scale changes their length alone.
     linear = world_from_object[:3, :3]
     turned = np.asarray(geometry.normals) @ linear.T
     return replace(
@@ -53,6 +54,7 @@ def moved(geometry: Geometry, world_from_object: F64) -> Geometry:
 
 def merged(parts: Sequence[Geometry]) -> Geometry:
     """All parts (each with normals and uvs) as one geometry."""
+    # Indices count on behind the vertices of the parts before.
     starts = np.cumsum([0] + [len(part.positions) for part in parts])
     return Geometry(
         positions=np.concatenate([part.positions for part in parts]),
@@ -98,6 +100,7 @@ def _triangles(
     """Triangles (T, 3) between the points of a lattice; `row_pairs` as of `patch`."""
     if row_pairs is None:
         row_pairs = np.stack([np.arange(rows - 1), np.arange(1, rows)], axis=1)
+    # Quads between neighbouring points of the connected rows, halved along one diagonal.
     first = row_pairs[:, :1] * columns + np.arange(columns - 1)
     second = row_pairs[:, 1:] * columns + np.arange(columns - 1)
     quads = np.stack([first, second, second + 1, first + 1], axis=-1).reshape(-1, 4)
@@ -113,6 +116,7 @@ def facing(positions: F64, triangles: NDArray[np.intp], normals: F64, uvs: F64) 
     # A triangle faces as its vertices' normals do, or else is turned round.
     agrees = np.einsum("ij,ij->i", face, unit[triangles].sum(axis=1)) >= 0.0
     wound = np.where(agrees[:, None], triangles, triangles[:, ::-1])
+    # What remains is numbered again without unused points.
     kept = wound[np.linalg.norm(face, axis=1) > 1e-10]
     used, compact = np.unique(kept, return_inverse=True)
     return Geometry(
@@ -129,6 +133,7 @@ def lattice_normals(positions: F64, *, closed_columns: bool = False) -> F64:
     `closed_columns`: the last column repeats the first, as around a column's shaft.
     """
     along_rows = np.gradient(positions, axis=0)
+    # A closed ring goes on beyond its seam, so that normals agree on both sides of it.
     if closed_columns:
         ring = np.concatenate([positions[:, -2:-1], positions, positions[:, 1:2]], axis=1)
         along_columns = (ring[:, 2:] - ring[:, :-2]) / 2.0

@@ -35,6 +35,7 @@ def profile(points: Points, crease_deg: float = 35.0) -> Profile:
 
     Points that repeat their predecessor are dropped.
     """
+    # Segments and their right-hand normals; a smooth turn shares the mean of two.
     p = np.array(points, np.float64)
     p = p[np.append(True, np.abs(np.diff(p, axis=0)).max(axis=1) > 1e-9)]
     step = np.diff(p, axis=0)
@@ -98,8 +99,10 @@ def around_rectangle(
         zero = np.zeros_like(along)
         n_out = out * np.broadcast_to(shape.normals[:, :1], along.shape)
         n_up = np.broadcast_to(shape.normals[:, 1:], along.shape)
+        # Facing x, the first and the third axis change places.
         order = (along, height, depth) if facing_z else (depth, height, along)
         n_order = (zero, n_up, n_out) if facing_z else (n_out, n_up, zero)
+        # Images read from left to right to who stands before each side.
         mirror = out if facing_z else -out
         v = np.broadcast_to(-shape.lengths[:, None], along.shape)
         parts.append(
@@ -115,11 +118,13 @@ def around_rectangle(
 
 def around_arch(shape: Profile, radius: float, steps: int) -> Geometry:
     """The profile (distance beyond `radius`, z) swept over a half circle in the xy plane."""
+    # From the left springing over the crown to the right one.
     angle = np.linspace(np.pi, 0.0, steps + 1)
     outwards = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
     forward = np.array([0.0, 0.0, 1.0])
     positions = _turned(shape.points + np.array([radius, 0.0]), outwards, forward)
     normals = _turned(shape.normals, outwards, forward)
+    # u goes by the arc of the moulding's middle.
     middle = radius + float(shape.points[:, 0].mean())
     return patch(positions, normals, _uvs(middle * (np.pi - angle), shape), shape.segments)
 

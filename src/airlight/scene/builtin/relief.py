@@ -13,12 +13,14 @@ from .profile import Points, arc, profile, revolved
 def lion_shield(radius_m: float = 0.95) -> Geometry:
     """A shield facing +z around the origin, 0.35 m deep, its moulded rim turned about z."""
     rings, spokes = 28, 64
+    # A polar lattice over the shield, raised by the mask.
     rho = np.linspace(0.0, 0.84, rings + 1)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, spokes + 1)[None, :]
     x, y = rho * np.cos(angle), rho * np.sin(angle)
     depth = 0.06 + _mask(x, y, rho, angle)
     positions = radius_m * np.stack([x, y, depth], axis=-1)
     normals = lattice_normals(positions, closed_columns=True)
+    # At the middle all spokes meet, and no cross product says a normal.
     normals[0] = (0.0, 0.0, 1.0)
     # The face, and a moulded rim around it.
     face = patch(positions, normals, positions[..., :2] * (1.0, -1.0))

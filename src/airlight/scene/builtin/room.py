@@ -81,6 +81,7 @@ def _shell(rng: np.random.Generator) -> tuple[Mesh, ...]:
 
 def _sitting(rng: np.random.Generator, timber: Finish) -> tuple[Mesh, ...]:
     cloths = fabric.woven(rng, {"slate": (0.16, 0.22, 0.26), "wool": (0.55, 0.50, 0.40)})
+    # Sofa, rug, and a picture above them.
     upholstery, feet = furniture.sofa()
     at = [placed_at(-0.75, 0.0, -1.45)]
     frame, canvas = furniture.picture_frame(0.9, 0.6)
@@ -96,6 +97,7 @@ def _sitting(rng: np.random.Generator, timber: Finish) -> tuple[Mesh, ...]:
 
 
 def _dining(timber: Finish) -> tuple[Mesh, ...]:
+    # Table, chairs turned towards it, and a lamp over it.
     at = placed_at(-1.15, 0.0, 1.55, 80.0)
     seats = [
         at @ placed_at(-0.32, 0.0, 0.56, 172.0),
@@ -116,6 +118,7 @@ def _dining(timber: Finish) -> tuple[Mesh, ...]:
 
 def _reading(rng: np.random.Generator, timber: Finish) -> tuple[Mesh, ...]:
     at = [placed_at(1.55, 0.0, -1.80)]
+    # Books by binding, one mesh for each colour.
     piles = furniture.books(rng, len(_BINDINGS))
     bound = [
         mesh
@@ -136,6 +139,7 @@ _BINDINGS: dict[str, Rgb] = {
 
 def _window(rng: np.random.Generator) -> tuple[Mesh, ...]:
     linen = fabric.woven(rng, {"linen": (0.70, 0.64, 0.52)})["linen"]
+    # A curtain hangs on both sides of the opening, from a rod before the wall.
     (_, head), (near, far) = room_shell.WINDOW_Y_M, room_shell.WINDOW_Z_M
     x, top = room_shell.LOW_M[0] + 0.16, head + 0.12
     cloth = fabric.drape(0.52, top - 0.04, rng, pleats=4.5, cells=(48, 18))
@@ -152,6 +156,7 @@ def _window(rng: np.random.Generator) -> tuple[Mesh, ...]:
 
 
 def _plant(rng: np.random.Generator) -> tuple[Mesh, ...]:
+    # The atrium's plant, at 62 % of its size.
     at = [placed_at(-2.15, 0.0, -1.60, 30.0, 0.62)]
     leaves = foliage.fronds(rng, count=22)
     return (

@@ -27,6 +27,7 @@ def plain_walls() -> Geometry:
     """Ceiling, the wall at +x, the one at +z, and the one at -x around its window."""
     (x0, y0, z0), (x1, y1, z1), t = LOW_M, HIGH_M, WALL_M
     (sill, head), (near, far) = WINDOW_Y_M, WINDOW_Z_M
+    # Ceiling, the walls at +x and +z, then four pieces around the window.
     return merged(
         [
             box((x0 - t, y1, z0 - t), (x1 + t, y1 + t, z1 + t)),
@@ -70,6 +71,7 @@ def window_frame() -> Geometry:
         ((x0 + 0.01, third - 0.02, near + 0.06), (x1 - 0.01, third + 0.02, middle - 0.03)),
         ((x0 + 0.01, third - 0.02, middle + 0.03), (x1 - 0.01, third + 0.02, far - 0.06)),
     ]
+    # A sill board that stands out into the room.
     board = rounded_box(
         (LOW_M[0] - 0.07, sill, near - 0.05), (LOW_M[0] + 0.12, sill + 0.03, far + 0.05), 0.01
     )

@@ -27,6 +27,7 @@ def clear_sky(sun_travel: Vec3, *, height_px: int = MAP_HEIGHT, scale: float = 1
     below the horizon lies pale ground. Luminance: CIE S 011, equations 1 to 4, its glow around
     the sun rolled off below seven times the zenith: the sun itself is a light, not an image.
     """
+    # Directions of the map's texels, as `Environment` has them.
     v = (np.arange(height_px) + 0.5) / height_px * np.pi
     u = (np.arange(2 * height_px) + 0.5) / (2 * height_px) * 2.0 * np.pi
     cos_zenith = np.cos(v)[:, None] * np.ones_like(u)
@@ -40,6 +41,7 @@ def clear_sky(sun_travel: Vec3, *, height_px: int = MAP_HEIGHT, scale: float = 1
     whiteness = (1.0 - np.clip(cos_zenith, 0.0, 1.0)) ** 3 + 0.15 * np.clip(luminance - 1, 0, 3)
     blend = np.clip(whiteness, 0.0, 1.0)[..., None]
     hue = _ZENITH / _ZENITH.mean() * (1.0 - blend) + _PALE / _PALE.mean() * blend
+    # The glow rolls off towards _GLOW, so that no texel competes with the sun.
     sky = _ZENITH.mean() * (_GLOW * -np.expm1(-luminance / _GLOW))[..., None] * hue
     is_above = (cos_zenith > 0.0)[..., None]
     pixels = scale * np.where(is_above, sky, _GROUND)

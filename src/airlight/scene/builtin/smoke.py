@@ -82,6 +82,7 @@ def plume_density(time: float, seed: int) -> F32:
     # In the frame that rises with the plume, sideways drift keeps the eddies from recurring.
     ride = np.array([0.11, RISE_M_S, -0.07], np.float32) * np.float32(time)
     moved = _finer(_carried(eddies, ride))
+    # Cells near the plume, and where their air had left the bowl.
     points = _cell_centres(SHAPE)
     height, radius, smoky = _plume(points, 2.9)
     points, height, radius = points[smoky], height[smoky], radius[smoky]
@@ -91,8 +92,10 @@ def plume_density(time: float, seed: int) -> F32:
     inside = rho < 1.10 - 0.14 * texture.min()
     points, height, radius, rho = points[inside], height[inside], radius[inside], rho[inside]
     puff = _EDDIES.between(texture, start[inside] - ride)
+    # Smoke from within the bowl, thinned by the air that was taken in, ragged by the noise.
     density = smoothstep(1.10, 0.40, rho + 0.14 * puff)
     density *= (SOURCE_RADIUS_M / radius) ** 0.9 * (1.0 + 0.35 * puff)
+    # It begins at the bowl and fades out before the grid's top and sides.
     density *= smoothstep(0.0, 0.10, height) * smoothstep(4.8, 3.9, height)
     density *= smoothstep(0.05, 0.30, np.float32(BOUNDS[1][0]) - np.abs(points[:, ::2]).max(axis=1))
     grid = np.zeros(int(np.prod(SHAPE)), np.float32)
@@ -112,10 +115,13 @@ def _carried(eddies: F32, ride: F32) -> F32:
     points = _cell_centres(_TRACED)
     height, _, smoky = _plume(points, 3.2)
     begin, height = points[smoky] - ride, height[smoky]
+    # Eddies grow stronger with height, up to 1.5 m.
     here, step_s = begin, (height / (RISE_M_S * _TRACE_STEPS)).astype(np.float32)
     speed = 0.10 + 0.13 * np.minimum(height / 1.5, 1.0)
+    # Steps of equal time, back along the eddies; the mean rise is in the frame already.
     for _ in range(_TRACE_STEPS):
         here = here - _EDDIES.look_up(eddies, here) * (speed * step_s)[:, None]
+    # What the cells have moved, 0 away from the plume.
     carried = np.zeros_like(points)
     carried[smoky] = begin - here
     return carried.reshape(*_TRACED, 3)
@@ -124,15 +130,18 @@ def _carried(eddies: F32, ride: F32) -> F32:
 def _finer(carried: F32) -> F32:
     """The same at the cells of the grid, by cubics without kinks (Catmull1974)."""
     for fine, coarse in zip(SHAPE, _TRACED, strict=True):
+        # Where each fine cell lies among the coarse ones, and the four of them that it mixes.
         at = (np.arange(fine) + 0.5) * coarse / fine - 0.5
         cell = np.floor(at).astype(np.intp)
         t = at - cell
+        # Catmull-Rom's weights, twice as large.
         basis = (
             t * (t * (2.0 - t) - 1.0),
             t * t * (3.0 * t - 5.0) + 2.0,
             t * (t * (4.0 - 3.0 * t) + 1.0),
             t * t * (t - 1.0),
         )
+        # At the border the last cell stands for those beyond it.
         weights = np.zeros((fine, coarse), np.float32)
         for k, weight in enumerate(basis):
             near = np.clip(cell + k - 1, 0, coarse - 1)
@@ -168,6 +177,7 @@ def court(seed: int) -> tuple[Mesh, ...]:
     slab = box((-7.0, -0.2, -4.0), (7.0, 0.0, 8.0))
     wall = box((-7.0, 0.0, -3.6), (7.0, 5.2, -3.2))
     blocks = stone.limestone_blocks(rng, size_px=512)
+    # The wall is darkened by a factor, with the stone's own image.
     sooty = replace(blocks, material=replace(blocks.material, base_color=(0.3, 0.3, 0.3)))
     here = [placed_at(0.0, 0.0, 0.0)]
     return (
@@ -177,6 +187,7 @@ def court(seed: int) -> tuple[Mesh, ...]:
 
 
 def _bowl() -> tuple[Mesh, ...]:
+    # Outside from the foot upwards, over the rim, and the inside of the bowl.
     shape = [(0.0, 0.0), (0.20, 0.0), (0.18, 0.05), (0.07, 0.10), (0.06, 0.22), (0.16, 0.28)]
     shape += [(0.24, 0.38), *arc((0.225, 0.405), 0.02, -20.0, 180.0, 6), (0.14, 0.32), (0.0, 0.30)]
     color: Rgb = (0.35, 0.20, 0.10)

@@ -20,6 +20,7 @@ def rectangle(corner: Vec3, right: Vec3, down: Vec3, cells: tuple[int, int] = (1
     uv are the metres from world zero along both edges, so that neighbours continue each other.
     """
     s, t = np.meshgrid(np.linspace(0, 1, cells[0] + 1), np.linspace(0, 1, cells[1] + 1))
+    # Both edges span the piece; the metres along them are its texture coordinates.
     edge_u, edge_v = np.array(right, np.float64), np.array(down, np.float64)
     positions = np.array(corner) + s[..., None] * edge_u + t[..., None] * edge_v
     unit_u, unit_v = edge_u / np.linalg.norm(edge_u), edge_v / np.linalg.norm(edge_v)
@@ -52,6 +53,7 @@ def rounded_box(low: Vec3, high: Vec3, radius: float) -> Geometry:
     `radius` in metres, at most half the shortest side.
     """
     low_m, high_m = np.array(low, np.float64), np.array(high, np.float64)
+    # Rounding ends before the two edges of a side meet.
     radius = min(radius, 0.499 * float((high_m - low_m).min()))
     return patches([_face(low_m, high_m, face, radius) for face in ALL_FACES])
 
@@ -60,6 +62,7 @@ def _face(low: F64, high: F64, face: str, radius: float) -> tuple[F64, F64, F64]
     """Positions, normals and uvs, rows by columns, of one face."""
     axis, outward = "xyz".index(face[1]), 1.0 if face[0] == "+" else -1.0
     u_axis, v_axis = _UV_AXES[axis]
+    # Points along both edges of the face, set on its plane.
     along_u, along_v = (_stations(low[k], high[k], radius) for k in (u_axis, v_axis))
     on_box = np.zeros((len(along_v), len(along_u), 3))
     on_box[..., axis] = high[axis] if outward > 0 else low[axis]
@@ -71,6 +74,7 @@ def _face(low: F64, high: F64, face: str, radius: float) -> tuple[F64, F64, F64]
         normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
         positions = core + radius * normals
     else:
+        # Sharp: the face as it is, with its own normal.
         normals = np.zeros_like(on_box)
         normals[..., axis] = outward
         positions = on_box
@@ -83,5 +87,6 @@ def _face(low: F64, high: F64, face: str, radius: float) -> tuple[F64, F64, F64]
 
 
 def _stations(low: float, high: float, radius: float) -> F64:
+    # A rounded edge has one more line of points on each face.
     inner = [low + radius, high - radius] if radius > 0.0 else []
     return np.array([low, *inner, high])

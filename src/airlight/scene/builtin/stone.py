@@ -72,6 +72,7 @@ def plaster(
     """Trowelled plaster with faint clouds."""
     tile_m = 2.0
     shape = (size_px, size_px)
+    # Clouds of colour, and the marks of the trowel as relief.
     cloud = fractal_noise(shape, (3, 3), rng, octaves=5)
     trowel = fractal_noise(shape, (10, 5), rng, octaves=4)
     material = Material(
@@ -122,8 +123,10 @@ def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
     joint_m = np.minimum(_edge_distance(a), _edge_distance(b)) * (tile_m / count / np.sqrt(2.0))
     dark = (np.floor(a) + np.floor(b)) % 2
     red = dark * (np.floor(a) % 2)
+    # Veins run through the pale tiles darker, through the dark ones lighter.
     marble = fractal_noise((size_px, size_px), (4, 4), rng, octaves=6, gain=0.6)
     vein = np.exp(-25.0 * np.abs(fractal_noise((size_px, size_px), (3, 3), rng, octaves=5)))
+    # Joints are darker and rougher than the tiles, and lie deeper.
     face = smoothstep(0.0015, 0.006, joint_m.astype(np.float32))
     grey = (1.0 + 0.05 * marble - (0.15 - 0.35 * dark) * vein) * (0.4 + 0.6 * face)
     pale, brown, rust = (np.array(c, np.float32) for c in _TILE_COLORS)
@@ -151,6 +154,7 @@ def terracotta(rng: np.random.Generator, size_px: int = 512) -> Finish:
     grain = fractal_noise(shape, (16, 16), rng, octaves=5)
     marks = fractal_noise(shape, (48, 2), rng, octaves=3)
     bloom = smoothstep(0.4, 2.0, fractal_noise(shape, (4, 4), rng, octaves=5))[..., None]
+    # Lime blooms in patches; marks and grain show as colour and as relief.
     clay, lime = np.array([0.46, 0.20, 0.11], np.float32), np.array([0.52, 0.38, 0.28], np.float32)
     grey = 1.0 + 0.06 * grain + 0.05 * marks
     material = Material(

@@ -24,6 +24,7 @@ def wall_floor(*, cells: int = 12, cell_m: float = 0.25) -> Scene:
     Raises SceneError for sizes that are not positive.
     """
     side = number(cells, "cells", low=1) * number(cell_m, "cell_m", low=1e-6)
+    # Pure Lambert, as form factors assume.
     material = Material(name="grey", base_color=(ALBEDO,) * 3, specular=0.0, two_sided=False)
     here = [placed_at(0.0, 0.0, 0.0)]
     wall = rectangle((-side / 2, side, 0.0), (side, 0.0, 0.0), (0.0, -side, 0.0))

@@ -27,9 +27,11 @@ def boards(
     rolled = grain[
         (texel[:, None] + shift[0][board]) % size_px, (texel[None, :] + shift[1][board]) % size_px
     ]
+    # How far from the joints between boards, along and across.
     across_m = np.abs((texel / size_px * rows + 0.5) % 1.0 - 0.5)[:, None] * tile_m / rows
     butt_m = np.abs((along * per_row + 0.5) % 1.0 - 0.5) * tile_m / per_row
     face = smoothstep(0.0005, 0.003, np.minimum(across_m, butt_m).astype(np.float32))
+    # Boards differ in brightness; joints are dark and rough.
     shade = rng.normal(0.0, 1.0, rows * per_row).astype(np.float32)
     grey = (1.0 + 0.12 * shade[board] + 0.13 * rolled) * (0.45 + 0.55 * face)
     material = Material(
@@ -62,6 +64,7 @@ def timber(rng: np.random.Generator, color: Rgb = (0.50, 0.33, 0.18), size_px: i
 def _grain(rng: np.random.Generator, size_px: int) -> F32:
     """Fibres and growth rings along x: mean 0, deviation about 1."""
     shape = (size_px, size_px)
+    # Fibres are long along x; rings are lines of equal noise, bent slowly.
     fibre = fractal_noise(shape, (size_px // 4, 4), rng, octaves=2)
     bend = fractal_noise(shape, (3, 1), rng, octaves=3)
     rings = np.sin(9.0 * bend + 2.0 * fractal_noise(shape, (12, 1), rng, octaves=2))

@@ -79,9 +79,11 @@ def load(
     files (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
     scene's `warnings`. Raises SceneError.
     """
+    # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
     model = model_keys(written, up=up, scale=scale, variant=variant)
     sky = chosen_sky(sun)
+    # Scenes that ship are made, not read; like scene files they say everything themselves.
     if written.startswith(BUILTIN_PREFIX):
         from ..builtin import builtin_scene
 
@@ -99,6 +101,7 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
     """The scene on the ground that `load` was asked for, or a warning that it has none."""
     from .ground import NONE, with_ground
 
+    # Only bare models and grids can lack a floor.
     if ground and suffix not in (*MESH_SUFFIXES, *VOLUME_SUFFIXES):
         said = NONE.format(why="scene files say what there is")
         return replace(scene, warnings=(*scene.warnings, said))
@@ -116,6 +119,7 @@ def model_keys(
     """
     given = {"up": up, "scale": scale, "variant": variant}
     usual = {"up": "y", "scale": 1.0, "variant": None}
+    # An option left as it is by default says nothing, and is allowed for every file.
     asked = {name: value for name, value in given.items() if value != usual[name]}
     if asked and Path(path).suffix.lower() not in MESH_SUFFIXES:
         raise SceneError(
@@ -126,6 +130,7 @@ def model_keys(
         )
     from .toml_tables import MESH
 
+    # The checks of a [[mesh]]'s keys hold here too, with their messages.
     return {
         key.name: key.check(asked[key.name], key.name) for key in MESH.keys if key.name in asked
     }
@@ -133,6 +138,7 @@ def model_keys(
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     suffix = file.suffix.lower()
+    # Shells leave a pattern as it is where no file matches it.
     if "*" in file.name and not file.exists():
         raise SceneError("a scene is one file", where=file, remedy=_SEQUENCE)
     # Scene files say everything themselves; a sky that was asked for replaces theirs.
@@ -154,6 +160,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
 
         scene = load_volume_scene(file)
     else:
+        # Keys of placement, as a [[mesh]] would have them.
         scene = load_meshes(file, model.get("variant"))
         if model:
             from .toml_meshes import placed
@@ -176,6 +183,7 @@ def load_meshes(file: Path, variant: str | None = None) -> Scene:
     with naming(file):
         if variant is None:
             return _mesh_reader(file)(file)
+        # Other kinds of files have no variants, so the name would be lost without a word.
         if file.suffix.lower() not in GLTF_SUFFIXES:
             raise SceneError(
                 f"the variant '{variant}' is asked for, and only glTF files have variants",
@@ -204,6 +212,7 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
         from .usd import load_usd
 
         return load_usd
+    # No suffix: a missing file, a folder of grids, or the name of a builtin scene.
     if not suffix:
         try:
             regular_file(file)

@@ -32,6 +32,7 @@ def taken_grids(values: dict[str, Any]) -> dict[str, str]:
     for name in OF_DENSITY:
         if name in found:
             values.setdefault(name, (1.0, 1.0, 1.0))
+    # The phase function has one source: a number for all of the box, or a value per voxel.
     if "g" in found and "g" in values:
         raise SceneError("has g and g_grid", remedy="Keep one of them.")
     return found
@@ -42,10 +43,12 @@ def density_or_first(path: Path, grid: str, channels: str, grids: Mapping[str, s
 
     Raises SceneError.
     """
+    # A file that holds the density, or lists no grids, is read as any other.
     held = grid_names(path)
     instead = [grids[name] for name in OF_DENSITY if name in grids]
     if grid in held or not held or not instead:
         return read_volume(path, grid, channels)
+    # Of three channels the largest: where it is 0, there is no medium.
     found = read_values(path, instead[0])
     with naming(path):
         density = found.values if found.values.ndim == 3 else found.values.max(axis=-1)
@@ -68,6 +71,7 @@ def read_coefficients(
         if name in read:
             density, _ = on_one_grid(density, read[name])
     placed = {name: on_one_grid(density, found, grows=False)[1] for name, found in read.items()}
+    # Without a grid of extinction the file's density stays, and the others lie beside it.
     if not any(name in grids for name in OF_DENSITY):
         return density, {f"{name}_grid": placed[name] for name in grids}
     # Grids times their numbers; what has a number alone is in proportion to the density.
@@ -100,6 +104,7 @@ def colours_of(path: Path) -> str | None:
 def _read(path: Path, grid: str, name: str) -> GridValues:
     found = read_values(path, grid)
     with naming(path):
+        # A grid is a scalar, or a colour; vector fields such as velocities are neither.
         if found.values.ndim == 4 and found.values.shape[3] != 3:
             raise SceneError(
                 f"'{grid}' has {found.values.shape[3]} channels, {name} has one or three"

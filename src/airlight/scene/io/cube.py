@@ -34,17 +34,20 @@ def read_cube(path: Path) -> Lut:
             ends = {"DOMAIN_MIN": np.full(3, low), "DOMAIN_MAX": np.full(3, high)}
         else:
             rows.append(_numbers(path, number, words, 3))
+    # The rows are counted only now, as the size may stand after them.
     return _table(path, kind, size, ends, rows)
 
 
 def _table(path: Path, kind: str, size: int, ends: dict[str, F64], rows: list[F64]) -> Lut:
     if not kind:
         raise SceneError("it says no LUT_1D_SIZE or LUT_3D_SIZE", where=path, remedy=_REMEDY)
+    # Of three dimensions, the size is that of each side.
     wanted = size if kind == "LUT_1D_SIZE" else size**3
     if len(rows) != wanted:
         raise SceneError(
             f"{kind} {size} means {wanted} colours; it has {len(rows)}", where=path, remedy=_REMEDY
         )
+    # Each channel has a domain of its own.
     low, high = ends["DOMAIN_MIN"], ends["DOMAIN_MAX"]
     if not (high > low).all():
         raise SceneError("DOMAIN_MAX is not above DOMAIN_MIN", where=path, remedy=_REMEDY)
@@ -66,6 +69,7 @@ def _size(path: Path, number: int, words: list[str]) -> int:
 
 
 def _numbers(path: Path, number: int, words: list[str], count: int) -> F64:
+    # Text that is no number fails the count below, with one message for both.
     try:
         values = np.array([float(word) for word in words])
     except ValueError:

@@ -41,6 +41,7 @@ def clear_sky(towards_sun: F64, height: int = MAP_HEIGHT) -> F32:
     Blue above, pale at the horizon, a warm glow around (but not of) the sun, which is a
     light of its own. The colours are chosen by eye, not measured.
     """
+    # The direction of each texel's middle: y up, -Z at the map's left and right edges.
     v, u = np.meshgrid(
         (np.arange(height) + 0.5) / height,
         (np.arange(2 * height) + 0.5) / (2 * height),
@@ -53,6 +54,7 @@ def clear_sky(towards_sun: F64, height: int = MAP_HEIGHT) -> F32:
     sky = _ZENITH + (_HORIZON - _ZENITH) * paleness
     cosine = np.clip(direction @ towards_sun, 0.0, 1.0)[..., None]
     sky = sky + _SUN_GLOW * cosine**16
+    # Below the horizon lies ground of one colour.
     is_sky = (y > 0.0)[..., None]
     blended: F32 = (_GROUND + (sky - _GROUND) * is_sky).astype(np.float32)
     return blended
@@ -66,6 +68,7 @@ def sun_for(probe: Probe, camera: Camera) -> tuple[F64, float]:
     those, light that falls towards the camera draws better shadows than light from behind it.
     """
     forward = np.subtract(camera.target, camera.position)
+    # Azimuths are counted from +Z, and `facing` is the one behind the camera's back.
     facing = float(np.arctan2(-forward[0], -forward[2]))
     shoulder = _direction(48.0, facing + 0.75)
     # In the open, the shoulder's sun will do.
@@ -95,11 +98,13 @@ def _direction(elevation_deg: float, azimuth: float) -> F64:
 
 def _seen_points(probe: Probe, camera: Camera) -> F64:
     """Surface points (P, 3) in the camera's view, a hair in front of their surfaces."""
+    # A coarse bundle of rays through the image; those that miss everything see no surface.
     eye = np.array(camera.position)
     directions = view_directions(camera, 20, 12)
     hits = probe.cast(np.repeat(eye[None], len(directions), axis=0), directions)
     seen = hits.triangle >= 0
     points = eye + directions[seen] * hits.distance[seen, None]
+    # In front, on the side that was hit, so that a ray towards the sun does not hit the start.
     size = float(np.ptp(probe.corners.reshape(-1, 3), axis=0).max()) if seen.any() else 1.0
     normals = probe.normals[hits.triangle[seen]]
     side = np.where(hits.is_front[seen], 1.0, -1.0)[:, None]

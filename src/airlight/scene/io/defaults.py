@@ -26,6 +26,7 @@ def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) 
     It is exposed by the image: who gave no camera has not said how bright the scene is.
     `probe` gives the probe of the scene, for those who have it already.
     """
+    # Smoke and clouds are framed by their box; rays would find no surface of theirs.
     check_extent(scene)
     is_air = scene.volumes and not scene.meshes
     framed = framing_box(*scene.bounds) if is_air else framing_camera(_probe(scene, probe))
@@ -56,6 +57,7 @@ def with_default_lights(
         return scene
     if any(volume.is_emissive for volume in scene.volumes):
         return scene  # fire is seen by its own light
+    # Emissive surfaces of a scene file are its light, even a dim one, which gets a warning.
     brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
     if is_scene_file and brightest > 0.0:
         if brightest >= LIGHT_RADIANCE:
@@ -69,6 +71,7 @@ def with_default_lights(
         return scene
     camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
+    # The sun and its sky; a closed room, which they cannot reach, is lit from within too.
     sun, sky = sun_and_sky(towards_sun)
     lamps = _lamp(room, camera) if room is not None and lit_share == 0.0 else ()
     warnings = [*scene.warnings, *_said(brightest, has_room=room is not None)]
@@ -99,9 +102,11 @@ def _probe(scene: Scene, known: Callable[[], Probe] | None) -> Probe:
 
 def _lamp(room: Room, camera: Camera) -> tuple[PointLight, ...]:
     """A lamp that gives the floor of the room about 10 W m^-2; none for a camera outside of it."""
+    # The room of a camera outside is open to daylight, or not what is looked at.
     eye = np.array(camera.position)
     if not ((room.low <= eye) & (eye <= room.high)).all():
         return ()
+    # Under the middle of the ceiling, at 85 % of the height; E = I / h^2 on the floor below.
     x, _, z = (float(v) for v in (room.low + room.high) / 2.0)
     height = float(room.size[1])
     intensity = 10.0 * (0.85 * height) ** 2

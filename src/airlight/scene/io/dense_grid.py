@@ -57,10 +57,12 @@ def chosen_name(wanted: str, names: list[str], likely: tuple[str, ...]) -> str:
 
     That is the only one, or the first of `likely` that is there. Raises SceneError.
     """
+    # The name as it was asked for, wherever there is such a grid.
     if wanted in names:
         return wanted
     if not names:
         raise SceneError("holds no grid of three dimensions")
+    # "density" is the default, so it may stand for another name; any other name is a wish.
     found = [n for n in likely if n in names] or (names if len(names) == 1 else [])
     if wanted != "density" or not found:
         known = nearest(wanted, names)

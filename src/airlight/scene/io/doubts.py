@@ -25,11 +25,13 @@ def _thick_fog(scene: Scene) -> str:
     low, high = (np.asarray(corner, np.float64) for corner in scene.bounds)
     # How far the nearest thing is that the fog could hide.
     path_m = float(np.linalg.norm(0.5 * (low + high) - eye))
+    # From inside, what is near counts: a camera in a hall may have its subject before it.
     if np.all((low <= eye) & (eye <= high)):
         most = float(np.linalg.norm(high - low))
         if min(scene.medium.sigma_t) * most <= THICK:
             return ""
         path_m = _nearest(scene, most)
+    # Fog in a box is no thicker than the box's diagonal.
     if scene.medium.bounds is not None:
         first, last = (np.array(corner) for corner in scene.medium.bounds)
         path_m = min(path_m, float(np.linalg.norm(last - first)))

@@ -26,6 +26,7 @@ def taken_emission(
     The density comes back on a larger box where the emission reaches beyond its own. Raises
     SceneError for what cannot be read, a temperature below 0 K, and keys that do not fit.
     """
+    # All keys are taken out, also those that are wrong together: what stays belongs to others.
     wanted, hot = values.pop("emission_grid", None), values.pop("temperature_grid", None)
     given = {name: values.pop(name) for name in KEYS if name in values}
     radiance = values.pop("emission", None)
@@ -35,6 +36,7 @@ def taken_emission(
     if given and hot is None:
         raise SceneError(f"{next(iter(given))} belongs to a temperature_grid")
     if wanted is None and hot is None:
+        # Without a grid the emission is in proportion to the density.
         return (Emission(radiance) if radiance else None), density
     if path is None or density is None:
         name = "emission_grid" if hot is None else "temperature_grid"
@@ -58,6 +60,7 @@ def on_one_grid(
 
     Unless it `grows`, the density keeps its box.
     """
+    # Where the other grid lies, in voxels of the density.
     to_density = np.linalg.inv(_world_from_voxels(density.density, density)) @ _world_from_voxels(
         other.values, other
     )
@@ -71,9 +74,11 @@ def on_one_grid(
     if (before.max(initial=0) + after.max(initial=0)) > LONGEST_SIDE:
         raise SceneError("its grids lie far apart", remedy="Give each a volume of its own.")
     grown = _grown(density, before, after)
+    # Grids that coincide, as most do, are used as they are.
     is_same = np.abs(to_density - np.eye(4)).max() < _SAME * 1e-2
     if is_same and other.values.shape[:3] == grown.density.shape:
         return grown, other.values
+    # Else the other grid is resampled, from an origin that has moved by the voxels before it.
     to_density[:3, 3] += before
     return grown, _resampled(other.values, to_density, grown.density.shape)
 
@@ -91,6 +96,7 @@ def _grown(grid: VolumeGrid, before: Any, after: Any) -> VolumeGrid:
     if not (before.any() or after.any()):
         return grid
     low, high = np.array(grid.bounds)
+    # Voxels are added whole, so that those of the density keep their places and values.
     voxel = (high - low) / grid.density.shape[::-1]
     sides = [(int(b), int(a)) for b, a in zip(before[::-1], after[::-1], strict=True)]
     first, last = low - before * voxel, high + after * voxel
@@ -103,10 +109,12 @@ def _resampled(values: F32, to_voxels: F64, shape: tuple[int, ...]) -> F32:
 
     `to_voxels`: from corners of the voxels of `values` to those of the new grid.
     """
+    # A border of zeros around the values makes them fade out across a voxel.
     inverse = np.linalg.inv(to_voxels)
     made = np.zeros((*shape, *values.shape[3:]), np.float32)
     padded = np.pad(values, [(1, 1)] * 3 + [(0, 0)] * (values.ndim - 3))
     size = np.array(padded.shape[2::-1])
+    # A slice at a time, so that coordinates of the whole grid are never in memory.
     y, x = np.meshgrid(np.arange(shape[1]) + 0.5, np.arange(shape[2]) + 0.5, indexing="ij")
     for z in range(shape[0]):
         centres = np.stack([x, y, np.full_like(x, z + 0.5)], axis=-1)
@@ -114,6 +122,7 @@ def _resampled(values: F32, to_voxels: F64, shape: tuple[int, ...]) -> F32:
         at = centres @ inverse[:3, :3].T + inverse[:3, 3] + 0.5
         inside = ((at >= 0.0) & (at <= size - 1)).all(axis=-1)
         at = at[inside]
+        # Trilinear: each of the eight voxels around counts by its distance along each axis.
         low = np.minimum(at.astype(int), size - 2)
         share = (at - low).astype(np.float32)
         total = np.zeros((len(at), *values.shape[3:]), np.float32)

@@ -30,6 +30,7 @@ FLOAT_LAYERS = ("depth", "position")
 
 def write(image: Image, path: Path, *, layers: bool, half: bool) -> None:
     """Write the image, and with `layers` its layers; colours as half where `half`."""
+    # The image's own channels have no prefix, which every program takes for what to show.
     channels = _named(image.radiance, "", half)
     if layers:
         for name, pixels in image.layers.items():
@@ -62,6 +63,7 @@ def _named(pixels: F32, layer: str, half: bool) -> dict[str, Any]:
 def read(path: Path) -> Image:
     """An image with its layers. Raises SceneError."""
     planes, header = _planes(read_bytes(path), path)
+    # Without colours there is nothing to show; other layers alone make no image.
     radiance = _stacked(planes, "RGB")
     if radiance is None:
         raise SceneError(f"it has no R, G, B channels, only {_listed(planes)}", where=path)

@@ -93,6 +93,7 @@ def opened(path: Path) -> Iterator[BinaryIO]:
 
 def read_bytes(path: Path) -> bytes:
     """All bytes of a regular file. Raises SceneError for one that is missing or unreadable."""
+    # As many bytes as the file has; reading them may be more than memory holds.
     with opened(path) as stream:
         size = os.fstat(stream.fileno()).st_size
         with within_memory(f"its content of {size:,} bytes", where=path, kind=SceneError):
@@ -120,6 +121,7 @@ def root_around(own: Path) -> Path:
 
     AIRLIGHT_ROOT where that lies around it.
     """
+    # A root elsewhere says nothing about this scene, whose own folder then bounds it.
     chosen = env.value("AIRLIGHT_ROOT")
     root = Path(chosen).resolve() if chosen else own
     return root if own.is_relative_to(root) else own
@@ -171,8 +173,10 @@ def naming(path: object) -> Iterator[None]:
     not warn of numbers that are out of range: what they make is checked, and refused by name.
     """
     try:
+        # NumPy's warnings of overflow would reach the user as lines without a file's name.
         with np.errstate(all="ignore"):
             yield
+    # An error keeps the file that it names, which may be one that this file refers to.
     except SceneError as error:
         if error.where:
             raise

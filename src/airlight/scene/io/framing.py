@@ -47,6 +47,7 @@ def framing_camera(probe: Probe) -> Camera:
     """A camera that shows the scene of `probe` well."""
     if len(probe.corners) == 0:
         return Camera()
+    # Inside a room, through its open wall, or around an object that stands free.
     room = find_room(probe)
     if room is None:
         return _around(np.array(_VIEW_FROM), probe.corners.reshape(-1, 3))
@@ -74,6 +75,7 @@ def find_room(probe: Probe) -> Room | None:
     low, high = points.min(axis=0), points.max(axis=0)
     rounds_of = probe.winding
     probe = probe.largest(_ROOM_TRIANGLES)
+    # The middle may lie in a table or a pillar, so places around and above it are tried, too.
     offsets = np.array([(0, 0, 0), (1, 0, 1), (-1, 0, 1), (1, 0, -1), (-1, 0, -1), (0, 1, 0)])
     directions = sphere_directions(_RAYS)
     best, best_distance = None, 0.0
@@ -82,8 +84,10 @@ def find_room(probe: Probe) -> Room | None:
         hits = probe.cast(np.repeat(place[None], _RAYS, axis=0), directions)
         struck = np.isfinite(hits.distance)
         typical = float(np.median(np.where(struck, hits.distance, 0.0)))
+        # Mostly walls, further away than those of the best place, and seen from the front.
         if struck.mean() <= 0.72 or typical <= best_distance or not _are_walls(probe, hits):
             continue
+        # By its winding number the place is outside of solids; closed walls have to make a room.
         rounds = float(rounds_of(place[None])[0])
         room = _room_around(probe, place, directions, hits.distance)
         if rounds < 0.5 and (not struck.all() or _is_for_people(probe, hits, room, rounds)):
@@ -100,6 +104,7 @@ def _is_for_people(probe: Probe, hits: Hits, room: Room, rounds: float) -> bool:
     """
     if rounds > -0.5:
         return float(room.size[1]) >= _STANDING_M
+    # Upright walls of a room face few directions, those of something round face many.
     normals = probe.normals[hits.triangle]
     upright = normals[np.abs(normals[:, 1]) < 0.1]
     _, counts = np.unique(np.round(10.0 * upright), axis=0, return_counts=True)
@@ -123,6 +128,7 @@ def _room_around(probe: Probe, place: F64, directions: F64, distance: F64) -> Ro
     low, high = np.empty(3), np.empty(3)
     for axis in range(3):
         for side, corner in ((-1.0, low), (1.0, high)):
+            # Rays of a cone about the axis, by how far they get along it.
             cosine = side * directions[:, axis]
             reach = distance[cosine > _CONE_COSINE] * cosine[cosine > _CONE_COSINE]
             far = np.inf
@@ -136,6 +142,7 @@ def _room_around(probe: Probe, place: F64, directions: F64, distance: F64) -> Ro
 
 def _bundle_reach(probe: Probe, place: F64, axis: int, side: float) -> float:
     """The median length of the parallel rays around `place` that hit anything; 0 without."""
+    # A parallel bundle about the place, 16 % of the scene wide.
     spread = 0.08 * np.ptp(probe.corners.reshape(-1, 3), axis=0)
     spread[axis] = 0.0
     steps = np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).reshape(3, -1).T
@@ -149,6 +156,7 @@ def _bundle_reach(probe: Probe, place: F64, axis: int, side: float) -> float:
 
 def _inside(probe: Probe, room: Room) -> Camera:
     """The best of a few places near the ends of the longer horizontal axis."""
+    # Along the longer axis; along both where the room is nearly square.
     axes = [0, 2] if room.size[0] > room.size[2] else [2, 0]
     if room.size[axes[0]] > 1.2 * room.size[axes[1]]:
         axes = axes[:1]
@@ -166,6 +174,7 @@ def _inside(probe: Probe, room: Room) -> Camera:
 
 def _look_along(room: Room, axis: int, side: float, shift: float) -> Camera:
     """Eye near the `side` end of an axis, `shift` of the width off its middle."""
+    # An open side has no wall: 0, or 3 m from the other side, stands for it.
     low = np.where(np.isfinite(room.low), room.low, 0.0)
     high = np.where(np.isfinite(room.high), room.high, low + 3.0)
     across = 2 - axis
@@ -176,6 +185,7 @@ def _look_along(room: Room, axis: int, side: float, shift: float) -> Camera:
     eye[1] = low[1] + (EYE_HEIGHT_M if is_human else 0.4 * height)
     eye[axis] += side * 0.4 * length
     eye[across] += shift * (high[across] - low[across])
+    # The view crosses the room a little, towards its middle.
     target = eye.copy()
     target[axis] -= side * 0.65 * length
     target[across] -= 0.5 * shift * (high[across] - low[across])
@@ -198,7 +208,9 @@ def _interest(probe: Probe, camera: Camera, room: Room) -> float:
     near: F64 = np.clip(hits.distance[struck] / length, 0.0, 1.0)
     share = np.bincount(probe.mesh[hits.triangle[struck]]) / struck.sum()
     entropy = -float(np.sum(share[share > 0] * np.log2(share[share > 0])))
+    # Something close to the eye in a tenth of the view hides what lies behind it.
     is_blocked = bool(np.quantile(near, 0.1) < 0.05)
+    # Rays that end outside of the room's box lead through a window: 5 % of them count fully.
     ends = eye + directions * np.minimum(hits.distance, 1e6 * length)[:, None]
     margin = 0.15 * length
     is_out = ((ends < room.low - margin) | (ends > room.high + margin)).any(axis=1).mean()
@@ -226,6 +238,7 @@ def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 
 
 def _through_open_side(probe: Probe, room: Room) -> Camera:
     """From outside, straight through the open wall, so that the whole inside fits."""
+    # The first open side: towards +Z, where models show themselves, before any other.
     sides = [(axis, side) for axis in (2, 0) for side in (1.0, -1.0)]
     axis, side = next(
         (a, s) for a, s in sides if np.isinf(room.high[a] if s > 0.0 else room.low[a])
@@ -237,10 +250,12 @@ def _through_open_side(probe: Probe, room: Room) -> Camera:
 
 def _around(direction: F64, points: F64) -> Camera:
     """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 image."""
+    # A view from `direction` upon the middle of the points' box.
     towards = direction / np.linalg.norm(direction)
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     right = np.cross((0.0, 1.0, 0.0), towards)
     right /= np.linalg.norm(right)
+    # How far back each point needs the eye, across and up, with 8 % of margin.
     offset = points - center
     half = math.tan(math.radians(OBJECT_FOV_DEG) / 2.0) / 1.08
     reach_x = np.abs(offset @ right) / (half * 4.0 / 3.0)

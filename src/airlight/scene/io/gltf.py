@@ -119,6 +119,7 @@ class GltfFile:
         node = self.nodes[k].item
         mesh = self._meshes[node.index("mesh", self._meshes, "meshes")]
         name = node.text("name") or mesh.text("name") or mesh.place
+        # Each primitive is a mesh of its own here, with its own material.
         placed = []
         for primitive in mesh.items("primitives"):
             made = self._geometry(primitive, self.materials.of(primitive))
@@ -144,6 +145,7 @@ class GltfFile:
         # Instances share a geometry, and so does a primitive in two materials of the same frame.
         key = (primitive.place, placed.frame.key, id(placed) if placed.apart else 0)
         if key not in self._geometries:
+            # Without the decoder, what the file holds uncompressed stands in, with a warning.
             if primitive.child("extensions").has(DRACO) and not self.buffers.decompress(primitive):
                 self._warn(
                     primitive,
@@ -233,14 +235,16 @@ class GltfFile:
         if not hung.has("light"):
             return None
         light = listed[hung.index("light", listed, "lights")]
-        # Watts from lumens, by channel; it shines along its node's -Z.
         if light.has("range"):
+            # A range only bounds the cost of a light; light itself falls off without an end.
             self._warn(light, "its range is left out: it lights as far as it reaches")
+        # Watts from lumens, by channel; it shines along its node's -Z.
         strength = light.number("intensity", 1.0) * WATTS_PER_LUMEN
         red, green, blue = (
             max(c * strength, 0.0) for c in light.floats("color", 3, (1.0, 1.0, 1.0))
         )
         position, direction = triple(matrix[:3, 3]), triple(-matrix[:3, 2])
+        # Of the three types only the spot has a cone.
         kind = light.text("type")
         if kind == "directional":
             return DirectionalLight(direction=direction, irradiance=(red, green, blue))

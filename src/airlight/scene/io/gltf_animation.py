@@ -33,6 +33,7 @@ def read_clips(
         # Channels move nodes, or the weights of their morph targets.
         for channel in item.items("channels"):
             target = channel.child("target")
+            # An extension may have a target of its own, without a node.
             if not target.has("node"):
                 continue
             node, path = target.index("node", nodes, "nodes"), target.text("path")
@@ -52,6 +53,7 @@ def _curve(sampler: Item, buffers: Buffers, path: str, targets: int = 0) -> Curv
     kind = sampler.text("interpolation", "LINEAR")
     if kind not in _BETWEEN:
         raise sampler.error(f"has the unknown interpolation '{kind}'")
+    # Each key has a value for each morph target, and cubic ones a tangent before and after it.
     width = 1 if path == "weights" else _WIDTHS[path]
     times = buffers.array(sampler, "input", width=1)[:, 0].astype(np.float64)
     values = buffers.array(sampler, "output", width=width).astype(np.float64)
@@ -63,6 +65,7 @@ def _curve(sampler: Item, buffers: Buffers, path: str, targets: int = 0) -> Curv
 
 def _checked(sampler: Item, kind: str, path: str, times: F64, values: F64) -> Curve:
     between = _BETWEEN[kind]
+    # Axes: keys, (tangent, value, tangent) of cubic ones, components.
     shape = (len(times), 3, -1) if kind == "CUBICSPLINE" else (len(times), -1)
     values = values.reshape(shape)
     # Quaternions turn along the sphere; cubic ones are normalised after blending, as their tangents

@@ -48,6 +48,7 @@ def read_container(path: Path) -> tuple[Item, bytes | None]:
         raw, binary = _glb_chunks(raw, path)
     elif path.suffix.lower() == ".glb":
         raise SceneError("not a GLB file: it does not begin with 'glTF'", where=path)
+    # A byte order mark is allowed at the beginning, as some exporters write one.
     try:
         value = json.loads(raw.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
@@ -85,6 +86,7 @@ def _glb_chunks(raw: bytes, path: Path) -> tuple[bytes, bytes | None]:
             raise truncated
         chunks.setdefault(kind, raw[at + 8 : at + 8 + size])
         at += 8 + size
+    # JSON has to be there, the binary chunk need not.
     if _JSON_CHUNK not in chunks:
         raise SceneError("the GLB file has no JSON chunk", where=path)
     return chunks[_JSON_CHUNK], chunks.get(_BINARY_CHUNK)
@@ -159,6 +161,7 @@ class Buffers:
         k = attributes.index("POSITION", self.accessors, "accessors")
         if not has_draco() and self.accessors[k].has("bufferView"):
             return False
+        # Bytes beyond the declared length are the container's padding.
         triangles, found = decoded_primitive(extension, bytes(self.view(extension)[0]))
         # The decoded values take the accessors' place, so that all that follows reads them as ever.
         if primitive.has("indices"):
@@ -182,6 +185,7 @@ class Buffers:
                 data = self._binary
             else:
                 raise buffer.error("has no 'uri', and the file has no binary chunk")
+            # Longer data than it says are cut; shorter ones are damage.
             if len(data) < length:
                 raise buffer.error(
                     f"has {len(data)} bytes of the {length} it declares",
@@ -205,6 +209,7 @@ class Buffers:
             )
         return values
 
+    # Counts and types, before any value is read.
     def _decode(self, accessor: Item) -> NDArray[Any]:
         # Counts come from the file, and memory is not taken before they are known to be sane.
         dtype = self._dtype(accessor)
@@ -263,6 +268,7 @@ class Buffers:
 
     def _with_sparse(self, accessor: Item, values: NDArray[Any]) -> NDArray[Any]:
         sparse = accessor.child("sparse")
+        # Elements by their numbers, and what replaces them.
         count = sparse.integer("count", low=1)
         where, what = sparse.child("indices"), sparse.child("values")
         rows = self._strided(sparse, where, self._dtype(where), count, 1)[:, 0].astype(np.int64)

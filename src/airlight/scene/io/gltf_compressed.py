@@ -67,6 +67,7 @@ def decoded_primitive(
     Raises SceneError where it is damaged, lacks what the file says it holds, or DracoPy is not
     installed.
     """
+    # The connectivity and all attributes come from one stream.
     mesh = _draco_mesh(extension, packed)
     # The extension maps names to Draco's own ids, which are no indices.
     found: dict[str, NDArray[Any]] = {}

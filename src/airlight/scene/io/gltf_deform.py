@@ -30,6 +30,7 @@ class Deforms:
         skin = self._skin(node, primitive, read)
         if morph is None and skin is None:
             return None
+        # Flat normals follow from the deformed positions; the file's own are deformed too.
         normals = None if read.is_flat else read.geometry.normals
         return Shape(read.geometry.positions, normals, skin, morph)
 
@@ -55,6 +56,7 @@ class Deforms:
             np.stack(normals)[:, read.rows] if normals else None,
         )
 
+    # A target that lacks the attribute leaves it as it is.
     def _deltas(self, target: Item, name: str, count: int) -> F32:
         if not target.has(name):
             return np.zeros((count, 3), np.float32)
@@ -64,6 +66,7 @@ class Deforms:
         return deltas[:count]
 
     def _skin(self, node: Item, primitive: Item, read: Primitive) -> Skin | None:
+        # A skin acts on meshes that are bound to it by joints and weights alone.
         attributes = primitive.child("attributes")
         if not node.has("skin") or not attributes.has("JOINTS_0"):
             return None
@@ -72,6 +75,7 @@ class Deforms:
         if len(joints) == 0:
             raise skin.error("has no joints")
         influences, weights = self._influences(attributes, len(joints))
+        # Each vertex that is drawn needs its joints.
         if len(influences) <= int(read.rows.max()):
             raise attributes.error(f"has joints for {len(influences)} vertices only")
         return Skin(
@@ -82,15 +86,18 @@ class Deforms:
         )
 
     def _inverse_bind(self, skin: Item, joints: int) -> F64:
+        # Without matrices the vertices are in the joints' own spaces.
         if not skin.has("inverseBindMatrices"):
             return np.tile(np.eye(4), (joints, 1, 1))
         values = self._buffers.array(skin, "inverseBindMatrices", width=16)
         if len(values) < joints or not np.isfinite(values).all():
             raise skin.error(f"has {len(values)} inverse bind matrices for {joints} joints")
+        # The file has each matrix by columns.
         return values[:joints].astype(np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
 
     def _influences(self, attributes: Item, joints: int) -> tuple[NDArray[np.int64], F32]:
         """Rows of the skin's joints (V, 4 n) and weights that sum to 1."""
+        # Four joints and weights a vertex in each set, all sets side by side.
         sets = [k for k in range(_MOST_SETS) if attributes.has(f"JOINTS_{k}")]
         rows = [self._buffers.array(attributes, f"JOINTS_{k}", width=4) for k in sets]
         shares = [self._buffers.array(attributes, f"WEIGHTS_{k}", width=4) for k in sets]
@@ -100,6 +107,7 @@ class Deforms:
         weights = np.concatenate(shares, axis=1).astype(np.float32)
         if influences.max() >= joints or influences.min() < 0:
             raise attributes.error(f"joint {influences.max()} is out of range: there are {joints}")
+        # Weights as exporters round them need not add up to 1, and are scaled.
         total = weights.sum(axis=1, keepdims=True)
         if not np.isfinite(total).all() or (weights < 0.0).any():
             raise attributes.error("has weights that are negative, NaN or infinite")

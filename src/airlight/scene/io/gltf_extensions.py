@@ -43,6 +43,7 @@ def check_extensions(document: Item) -> list[str]:
     Those of materials are named where a material has them. Raises SceneError for one that the
     file requires.
     """
+    # What the file cannot be shown without.
     required = [str(item.value) for item in document.items("extensionsRequired")]
     for name in required:
         if not _is_read(name):
@@ -73,6 +74,7 @@ def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:
     Raises SceneError.
     """
     extension = node.at("extensions", INSTANCING)
+    # A node without instances is one, where it stands.
     if not extension.has("attributes"):
         yield None
         return
@@ -82,6 +84,7 @@ def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:
     for name, width in (("TRANSLATION", 3), ("ROTATION", 4), ("SCALE", 3)):
         if attributes.has(name):
             k = attributes.index(name, buffers.accessors, "accessors")
+            # The bound is checked before any value is read.
             if buffers.accessors[k].integer("count", low=1) > MOST_INSTANCES:
                 raise attributes.error(f"has more than {MOST_INSTANCES} instances")
             given[name] = buffers.array(attributes, name, width=width).astype(np.float64)
@@ -96,6 +99,7 @@ def instances(node: Item, buffers: Buffers) -> Iterator[F64 | None]:
     shift = given.get("TRANSLATION", np.zeros((count, 3)))
     turn = given.get("ROTATION", np.tile([0.0, 0.0, 0.0, 1.0], (count, 1)))
     size = given.get("SCALE", np.ones((count, 3)))
+    # A quaternion of length 0 is no turn, as in a node.
     for k in range(count):
         length = float(np.linalg.norm(turn[k]))
         unit = turn[k] / length if length > 0.0 else np.array([0.0, 0.0, 0.0, 1.0])

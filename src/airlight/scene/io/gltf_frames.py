@@ -100,6 +100,7 @@ def _candidates(
     """Frames of the images, that of normals first, whose bumps then stay as they are; at last
     charts side by side, in none."""
     known = set()
+    # One candidate for each distinct frame, however many images share it.
     for use in sorted(uses.items(), key=lambda item: item[0] != "normal_texture"):
         frame = UvFrame(use[1].uv_set, use[1].matrix)
         if frame.key not in known:
@@ -114,6 +115,7 @@ def _layout(
 ) -> _Layout:
     textures, conflicts, coarse = {}, {}, []
     for slot, use in uses.items():
+        # An image that lies in the frame but for scale and offset keeps its pixels.
         scale = None if frame is None else scale_in(use, frame)
         if scale is not None:
             textures[slot], conflicts[slot] = replace(use.texture, scale=scale), 0.0
@@ -125,6 +127,7 @@ def _layout(
 
 
 def _drawn_again(slot: str, use: ImageUse, surface: Surface, uvs: F64) -> Baked:
+    # From where an image lies in the file to where it will lie, by the triangles' corners.
     source = surface.of(UvFrame(use.uv_set, use.matrix)) + np.array(use.texture.offset)
     charts = Charts(uvs[surface.triangles], source[surface.triangles])
     return baked(use.texture, charts, is_normal=slot == "normal_texture")
@@ -134,6 +137,7 @@ def side_by_side(uvs: F64, triangles: Ints) -> F64:
     """Coordinates (V, 2) moved so that no two charts overlap: parts that share no vertex."""
     chart = _charts(len(uvs), triangles)
     count = int(chart.max()) + 1
+    # The box of each chart in the old coordinates.
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(low, chart, uvs)
     np.maximum.at(high, chart, uvs)
@@ -144,10 +148,12 @@ def side_by_side(uvs: F64, triangles: Ints) -> F64:
     corner = np.zeros((count, 2))
     x = y = row_height = 0.0
     for k in np.argsort(-size[:, 1], kind="stable"):
+        # A chart that no longer fits begins the next row.
         if x > 0.0 and x + size[k, 0] > side:
             x, y, row_height = 0.0, y + row_height + gap, 0.0
         corner[k] = x, y
         x, row_height = x + size[k, 0] + gap, max(row_height, size[k, 1])
+    # Every vertex moves with its chart.
     return np.asarray(uvs + (corner - low)[chart])
 
 

@@ -92,6 +92,7 @@ class Item:
         if not self.has(key):
             return tuple(default)
         child = self.child(key)
+        # A single number counts as a list of one.
         values = child.value if isinstance(child.value, list) else [child.value]
         try:
             numbers = tuple(checks.number(value, key) for value in values)

@@ -14,6 +14,7 @@ _MORPHED = ("POSITION", "NORMAL", "TANGENT")
 
 def extensions_held(value: Any) -> Iterator[str]:
     """The names of all extensions in a document, whether it lists them or not."""
+    # A stack instead of recursion: documents may be nested deeply.
     pending = [value]
     while pending:
         held = pending.pop()
@@ -22,6 +23,7 @@ def extensions_held(value: Any) -> Iterator[str]:
         elif isinstance(held, dict):
             extensions = held.get("extensions")
             yield from extensions if isinstance(extensions, dict) else ()
+            # `extras` belong to the application that wrote them, and are no part of the model.
             pending += [inner for key, inner in held.items() if key != "extras"]
 
 
@@ -36,6 +38,7 @@ def _losses(document: Item) -> Iterator[str]:
     if len(scenes) > 1:
         shown = _named(scenes, document.integer("scene", 0))
         yield f"it has {len(scenes)} scenes: {shown} is shown"
+    # Cameras and clips, of which one each is taken.
     hung = [node for node in document.items("nodes") if node.has("camera")]
     if len(hung) > 1:
         yield f"it has {len(hung)} cameras: the first perspective one in the scene is used"

@@ -88,6 +88,7 @@ class Materials:
             "has_black_back": item.child("extras").flag(BLACK_BACK),
         }
         uses: list[ImageUse] = []
+        # Fields are collected as they are read; images also as uses, each with its frame.
         self._reflection(item, values, uses)
         normal = item.child("normalTexture")
         values["normal_texture"] = self._texture(item, "normalTexture", uses, is_srgb=False)
@@ -142,6 +143,7 @@ class Materials:
         strength = item.at("extensions", "KHR_materials_emissive_strength").number(
             "emissiveStrength", 1.0
         )
+        # What passes through glass, and how clear.
         if values.get("is_unlit"):  # it shows its base colour alone
             factor = (0.0, 0.0, 0.0)
         values["emission"] = tuple(max(c * strength, 0.0) for c in factor)
@@ -155,6 +157,7 @@ class Materials:
         values["transmission"] = _unit(glass.number("transmissionFactor", 0.0))
         if values["transmission"] > 0.0 and values.get("roughness", 1.0) > CLEAR_ROUGHNESS:
             self._warn(item, "its glass is rough, light passes it as if it were clear")
+        # A surface is there everywhere, where alpha is above a threshold, or by a share.
         if mode == "MASK":
             values["alpha_cutoff"] = _unit(item.number("alphaCutoff", 0.5))
         elif mode == "BLEND":
@@ -180,6 +183,7 @@ class Materials:
         return use.texture
 
     def _wrap(self, texture: Item) -> tuple[Wrap, Wrap]:
+        # A texture without a sampler repeats, as the specification's default says.
         if not texture.has("sampler"):
             return ("repeat", "repeat")
         sampler = self._samplers[texture.index("sampler", self._samplers, "samplers")]
@@ -200,6 +204,7 @@ class Materials:
                 f"has no image that airlight can read, but {names}; a magenta checker stands in",
             )
             return missing_texture(texture.place) if is_srgb else None
+        # Each image is decoded once for each coding that its slots ask for.
         k = source.index("source", self._images, "images")
         if (k, is_srgb) not in self._pixels:
             image = self._images[k]
@@ -207,10 +212,12 @@ class Materials:
             where = f"{image.file}: {image.place}{f' ({name})' if name else ''}"
             if image.has("uri") and not image.text("uri").startswith("data:"):
                 uri_file(image, self._buffers.folder)  # one of another place is no mere loss
+            # An image that cannot be read costs the texture, not the scene.
             try:
                 raw = self._image_bytes(image)
                 self._pixels[k, is_srgb] = read_texture(raw, is_srgb=is_srgb, source=where)
             except SceneError as error:
+                # A colour that is missing is to be seen; other data are left out.
                 if not is_srgb:
                     self.warnings.append(f"{where}: {error.problem}; the surface goes without")
                     return None
@@ -232,6 +239,7 @@ class Materials:
 
 def _specular(extensions: Item) -> float:
     """Scale of the dielectric reflectance 0.04, from KHR_materials_ior and _specular."""
+    # Fresnel's reflectance at normal incidence, 0.04 for an index of 1.5.
     ior = extensions.child("KHR_materials_ior").number("ior", 1.5)
     reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2 if ior > 0.0 else 1.0
     factor = extensions.child("KHR_materials_specular").number("specularFactor", 1.0)

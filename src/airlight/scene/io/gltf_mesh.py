@@ -113,6 +113,7 @@ def _triangles(
     if count == 0:
         raise primitive.error("has no triangles")
     if mode == TRIANGLES:
+        # All triangles of a fan share its first vertex, which comes last here.
         return order[: 3 * count].reshape(-1, 3)
     k = np.arange(count)
     if mode == TRIANGLE_FAN:
@@ -130,6 +131,7 @@ def _normals(attributes: Item, buffers: Buffers) -> F32 | None:
     normals = _optional(attributes, buffers, "NORMAL", 3)
     if normals is None:
         return None
+    # A normal of length 0 has no direction; up stands in, so that shading gets no NaN.
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     up = np.array((0.0, 1.0, 0.0), dtype=np.float32)
     unit: F32 = np.where(length > 0.0, normals / np.maximum(length, 1e-30), up)
@@ -144,6 +146,7 @@ def read_surface(primitive: Item, buffers: Buffers, uv_sets: Iterable[int]) -> S
     attributes = primitive.child("attributes")
     count = len(buffers.array(attributes, "POSITION", width=3))
     sets = {}
+    # A set that the primitive lacks is 0 everywhere, as where an image shows one texel.
     for k in uv_sets:
         uvs = _optional(attributes, buffers, f"TEXCOORD_{k}", 2)
         sets[k] = np.zeros((count, 2)) if uvs is None else uvs.astype(np.float64)
@@ -156,6 +159,7 @@ def read_surface(primitive: Item, buffers: Buffers, uv_sets: Iterable[int]) -> S
 def _uvs(attributes: Item, buffers: Buffers, frame: UvFrame | F32) -> F32 | None:
     if not isinstance(frame, UvFrame):
         return frame
+    # The frame's own set, turned as the material's images need it.
     uvs = _optional(attributes, buffers, f"TEXCOORD_{frame.uv_set}", 2)
     if uvs is None or frame.matrix is None:
         return uvs
@@ -166,6 +170,7 @@ def _colors(attributes: Item, buffers: Buffers) -> F32 | None:
     """COLOR_0, linear RGBA; RGB gets alpha 1."""
     if not attributes.has("COLOR_0"):
         return None
+    # The type tells whether colours have an alpha.
     k = attributes.index("COLOR_0", buffers.accessors, "accessors")
     width = 3 if buffers.accessors[k].text("type") == "VEC3" else 4
     colors = _as_float(buffers.array(attributes, "COLOR_0", width=width))

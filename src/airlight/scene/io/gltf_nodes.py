@@ -61,6 +61,7 @@ def _node(item: Item, items: Sequence[Item]) -> Node:
 def scene_roots(document: Item, nodes: Sequence[Node]) -> list[int]:
     """Root nodes of the default scene; of the first; or all that are nobody's child."""
     scenes = document.items("scenes")
+    # The default scene, or else the first; a file without scenes shows all its trees.
     if scenes:
         chosen = scenes[document.index("scene", scenes, "scenes") if document.has("scene") else 0]
         return [root.pick(nodes, "nodes") for root in chosen.items("nodes")]
@@ -77,6 +78,7 @@ def world_matrices(
     reached twice: in a cycle, or as the child of two parents.
     """
     world: dict[int, F64] = {}
+    # A stack in reverse order, so that nodes come as the file lists them, children after parents.
     pending = [(root, np.eye(4)) for root in reversed(roots)]
     while pending:
         k, parent = pending.pop()

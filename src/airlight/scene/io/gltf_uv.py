@@ -62,6 +62,7 @@ def image_use(info: Item, texture: Texture) -> ImageUse:
         texture=replace(texture, offset=(ou, ov)),
         uv_set=transform.integer("texCoord", info.integer("texCoord", 0)),
         matrix=_turned(transform.number("rotation", 0.0))
+        # The offset goes to the texture at once, the turn and the scale wait for a frame.
         @ np.diag(transform.floats("scale", 2, (1.0, 1.0))),
         item=info,
     )
@@ -76,6 +77,7 @@ def _turned(angle: float) -> F64:
 def shared_frame(uses: Sequence[ImageUse]) -> tuple[UvFrame, list[Texture]] | None:
     """A frame that all images lie in, each scaled and moved, and their textures there; None where
     there is none."""
+    # Any image's own frame may serve the others: their scales follow from it.
     for matrix in _candidates(uses):
         frame = UvFrame(uses[0].uv_set if uses else 0, matrix)
         scales = [scale_in(use, frame) for use in uses]
@@ -89,6 +91,7 @@ def scale_in(use: ImageUse, frame: UvFrame) -> tuple[float, float] | None:
     """The scale by which an image lies in a frame; None where that is not enough."""
     if use.uv_set != frame.uv_set:
         return None
+    # What remains of the image's matrix within the frame has to be diagonal, without a turn.
     rest = use.matrix if frame.matrix is None else use.matrix @ np.linalg.pinv(frame.matrix)
     if max(abs(rest[0, 1]), abs(rest[1, 0])) > _SAME * np.abs(rest).max():
         return None
@@ -99,5 +102,6 @@ def _candidates(uses: Sequence[ImageUse]) -> Iterator[F64 | None]:
     """Matrices by which a mesh's coordinates may be turned, the plain one first."""
     yield None
     for use in uses:
+        # A matrix that flattens coordinates cannot be undone.
         if abs(np.linalg.det(use.matrix)) > _SAME:
             yield use.matrix

@@ -23,6 +23,7 @@ def variant_number(document: Item, name: str) -> int:
     names = listed_variants(document)
     if name in names:
         return names.index(name)
+    # A file without variants has no names to suggest.
     if not names:
         raise SceneError(f"there is no material variant '{name}': it has none", where=document.file)
     listed = ", ".join(f"'{known}'" for known in names)
@@ -37,6 +38,7 @@ def worn(primitive: Item, variant: int | None) -> Item:
     """What names a primitive's material as `material`: its mapping for a variant, or itself."""
     if variant is None:
         return primitive
+    # The first mapping that lists the variant, by its number in the document.
     for mapping in primitive.at("extensions", EXTENSION).items("mappings"):
         if variant in (number.whole() for number in mapping.items("variants")):
             return mapping

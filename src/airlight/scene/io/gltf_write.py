@@ -98,6 +98,7 @@ class GlbDocument:
     def add_mesh(self, mesh: Mesh) -> None:
         """A node with the mesh; its geometry is shared by all of its instances."""
         geometry, placed = mesh.geometry, mesh.world_from_object
+        # Readers take a placement apart into turn and scale, so shear goes into the vertices.
         if _is_sheared(placed):
             geometry, placed = _baked(geometry, placed), np.eye(4)
         key = (id(geometry), id(mesh.material))
@@ -135,6 +136,7 @@ class GlbDocument:
         distance = float(np.linalg.norm(target - eye))
         placed = _facing((target - eye) / distance, np.array(camera.up))
         placed[:3, 3] = eye
+        # Planes that clip: near by a thousandth of what is looked at, none afar.
         lens = {"yfov": float(np.radians(camera.fov_y_deg)), "znear": 1e-3 * distance}
         if camera.film_px is not None:
             lens["aspectRatio"] = camera.film_px[0] / camera.film_px[1]
@@ -143,6 +145,7 @@ class GlbDocument:
 
     def packed(self) -> bytes:
         """The file: a header, the JSON, and what it refers to."""
+        # All nodes hang at the top: placements are in the world already.
         self._json["nodes"] = self._nodes
         self._json["scenes"] = [{"nodes": list(range(len(self._nodes)))}]
         if self._binary:
@@ -204,6 +207,7 @@ class GlbDocument:
         return self._row("accessors", key, lambda: self._accessor_json(array, attribute))
 
     def _accessor_json(self, array: NDArray[Any], attribute: str) -> Json:
+        # Indices have no attribute to be named by.
         is_index = not attribute
         packed = np.ascontiguousarray(array, "<u4" if is_index else "<f4")
         if attribute == "NORMAL":
@@ -215,6 +219,7 @@ class GlbDocument:
             "count": len(packed),
             "type": {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[width],
         }
+        # glTF requires the bounds of positions.
         if attribute == "POSITION":
             item["min"], item["max"] = packed.min(axis=0).tolist(), packed.max(axis=0).tolist()
         return item

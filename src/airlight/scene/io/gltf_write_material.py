@@ -34,6 +34,7 @@ def material_json(
     made.put(reflection, "baseColorTexture", material.base_color_texture, is_colour=True)
     made.put(reflection, "metallicRoughnessTexture", material.metallic_roughness_texture)
     item: Json = {"pbrMetallicRoughness": reflection, "doubleSided": material.two_sided}
+    # glTF knows no black back: it goes with the extras, for our own reader.
     if material.has_black_back and not material.two_sided:
         item["extras"] = {BLACK_BACK: True}
     if material.name:
@@ -86,6 +87,7 @@ class _Textures:
             self._notes.append(
                 f"material '{self._material.name}': an image is coded again, as glTF wants it"
             )
+        # Wrapping is a sampler's, scale and offset are an extension's.
         u, v = texture.wrap
         found: Json = {"index": self._row(pixels, {"wrapS": _WRAPS[u], "wrapT": _WRAPS[v]})}
         if (texture.scale, texture.offset) != ((1.0, 1.0), (0.0, 0.0)):
@@ -106,6 +108,7 @@ def _recoded(pixels: Pixels, *, is_srgb: bool) -> Pixels:
 
 def texture_png(pixels: Pixels, file: IO[bytes]) -> None:
     """Write pixels (H, W, 4) as PNG, without alpha where all of it is 255."""
+    # An alpha channel of nothing but 255 would only make the file larger.
     is_opaque = bool((pixels[..., 3] == 255).all())
     Image.fromarray(np.ascontiguousarray(pixels[..., :3] if is_opaque else pixels)).save(
         file, "PNG"

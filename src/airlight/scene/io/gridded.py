@@ -62,6 +62,7 @@ def letter_of(name: str, attributes: dict[str, Any]) -> str:
     for letter, names in _STANDARD.items():
         if said in names:
             return letter
+    # Units tell times, degrees and pressures apart.
     if " since " in units:
         return "T"
     if units.startswith(("degree_e", "degrees_e")):
@@ -86,13 +87,16 @@ class Placed:
 def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
     """Values along three axes Z, Y and X of a file, as a grid of the world. Raises SceneError."""
     doubts: list[str] = []
+    # Degrees of longitude are as long as at the grid's middle latitude.
     latitude = next((a.centres for a in axes if a.units.lower().startswith("degree")
                      and a.letter == "Y"), None)  # fmt: skip
     middle = 0.0 if latitude is None else float(np.mean(latitude))
+    # Each axis in metres, upwards, at even steps, as a volume's voxels need them.
     lines = [_metres(axis, middle, doubts) for axis in axes]
     sampled: NDArray[Any] = np.asarray(values, np.float32)
     evens = []
     for k, line in enumerate(lines):
+        # An axis that runs down is turned about with its values.
         if line[0] > line[-1]:
             line, sampled = line[::-1], np.flip(sampled, k)
         even = _even(line, axes[k].name, doubts)
@@ -102,6 +106,7 @@ def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
     # (height, north, east) -> z = -north backwards, y = height, x = east.
     turned = np.ascontiguousarray(np.flip(sampled.transpose(1, 0, 2), 0), np.float32)
     ends = [_ends(even) for even in (east, height, north)]
+    # Horizontally a grid may lie anywhere on its map; its height above the ground is kept.
     for k, name in ((0, "x"), (2, "y")):
         ends[k] = _near(ends[k], name, doubts)
     (west, e), (low, high), (south, n) = ends
@@ -111,9 +116,11 @@ def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
 
 def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
     """Centres of cells in metres."""
+    # Cells without coordinates are a metre wide.
     if axis.centres is None:
         doubts.append(f"'{axis.name}' has no coordinates: its cells are taken as 1 m")
         return np.asarray(np.arange(axis.size) + 0.5, np.float64)
+    # Coordinates have to go one way, so that values between them have a place.
     units = axis.units.strip().lower().rstrip(".")
     centres = np.asarray(axis.centres, np.float64)
     if not np.isfinite(centres).all() or (np.sign(np.diff(centres)) == 0).any():
@@ -131,6 +138,7 @@ def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
         doubts.append(f"degrees of '{axis.name}' are taken as metres on a flat ground")
         shrunk = math.cos(math.radians(latitude)) if axis.letter == "X" else 1.0
         return np.asarray(centres * _DEGREE_M * shrunk)
+    # Lengths, in the singular or the plural; unknown units pass for metres.
     factor = _METRES.get(units, _METRES.get(units.rstrip("s")))
     if factor is None:
         doubts.append(f"units '{axis.units}' of '{axis.name}' are taken as metres")
@@ -142,9 +150,11 @@ def _even(line: F64, name: str, doubts: list[str]) -> F64:
     """Evenly spaced centres between the ends of `line`, as fine as its median spacing."""
     if len(line) < 3:
         return line
+    # Spacings that differ by under 1 % of their mean are even but for rounding.
     steps = np.diff(line)
     if float(np.ptp(steps)) <= 0.01 * float(steps.mean()):
         return np.linspace(line[0], line[-1], len(line))
+    # As fine as the median spacing, so that a few wide cells do not coarsen all of it.
     count = round(float((line[-1] - line[0]) / np.median(steps))) + 1
     count = min(max(count, len(line)), LARGEST_SIDE)
     doubts.append(f"'{name}' is not evenly spaced: {len(line)} cells became {count} even ones")
@@ -155,6 +165,7 @@ def _resampled(values: NDArray[Any], axis: int, line: F64, even: F64) -> NDArray
     """`values` along `axis` at `even` instead of at `line`, linearly."""
     if len(line) == len(even) and np.allclose(line, even, rtol=0.0, atol=0.01 * _step(even)):
         return values
+    # The two old cells around each new centre, and how far between them it lies.
     upper = np.clip(np.searchsorted(line, even), 1, len(line) - 1)
     share = (even - line[upper - 1]) / (line[upper] - line[upper - 1])
     shape = [1, 1, 1]

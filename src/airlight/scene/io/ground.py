@@ -46,6 +46,7 @@ def with_ground(scene: Scene, *, is_asked: bool = False) -> Scene:
     at[1] = low[1] - _SUNK * float(np.linalg.norm(high - low))
     matrix = np.diag((2.0 * half, 1.0, 2.0 * half, 1.0))
     matrix[:3, 3] = at
+    # A computed sky says how bright its ground is; a map's ground gets the usual albedo.
     sky = environment.sky
     albedo = sky.ground if sky else ALBEDO
     material = Material(base_color=(albedo, albedo, albedo), roughness=1.0)
@@ -63,6 +64,7 @@ def _why_none(scene: Scene, is_asked: bool) -> str | None:
     """Why no ground belongs under the scene, None where one does."""
     if scene.environment is None or not scene.environment.horizon:
         return "its light is not airlight's daylight"
+    # Grids alone are no room and have no floor; they get a ground where one is asked for.
     probe = Probe.of(scene)
     if len(probe.corners) == 0:
         return None if is_asked and scene.volumes else "it has no meshes"
@@ -83,6 +85,7 @@ def ground_tables(scene: Scene) -> list[dict[str, Any]]:
     ground = scene.meshes[-1]
     matrix = ground.world_from_object
     place = {"translate": matrix[:3, 3], "scale": np.diag(matrix)[:3]}
+    # As `with_ground` made it: a matrix of a scale and a shift.
     return [{"shape": "quad", **place, "base_color": ground.material.base_color[0]}]
 
 
@@ -112,11 +115,13 @@ def _matched(scene: Scene) -> Environment | None:
     environment = scene.environment
     if environment is None or environment.map is None or environment.sky is not None:
         return environment  # a computed sky's ground is lit already
+    # What the ground receives from the sky and from the directional lights above it.
     received = _received(environment.map)
     for light in scene.lights:
         if isinstance(light, DirectionalLight):
             received += np.array(light.irradiance) * max(-light.direction[1], 0.0)
     below = environment.map.copy()
+    # A matte ground sends albedo / pi times that everywhere.
     below[(len(below) + 1) // 2 :] = ALBEDO / np.pi * received
     return replace(environment, map=below)
 

@@ -18,12 +18,14 @@ def check_size(width: int, height: int, file_bytes: int, name: object, *, layers
     `layers` is how many triples of channels every pixel has.
     """
     pixels = width * height
+    # What no image may have, whatever the size of its file.
     if pixels > MAX_TEXTURE_PIXELS:
         raise SceneError(
             f"image of {width} x {height} pixels is too large",
             where=name,
             remedy=f"Scale it to at most {MAX_TEXTURE_PIXELS} pixels.",
         )
+    # Small images may be of one colour all over; larger ones need bytes that bear them out.
     if pixels * layers > max(MODEST_PIXELS, PIXELS_PER_BYTE * file_bytes):
         raise SceneError(
             f"{file_bytes:,} bytes are too few for an image of {width} x {height} pixels",

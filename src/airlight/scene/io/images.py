@@ -43,6 +43,7 @@ def read_texture(data: Path | bytes, *, is_srgb: bool, source: str = "") -> Text
     """
     name = source or (str(data) if isinstance(data, Path) else "an embedded image")
     raw = read_bytes(data) if isinstance(data, Path) else data
+    # Pillow does not read KTX 2.
     if is_ktx2(raw):
         return Texture(pixels=read_ktx2(raw, name), is_srgb=is_srgb, source=name)
     image = _opened(raw, name)
@@ -106,6 +107,7 @@ def read_radiance(path: Path, warnings: list[str] | None = None) -> F32:
     `warnings`. Raises SceneError for unreadable files and NaN.
     """
     said = warnings if warnings is not None else []
+    # Files of radiance are linear; all others are 8 bits of sRGB, which end at white.
     suffix = path.suffix.lower()
     if suffix == ".exr":
         pixels = exr.read_rgb(path)
@@ -128,6 +130,7 @@ def _decoded(image: PIL.Image.Image, path: Path) -> F32:
 
     It goes a band of rows at a time: of a large image there is no other copy.
     """
+    # All that 256 values can mean, once, instead of a power for each pixel.
     table = srgb_decode(np.arange(256) / 255.0).astype(np.float32)
     with _fitting(image.size, path):
         pixels = np.empty((image.height, image.width, 3), np.float32)
@@ -154,6 +157,7 @@ def save_image(
             where=path,
             remedy=f"End its name in one of {', '.join(IMAGE_SUFFIXES)}.",
         )
+    # Float formats keep radiance, the others what is displayed.
     with whole_file(path) as part:
         if suffix == ".exr":
             exr.write(image, part, layers=layers, half=precision == "half")

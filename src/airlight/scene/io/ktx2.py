@@ -35,6 +35,7 @@ def read_ktx2(raw: bytes, name: object) -> NDArray[np.uint8]:
     Raises SceneError where the file is damaged, is no image of two dimensions, holds no Basis
     Universal data, or the package is not installed.
     """
+    # The identifier and the first fields, without which nothing can be said.
     if len(raw) < len(IDENTIFIER) + _HEADER.size:
         raise SceneError("the KTX 2 image ends in its header", where=name)
     # Only flat images that Basis Universal packed.

@@ -34,11 +34,13 @@ class Ledger:
 
     def check_output(self, path: Path) -> None:
         """Raise OutputError where `path` is a file that was read, or another output's file."""
+        # A path may be written again; another path to the same file would be two outputs in one.
         other = self._written.get(_place(path))
         if other is not None and other != str(Path(path).absolute()):
             raise _two_in_one(path, Path(other))
         if _state(path) is None:  # not there yet: not read either
             return
+        # Links and other spellings of a path lead to one file, which its device and number tell.
         if any(_is_same(path, source) for source in self._read):
             raise OutputError(
                 "the command reads this file, and will not write over it",
@@ -68,6 +70,7 @@ def recorded() -> Iterator[Ledger]:
 @contextmanager
 def own_files() -> Iterator[None]:
     """In the block airlight reads what it wrote itself and may write again: caches, and notes."""
+    # The ledger is out of sight for the block, and the same one comes back after it.
     token = _NOW.set(None)
     try:
         yield

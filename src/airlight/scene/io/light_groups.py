@@ -35,6 +35,7 @@ def read_point_lights(path: Path) -> PointLights:
 
 
 def _group(label: str, table: Any, folder: Path) -> PointLights:
+    # A group's keys are those of any [[light]]; all it says lies in its file.
     values = check_table(LIGHT, table, label)
     written = values["file"]
     return read_point_lights(existing_file(folder / written, written, label))

@@ -22,11 +22,13 @@ def check_counts(raw: bytes, kind: str, path: Path) -> None:
 
 
 def _check_stl(raw: bytes, path: Path) -> None:
+    # A binary file is as long as its count of triangles says, to the byte.
     start = _STL_HEADER + _STL_COUNT.size
     if len(raw) >= start:
         (count,) = _STL_COUNT.unpack_from(raw, _STL_HEADER)
         if len(raw) == start + count * _STL_TRIANGLE:
             return
+        # Of another length it is text, or damaged.
         if _is_ascii_stl(raw):
             return
         raise SceneError(
@@ -40,6 +42,7 @@ def _check_stl(raw: bytes, path: Path) -> None:
 
 
 def _is_ascii_stl(raw: bytes) -> bool:
+    # ASCII files begin with "solid", as some binary ones do; those hold zero bytes.
     if raw.lstrip()[:5].lower() != b"solid":
         return False
     try:
@@ -55,12 +58,14 @@ def _check_ply(raw: bytes, path: Path) -> None:
         raise SceneError("not a readable PLY file (it has no header)", where=path)
     # The fewest bytes that an element can take: one for each property.
     needed, rows = 0, 0
+    # The bound is checked as the header goes on: a huge count is refused at its first property.
     for keyword, rest in _PLY_LINE.findall(raw[:end]):
         if keyword == b"element":
             words = rest.split()
             if len(words) != 2 or not re.fullmatch(rb"\d{1,18}", words[1]):
                 raise SceneError("its header has an element without a count", where=path)
             rows = int(words[1])
+        # Each property takes a byte of every row at the least.
         needed += rows if keyword == b"property" else 0
         if needed > len(raw) - end or rows > len(raw):
             raise SceneError(

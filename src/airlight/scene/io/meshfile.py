@@ -66,6 +66,7 @@ def load_mesh_file(path: Path) -> Scene:
 def _read(path: Path) -> Any:
     import trimesh
 
+    # Counts are checked before trimesh takes memory for them.
     raw = read_bytes(path)
     kind = path.suffix.lower().lstrip(".")
     check_counts(raw, kind, path)
@@ -73,11 +74,13 @@ def _read(path: Path) -> Any:
         # Vertices stay as the file numbers them, whatever texture coordinates it has.
         more = {"fix_texture": False} if kind == "ply" else {}
         loaded = trimesh.load(io.BytesIO(raw), file_type=kind, process=False, **more)
+        # A file of several meshes becomes one, placed.
         if isinstance(loaded, trimesh.Scene):
             loaded = loaded.to_geometry()
     except Exception as error:  # its readers raise KeyError, ValueError, IndexError, ...
         reason = str(error) or type(error).__name__
         raise SceneError(f"not a readable {kind.upper()} file ({reason})", where=path) from None
+    # A PLY file of strips has no faces, and comes as points.
     if isinstance(loaded, trimesh.PointCloud):
         loaded = _of_strips(loaded, path)
     if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
@@ -124,6 +127,7 @@ def strip_triangles(strips: Sequence[NDArray[np.int64]]) -> NDArray[np.int64]:
     """
     found = [np.zeros((0, 3), dtype=np.int64)]
     for strip in strips:
+        # Parts after the first begin with the restart that they were split at.
         for part in np.split(strip, np.flatnonzero(strip == -1)):
             corners = part[1:] if len(part) and part[0] == -1 else part
             triangles = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=-1)
@@ -137,6 +141,7 @@ def _shape(mesh: Any, path: Path) -> tuple[NDArray[np.float64], NDArray[np.int32
     """Checked positions (V, 3) and triangles (T, 3)."""
     positions = np.asarray(mesh.vertices, dtype=np.float64).view(np.ndarray)
     triangles = np.asarray(mesh.faces).view(np.ndarray)
+    # Indices and positions are checked before anything is computed with them.
     if not np.isfinite(positions).all():
         raise SceneError("vertex positions hold NaN or infinite numbers", where=path)
     if triangles.min() < 0 or triangles.max() >= len(positions):
@@ -171,6 +176,7 @@ def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
     else:
         sizes = np.array([len(face) for face in listed], dtype=np.int64)
         corners = np.concatenate(list(listed))
+    # Triangles alone need no cutting.
     if not len(sizes) or sizes.max() <= 3:
         return None
     return corners.astype(np.int64), sizes
@@ -178,6 +184,7 @@ def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
 
 def _unread(mesh: Any) -> Iterator[str]:
     """What a PLY file holds that is not used."""
+    # What each element has beside the names that are read.
     elements = mesh.metadata.get("_ply_raw", {})
     for element, known in (("vertex", _VERTEX_NAMES), ("face", _INDEX_NAMES)):
         unknown = [name for name in _names(_ply_data(mesh, element)) if name not in known]
@@ -203,6 +210,7 @@ def _names(data: Any) -> list[str]:
 def _file_normals(mesh: Any) -> NDArray[np.float64] | None:
     """Vertex normals that came with the file; trimesh keeps them in its cache."""
     if "vertex_normals" not in mesh._cache:
+        # Normals are used if there is one of a length for each vertex; else they are computed.
         return None
     normals = np.array(mesh.vertex_normals, dtype=np.float64)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -214,6 +222,7 @@ def _colors(mesh: Any) -> NDArray[np.float32] | None:
     """Linear RGBA (V, 4) where the file colours its vertices."""
     if getattr(mesh.visual, "kind", None) != "vertex":
         return None
+    # Colours of images are sRGB-encoded; alpha is linear.
     encoded = np.asarray(mesh.visual.vertex_colors, dtype=np.float64) / 255.0
     rgb = srgb_decode(encoded[:, :3])
     return np.concatenate([rgb, encoded[:, 3:4]], axis=1).astype(np.float32)
@@ -229,9 +238,11 @@ def _with_normals(
     # STL repeats a vertex for every triangle; only equal positions make a surface smooth.
     numbers = welded(positions).astype(np.int32)
     merged = numbers[triangles]
+    # For each welded position one of the file's vertices.
     sample = np.zeros(int(numbers.max()) + 1, dtype=np.int32)
     sample[merged.ravel()] = triangles.ravel()
     table, index = creased_normals(positions[sample], merged)
+    # Colours belong to the file's vertices, so those keep theirs where there are any.
     source = triangles if keep else sample[merged]
     rows, indices = compact(np.stack([source, index], axis=-1))
     return rows[:, 0], indices, table[rows[:, 1]]

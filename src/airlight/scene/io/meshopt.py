@@ -29,13 +29,16 @@ class MeshoptError(ValueError):
 
 def decode_attributes(data: bytes, count: int, stride: int) -> U8:
     """(count, stride) bytes of mode ATTRIBUTES. Raises MeshoptError."""
+    # Elements are whole words of four bytes.
     if stride % 4 or not 4 <= stride <= MOST_BLOCK_ELEMENTS:
         raise MeshoptError(f"its byteStride {stride} is no multiple of 4 up to 256")
+    # The stream ends with the element before the first, from which differences start.
     tail = max(stride, _SMALLEST_TAIL)
     if len(data) < 1 + tail or data[0] != ATTRIBUTES:
         raise MeshoptError(_unknown(data, "ATTRIBUTES"))
     last = np.frombuffer(data, np.uint8, stride, len(data) - stride)
     block = min(MOST_BLOCK_BYTES // stride & ~(GROUP - 1), MOST_BLOCK_ELEMENTS)
+    # Block after block, and of each block one byte column after the other.
     stream = _Stream(data, 1, len(data) - tail)
     out = np.empty((count, stride), np.uint8)
     for first in range(0, count, block):
@@ -93,6 +96,7 @@ def _byte_column(stream: _Stream, rows: int) -> bytes:
         elif kind == 3:
             parts.append(stream.take(GROUP))
         else:
+            # The largest value of a group's bits says that the whole byte follows behind the group.
             table, sentinel = (_QUARTERS, 3) if kind == 1 else (_HALVES, 15)
             values = b"".join([table[b] for b in stream.take(4 * kind)])
             escaped = values.count(sentinel)
@@ -134,6 +138,7 @@ class _Triangles:
 
     def _on_an_edge(self, code: int) -> tuple[int, int, int]:
         """A triangle that shares an edge with one of the last."""
+        # The edge's number counts back from the last one.
         a, b = self.edges[(self.edge_at - 1 - (code >> 4)) & 15]
         # The third corner: a new one, one of the last, or one that is written out.
         kind = code & 15
@@ -142,6 +147,7 @@ class _Triangles:
             is_pushed = kind == 0
         else:
             c = self.last = self._explicit() if kind == 15 else self.last + (kind - (kind ^ 3))
+            # As the encoder did: remember a corner that was not among the last, and both new edges.
             is_pushed = True
         if is_pushed:
             self._push_vertex(c)
@@ -151,24 +157,29 @@ class _Triangles:
 
     def _apart(self, code: int) -> tuple[int, int, int]:
         """A triangle of its own: each corner new, one of the last vertices, or written out."""
+        # Common combinations stand in a table, others in a byte of the stream.
         if code < 0xFE:
             both, first = self.table[code & 15], 0
         else:
             (both,) = self.stream.take(1)
             first = 0 if code == 0xFE else 15
+            # A byte of zeros restarts the numbers of new vertices.
             if both == 0:
                 self.next = 0
         # A vertex is looked up before those of this triangle are pushed.
         kinds = (first, both >> 4, both & 15)
         corners = [self._new() if k == 0 else self._recent(k) for k in kinds]
+        # Corners that are written out follow each other in the stream, after the code.
         if code >= 0xFE:
             for i, kind in enumerate(kinds):
                 if kind == 15:
                     corners[i] = self.last = self._explicit()
+        # Corners that were not among the last vertices are remembered.
         for corner, kind in zip(corners, kinds, strict=True):
             if kind == 0 or (kind == 15 and code >= 0xFE):
                 self._push_vertex(corner)
         a, b, c = corners
+        # Edges are kept against their sense, as a neighbour runs along them.
         self._push_edge(b, a)
         self._push_edge(c, b)
         self._push_edge(a, c)
@@ -230,11 +241,14 @@ def unfiltered(rows: U8, name: str) -> U8:
 
 def _octahedral(v: NDArray[np.signedinteger]) -> NDArray[np.signedinteger]:
     """Unit vectors from the octahedron; the fourth component stays."""
+    # Signed octahedral coordinates, with the value of 1 beside them; z is the rest.
     top = np.iinfo(v.dtype).max
     x, y, one = (v[:, k].astype(np.float32) for k in range(3))
     z = one - np.abs(x) - np.abs(y)
+    # Where z is negative the lower half had been folded over the upper.
     fold = np.minimum(z, 0.0)
     x, y = x + np.where(x >= 0.0, fold, -fold), y + np.where(y >= 0.0, fold, -fold)
+    # Lengths of 1 again, in integers of the same width.
     length = np.maximum(np.sqrt(x * x + y * y + z * z), 1e-30)
     out = v.copy()
     for k, part in enumerate((x, y, z)):
@@ -243,9 +257,11 @@ def _octahedral(v: NDArray[np.signedinteger]) -> NDArray[np.signedinteger]:
 
 
 def _quaternion(v: NDArray[np.int16]) -> NDArray[np.int16]:
+    # The fourth component holds the scale, and in its lowest two bits which one is the largest.
     """Unit quaternions from their three smallest components and where the largest stands."""
     scale = np.float32(2.0**-0.5) / (v[:, 3] | 3).astype(np.float32)
     three = v[:, :3].astype(np.float32) * scale[:, None]
+    # Of length 1, so that the largest follows from the other three.
     largest = np.sqrt(np.maximum(1.0 - (three * three).sum(1), 0.0))
     at, rows = (v[:, 3] & 3).astype(np.int64), np.arange(len(v))
     out = np.empty_like(v)

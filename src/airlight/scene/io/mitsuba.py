@@ -95,6 +95,7 @@ def _scene(tree: Node, source: Source) -> Scene:
             _read_shape(node, found, source)
         elif node.tag == "emitter":
             _read_emitter(node, found, source)
+    # Area emitters have been read with the shapes that refer to them, or not at all.
     for node in tree.children:
         if node.tag == "emitter" and node.kind == "area" and not node.read:
             source.note(f"{node} lights nothing: no shape refers to it")
@@ -106,6 +107,7 @@ def _scene(tree: Node, source: Source) -> Scene:
     camera = camera_of(sensors[0], source) if sensors else None
     around = next((c for c in sensors[0].children if c.tag == "medium"), None) if sensors else None
     medium, volumes = medium_and_volumes(found.held, around, source)
+    # Mitsuba hides the environment by a switch of the integrator.
     integrator = tree.first("integrator")
     if integrator is not None and integrator.get("hide_emitters", False) and found.environment:
         found.environment = replace(found.environment, visible=False)

@@ -50,6 +50,7 @@ def camera_of(node: Node, source: Source) -> Camera:
 def _film(node: Node) -> tuple[int, int]:
     """Width and height of the camera's images, pixels."""
     film = node.first("film")
+    # A side that the film does not say has its usual length.
     if film is None:
         return DEFAULT_FILM
     width, height = (
@@ -73,8 +74,10 @@ def _fov_y(node: Node, film: tuple[int, int]) -> float:
     else:
         tan = math.tan(math.radians(float(fov)) / 2.0)
     # The same along the vertical axis.
+    # The smaller side is the vertical one of a wide image; so is the larger of a tall one.
     if axis in ("smaller", "larger"):
         axis = "y" if (aspect > 1.0) == (axis == "smaller") else "x"
+    # The tangent goes with the length along the axis: aspect : 1 : their hypotenuse.
     if axis == "x":
         tan /= aspect
     elif axis == "diagonal":

@@ -26,13 +26,16 @@ _KINDS = ("point", "spot", "directional", "constant", "envmap", "area")
 
 def emitter(node: Node, source: Source) -> Light | Environment | None:
     """The light of an emitter that stands alone; None, and a note, for one that is not read."""
+    # Emitters with a place or a direction.
     readers = {"point": _point, "spot": _spot, "directional": _directional}
     if node.kind in readers:
         return readers[node.kind](node, source)
     if node.kind == "constant":
+        # Light from all around.
         return Environment(radiance=color_input(node, "radiance", 1.0, source)[0])
     if node.kind == "envmap":
         return _envmap(node, source)
+    # What is known and not read is left out with a note, what is unknown refused.
     if node.kind == "area":
         return None  # it stands here for shapes to refer to
     if node.kind in _LEFT_OUT:
@@ -57,6 +60,7 @@ def with_emission(material: Material, node: Node, source: Source) -> Material:
 
 def _point(node: Node, source: Source) -> Light:
     matrix = node.get("to_world")
+    # A transform places the light, where there is one; else its position does.
     position = node.get("position") or (0.0, 0.0, 0.0)
     if matrix is not None:
         position = triple(matrix[:3, 3])
@@ -65,6 +69,7 @@ def _point(node: Node, source: Source) -> Light:
 
 def _directional(node: Node, source: Source) -> Light:
     matrix = node.get("to_world")
+    # Mitsuba's light goes along +Z, before its transform.
     direction = node.get("direction") or (0.0, 0.0, 1.0)
     if matrix is not None:
         direction = triple(matrix[:3, :3] @ (0.0, 0.0, 1.0))
@@ -106,6 +111,7 @@ def _envmap(node: Node, source: Source) -> Environment:
     # Its turn; a turn about the vertical axis is a number of ours.
     matrix = node.get("to_world")
     turn = np.eye(3) if matrix is None else np.asarray(matrix, dtype=np.float64)[:3, :3]
+    # Scales do not turn a map; the sign of a mirror stays in it.
     turn = turn / np.cbrt(abs(np.linalg.det(turn)) or 1.0)
     angle = math.atan2(turn[0, 2], turn[2, 2])
     about_y = np.array(

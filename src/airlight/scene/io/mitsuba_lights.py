@@ -23,11 +23,13 @@ def area_light(node: Node, made: Material) -> AreaLight | None:
     None where a light cannot say it: other shapes, images, gloss, skewed placements, balls that
     emit inwards. Those stay surfaces, which light as well.
     """
+    # A light reflects and emits alike everywhere, without gloss.
     if node.kind not in AREA_SHAPES or not made.is_emissive or not _is_matte(made):
         return None
     light = _placed(node, made)
     if light is None:
         return None
+    # What Mitsuba's file cannot say is in the ids that the writer gave.
     both, unseen = "_two_sided" in _mark(node), "_unseen" in _mark(node)
     return replace(light, reflectance=made.base_color, two_sided=both, visible=not unseen)
 
@@ -58,6 +60,7 @@ def _placed(node: Node, made: Material) -> AreaLight | None:
     is_turned = bool(node.get("flip_normals", False))
     # A sphere that stays round.
     if node.kind == "sphere":
+        # The ball is round where its axes are of one length and at right angles.
         axes = matrix[:3, :3] / max(float(lengths[0]), 1e-30)
         if is_turned or np.abs(axes.T @ axes - np.eye(3)).max() > _SKEW or lengths[0] == 0.0:
             return None
@@ -66,9 +69,11 @@ def _placed(node: Node, made: Material) -> AreaLight | None:
         at = matrix[:3, :3] @ centre + matrix[:3, 3]
         return AreaLight(triple(at), made.emission, "sphere", radius=radius)
     # A rectangle or a disk whose axes stay at right angles.
+    # Where the shape's +Z faces, also through a placement that mirrors.
     normal = np.cross(x, y) * (1.0 if x @ np.cross(y, z) >= 0.0 else -1.0)
     if abs(x @ y) > _SKEW * lengths[0] * lengths[1] or not np.linalg.norm(normal) > 0.0:
         return None
+    # A disk that becomes an ellipse is no light.
     if node.kind == "disk" and abs(lengths[0] - lengths[1]) > _SKEW * lengths[0]:
         return None
     normal = (-1.0 if is_turned else 1.0) * normal / np.linalg.norm(normal)

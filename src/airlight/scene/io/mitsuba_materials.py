@@ -84,6 +84,7 @@ def _mask(node: Node, source: Source) -> Material:
         source.note(f"{node}: its opacity texture is left out")
         return inner
     cut = with_alpha(inner.base_color_texture, found[0])
+    # One texture has one uv transform, the colour's.
     if inner.base_color_texture is not None and (found[0].scale, found[0].offset) != (
         inner.base_color_texture.scale,
         inner.base_color_texture.offset,
@@ -97,6 +98,7 @@ def _mask(node: Node, source: Source) -> Material:
 
 def _normalmap(node: Node, source: Source) -> Material:
     inner = _nested(node, source)
+    # Flags of the BSDF that say how to shade; reading them keeps them from being reported.
     for flag in ("use_shadowing_function", "flip_invalid_normals"):
         node.get(flag)
     child = node.child("normalmap") or node.first("texture")
@@ -121,10 +123,12 @@ def _blend(node: Node, source: Source) -> Material:
 
 def _principled(node: Node, source: Source) -> Material:
     source.note("principled: read as Lambert plus GGX; its diffuse part is Burley's in Mitsuba")
+    # Each parameter is a number or a texture.
     color, texture = color_input(node, "base_color", 0.5, source)
     roughness, rough_texture = scalar_input(node, "roughness", 0.5, source)
     passed = min(max(float(node.get("spec_trans", 0.0)), 0.0), 1.0)
     metallic, metal_texture = scalar_input(node, "metallic", 0.0, source)
+    # Specular from an index of refraction, or as its own parameter.
     if "eta" in node.values:
         specular = _specular(float(node.get("eta")), node, source)
     else:
@@ -169,6 +173,7 @@ def _conductor(node: Node, source: Source) -> Material:
 def _plastic(node: Node, source: Source) -> Material:
     source.note(f"{node.kind}: read as Lambert plus GGX, without scattering inside its coat")
     color, texture = color_input(node, "diffuse_reflectance", 0.5, source)
+    # Scattering inside the coat is left out, so its flag says nothing here.
     node.get("nonlinear")
     # At normal incidence a dielectric reflects ((n - 1) / (n + 1))^2, all of specular that our
     # material knows.
@@ -193,6 +198,7 @@ def _glass(node: Node, source: Source) -> Material:
     mirrored = ((index - 1.0) / (index + 1.0)) ** 2
     if is_thin:  # what goes to and fro between its two sides included
         mirrored = 2.0 * mirrored / (1.0 + mirrored)
+    # Light that passes is tinted by the base colour.
     tint, texture = color_input(node, "specular_transmittance", 1.0, source)
     return Material(
         base_color=_at_most_one(tint),
@@ -218,10 +224,12 @@ def _roughness(node: Node, source: Source) -> float:
         source.note(f"{node}: its anisotropic roughness is read as its geometric mean")
         u, v = (float(node.get(key, 0.1)) for key in ("alpha_u", "alpha_v"))
         return min(1.0, math.sqrt(math.sqrt(max(u * v, 0.0))))
+    # One width for both directions; a texture of it is left out.
     alpha, texture = scalar_input(node, "alpha", 0.1, source)
     if texture is not None:
         source.note(f"{node}: its roughness texture is left out")
         alpha = 0.1
+    # Mitsuba's alpha is the square of our roughness.
     return min(1.0, math.sqrt(max(alpha, 0.0)))
 
 
@@ -237,6 +245,7 @@ def _specular(index: float, node: Node, source: Source) -> float:
 
 
 def _limited(specular: float, node: Node, source: Source) -> float:
+    # Up to 5 % the cut hardly shows; only more gets a note.
     if specular > 1.25:
         source.note(f"{node}: it reflects more than 4% head on, which is cut to 4%")
     return min(1.0, max(0.0, specular))

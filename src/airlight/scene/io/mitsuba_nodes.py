@@ -75,6 +75,7 @@ class Folders:
 
         Raises SceneError for a name that leads out of the root.
         """
+        # The search path that was named last comes first.
         for folder in self.search:
             found = inside(self.root, name, where, start=folder)
             if found.exists():
@@ -95,6 +96,7 @@ class Folders:
 
         One that lies outside of the root is skipped, and remembered as such.
         """
+        # What leads out of the root is not an error: the file may lie in another folder.
         try:
             folder = inside(self.root, name, path, start=path.resolve().parent)
         except SceneError:
@@ -115,6 +117,7 @@ def refuse_cycles(scene: Node) -> None:
             raise SceneError(f"{node} contains itself")
         if len(above) > 2 * MAX_DEPTH:
             raise SceneError("references are chained too deep")
+        # A node without a cycle below it is searched once, however many refer to it.
         key = id(node.children)
         if key in done:
             return

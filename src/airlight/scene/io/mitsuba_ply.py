@@ -57,6 +57,7 @@ def read_ply(path: Path) -> Geometry:
         raise SceneError(f"it ends after {len(raw):,} bytes of {needed:,}", where=path)
     vertices = np.frombuffer(raw, vertex_type, vertex_count, start)
     faces = np.frombuffer(raw, face_type, face_count, start + vertices.nbytes)
+    # Rows of one size hold triangles only: any other count shifts all that follows.
     if face_count and (faces["count"] != 3).any():
         return _by_meshfile(path)
     try:
@@ -72,6 +73,7 @@ def _header(
     end = raw.find(b"end_header\n", 0, 1 << 16)
     if not raw.startswith(b"ply\n") or end < 0:
         return None
+    # The header is text, also before binary rows.
     lines = raw[:end].decode("ascii", "replace").splitlines()
     if "format binary_little_endian 1.0" not in lines:
         return None
@@ -90,6 +92,7 @@ def _header(
     if list(counts) != ["vertex", "face"] or len(fields["face"]) != 1:
         return None
     kind = fields["face"][0][1]
+    # A list's count is a byte, and its indices of any type that is known.
     index_type = _TYPES.get(kind.removeprefix("list uchar ").removeprefix("list uint8 "))
     if not kind.startswith(_LIST) or index_type is None:
         return None
@@ -110,6 +113,7 @@ def _geometry(vertices: NDArray[np.void], faces: NDArray[Any]) -> Geometry:
     positions = columns("x", "y", "z")
     if positions is None:
         raise SceneError("its vertices have no x, y, z")
+    # Texture coordinates go by one of two pairs of names.
     uvs = columns("u", "v")
     if uvs is None:
         uvs = columns("s", "t")

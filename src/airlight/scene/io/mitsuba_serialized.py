@@ -29,6 +29,7 @@ def read_serialized(path: Path, index: int) -> Geometry:
     raw = read_bytes(path)
     begin, end, version = _extent(raw, index, path)
     try:
+        # Past its own magic and version, four bytes, a mesh is one zlib stream.
         data = zlib.decompressobj().decompress(raw[begin + 4 : end], len(raw) * _MOST_PER_BYTE)
         return _Reader(data).mesh(has_name=version == 4)
     except (zlib.error, struct.error, ValueError) as error:
@@ -48,6 +49,7 @@ def _extent(raw: bytes, index: int, path: Path) -> tuple[int, int, int]:
     magic, version = struct.unpack_from("<HH", raw, 0)
     if magic != _MAGIC or version not in (3, 4):
         raise SceneError("it is no .serialized file of version 3 or 4", where=path)
+    # Offsets have eight bytes since version 4.
     width = 8 if version == 4 else 4
     table = len(raw) - 4 - count * width
     if not 0 < count <= len(raw) // width or table < 8:
@@ -71,6 +73,7 @@ class _Reader:
     def mesh(self, *, has_name: bool) -> Geometry:
         # What each vertex has.
         flags, *_ = self.unpack("<I")
+        # A name, ended by a zero byte, came with version 4.
         if has_name:
             self.at = self.data.index(b"\0", self.at) + 1
         vertices, triangles = self.unpack("<QQ")
@@ -80,9 +83,11 @@ class _Reader:
         normals = self.rows(real, vertices, 3) if flags & _NORMALS else None
         uvs = self.rows(real, vertices, 2) if flags & _UVS else None
         colors = self.rows(real, vertices, 3) if flags & _COLORS else None
+        # Indices are as wide as the number of vertices needs.
         indices = self.rows("<u8" if vertices > 0xFFFFFFFF else "<u4", triangles, 3)
         if not triangles or indices.max() >= vertices:
             raise ValueError(f"its triangles do not fit its {vertices} vertices")
+        # Colours have no alpha: it is 1.
         if colors is not None:
             colors = np.concatenate([colors, np.ones((vertices, 1), np.float32)], axis=1)
         return Geometry(

@@ -38,6 +38,7 @@ def shape_geometries(node: Node, source: Source) -> list[Placed]:
     """
     if node.kind in ("obj", "ply", "serialized"):
         return _from_file(node, source)
+    # Kinds that Mitsuba has are left out with a note, others are mistakes.
     if node.kind not in _MAKERS:
         if node.kind not in _LEFT_OUT:
             raise SceneError(
@@ -71,12 +72,14 @@ def _local(node: Node) -> F64:
         matrix[:3, :3] *= float(node.get("radius", 1.0))
         matrix[:3, 3] = node.get("center", (0.0, 0.0, 0.0))
     elif node.kind == "cylinder":
+        # The axis becomes the third column, two vectors of the radius across it the others.
         p0 = np.array(node.get("p0", (0.0, 0.0, 0.0)))
         axis = np.array(node.get("p1", (0.0, 0.0, 1.0))) - p0
         radius, length = float(node.get("radius", 1.0)), float(np.linalg.norm(axis))
         if length == 0.0:
             raise SceneError(f"{node} has no length")
         z = axis / length
+        # A vector across it, by the world's z, or by x where z is nearly along it.
         x = np.cross(z, (0.0, 0.0, 1.0) if abs(z[2]) < 0.9 else (1.0, 0.0, 0.0))
         x /= np.linalg.norm(x)
         matrix[:3, 0], matrix[:3, 1] = radius * x, radius * np.cross(z, x)
@@ -102,6 +105,7 @@ def _from_file(node: Node, source: Source) -> list[Placed]:
 
         loaded = load_obj(path)
         parts = [Placed(mesh.geometry, mesh.world_from_object) for mesh in loaded.meshes]
+        # `load_obj` has flipped v already, as Mitsuba does unless it is told not to.
         flip_v = not node.get("flip_tex_coords", True)
     # What the node changes of them.
     faceted, turned = node.get("face_normals", False), node.get("flip_normals", False)
@@ -144,6 +148,7 @@ def _faceted(geometry: Geometry) -> Geometry:
 
 
 def _cube() -> Geometry:
+    # Six faces of four corners, two triangles each.
     corner = np.array(_CUBE_CORNERS)
     positions = np.stack([corner & 1, corner >> 1 & 1, corner >> 2 & 1], axis=1) * 2 - 1
     first = 4 * np.arange(6)[:, None, None]
@@ -193,10 +198,12 @@ def _cylinder() -> Geometry:
 
 
 def _disk() -> Geometry:
+    # Rows from the centre outwards: the first has all its points at the centre.
     """Faces +Z; u from the centre outwards, v around."""
     around, outwards = _grid(ROUND_STEPS, 1)
     angle = 2 * np.pi * around
     positions = outwards[:, None] * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    # Of each cell the triangle with two corners on the rim; the other one has no area.
     indices = _cells(ROUND_STEPS, 1)
     indices = indices[(indices >= ROUND_STEPS + 1).sum(axis=1) == 2]
     normals = np.tile((0, 0, 1), (len(positions), 1))

@@ -51,12 +51,14 @@ def color_input(
 
     `is_color`: the texture is a colour, stored sRGB-encoded; else data, stored as it is.
     """
+    # A plain value: a number, a triple or a spectrum.
     child = node.child(name)
     if child is None:
         value = node.get(name, default)
         if isinstance(value, Spectrum):
             source.note("spectra are reduced to red, green and blue")
         return rgb_of(value), None
+    # A texture, by its kind; any other plugin cannot be a colour.
     node.read.add(name)
     if child.tag == "texture":
         return _texture_input(child, source, is_color)
@@ -82,11 +84,13 @@ def scalar_input(
 
 
 def _texture_input(node: Node, source: Source, is_color: bool) -> tuple[Rgb, Texture | None]:
+    # A bitmap that cannot be read leaves a mid grey where it is data.
     if node.kind == "bitmap":
         found = bitmap(node, source, is_color=is_color)
         return ((found[1],) * 3, found[0]) if found else ((0.5,) * 3, None)
     if node.kind == "checkerboard":
         return (1.0, 1.0, 1.0), _checkerboard(node, source, is_color)
+    # Colours of vertices multiply every material here already.
     if node.kind == "mesh_attribute":
         if node.get("name") == "vertex_color" and node.get("scale", 1.0) == 1.0:
             return (1.0, 1.0, 1.0), None
@@ -108,6 +112,7 @@ def bitmap(
     # The same file may be a colour here and data there, which decode differently.
     key = (path, raw, is_color)
     if key not in source.textures:
+        # An image that cannot be read costs the texture, not the scene.
         try:
             source.textures[key] = _read(path, raw, is_color)
         except SceneError as error:
@@ -117,6 +122,7 @@ def bitmap(
     found = source.textures[key]
     if found is None:
         return None
+    # Sharp texels are not kept: all textures are filtered.
     if node.get("filter_type", "bilinear") != "bilinear" and not is_cut:
         source.note(f"{node}: {path.name} is filtered, though the scene says it should not be")
     return _placed(found[0], node, source), found[1]
@@ -127,6 +133,7 @@ def _read(path: Path, raw: bool, is_color: bool) -> tuple[Texture, float]:
     if path.suffix.lower() not in FLOAT_SUFFIXES:
         # Mitsuba decodes sRGB unless `raw`; data read without `raw` would be decoded too.
         return read_texture(path, is_srgb=is_color and not raw), 1.0
+    # Values above 1 need a factor, as 8 bits end at 1.
     values = read_radiance(path)
     top = max(1.0, float(values.max()))
     return to_texture(values / np.float32(top), is_color=is_color, source=str(path)), top
@@ -143,10 +150,12 @@ def to_texture(values: F32, *, is_color: bool, source: str) -> Texture:
 
 def _placed(texture: Texture, node: Node, source: Source) -> Texture:
     """With the node's wrapping and uv transform."""
+    # One mode for both axes.
     mode = node.get("wrap_mode", "repeat")
     if mode not in ("repeat", "mirror", "clamp"):
         raise SceneError(f"{node}: wrap_mode '{mode}' is unknown", where=source.path)
     wrap = cast(Wrap, mode)
+    # A scale and a shift for each axis; a turn does not fit into them.
     to_uv = node.get("to_uv")
     scale, offset = (1.0, 1.0), (0.0, 0.0)
     if to_uv is not None:
@@ -162,6 +171,7 @@ def _checkerboard(node: Node, source: Source, is_color: bool) -> Texture:
     colors = [
         color_input(node, name, d, source)[0] for name, d in (("color0", 0.4), ("color1", 0.2))
     ]
+    # Each field is half of the image wide and high.
     half = np.arange(CHECKER_PX) >= CHECKER_PX // 2
     alike = half[:, None] == half[None, :]
     values = np.where(alike[..., None], colors[0], colors[1]).astype(np.float32)

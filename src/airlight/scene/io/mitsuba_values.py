@@ -42,6 +42,7 @@ def parse_value(element: Element, where: Path) -> Any:
     tag, name = element.tag, element.get("name", "")
     label = f"<{tag} name='{name}'>"
     text = element.get("value", "")
+    # Scalars, each checked for its kind.
     if tag == "float":
         return _number(text, label, where)
     if tag == "integer":
@@ -55,6 +56,7 @@ def parse_value(element: Element, where: Path) -> Any:
         return text.lower() == "true"
     if tag == "string":
         return text
+    # Colours; all other values are points and vectors.
     if tag in ("rgb", "srgb"):
         return _color(text, tag, label, where)
     if tag == "spectrum":
@@ -87,6 +89,7 @@ def _color(text: str, tag: str, label: str, where: Path) -> Rgb:
         tag = "srgb"
     else:
         values = _numbers(text, label, where)
+    # One number is grey.
     if len(values) == 1:
         values *= 3
     if len(values) != 3:
@@ -108,6 +111,7 @@ def _spectrum(element: Element, label: str, where: Path) -> Rgb:
     pairs = [part.partition(":") for part in re.split(r"[\s,]+", text.strip()) if part]
     wavelengths = [_number(low, label, where) for low, _, _ in pairs]
     values = [_number(high, label, where) for _, _, high in pairs]
+    # Wavelengths need not be in order in the file.
     order = np.argsort(wavelengths)
     at = np.linspace(0.0, 1.0, 64)
     bands = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))  # nm; red, green, blue
@@ -121,6 +125,7 @@ def _spectrum(element: Element, label: str, where: Path) -> Rgb:
 def _vector(
     element: Element, default: float, label: str, where: Path
 ) -> tuple[float, float, float]:
+    # Three numbers in one attribute, or one in each of x, y and z.
     if element.get("value") is not None:
         values = _numbers(element.get("value", ""), label, where)
         if len(values) == 1:
@@ -173,6 +178,7 @@ def rotation(axis: F64, angle_deg: float, where: object = "") -> F64:
     if length == 0.0:
         raise SceneError("a rotation's axis is zero", where=where)
     x, y, z = axis / length
+    # The matrix of the cross product with the axis.
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     angle = math.radians(angle_deg)
     matrix = np.eye(4)
@@ -195,6 +201,7 @@ def _lookat(step: Element, where: Path) -> F64:
     # Three axes at right angles.
     forward = forward / np.linalg.norm(forward)
     left = np.cross(up, forward)
+    # An up along the view says nothing of it: any other one will do.
     if np.linalg.norm(left) < 1e-9:
         left = np.cross((0.0, 1.0, 0.0) if abs(forward[1]) < 0.9 else (1.0, 0.0, 0.0), forward)
     left = left / np.linalg.norm(left)

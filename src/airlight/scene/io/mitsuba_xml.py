@@ -89,17 +89,20 @@ def _fill(
     node: Node, element: ElementTree.Element, reader: _Reader, path: Path, depth: int
 ) -> None:
     """Read the children of `element` into `node`."""
+    # Depth is bounded before Python's own recursion is.
     if depth > MAX_DEPTH:
         raise SceneError(f"elements are nested more than {MAX_DEPTH} deep", where=path)
     for child in element:
         _set_parameters(child, reader, path)
         tag, attributes = child.tag, child.attrib
+        # What stands for something else: defaults, other files, references.
         if tag == "default":
             reader.parameters.setdefault(attributes.get("name", ""), attributes.get("value", ""))
         elif tag == "include":
             _include(node, attributes.get("filename", ""), reader, path, depth)
         elif tag in ("ref", "alias"):
             _refer(node, tag, attributes, reader, path)
+        # Values and plugins of this node.
         elif tag in VALUE_TAGS:
             name = _snake(attributes.get("name", ""))
             node.values[name] = parse_value(child, path)
@@ -135,11 +138,13 @@ def _object(child: ElementTree.Element, reader: _Reader, path: Path, depth: int)
 
 def _include(node: Node, name: str, reader: _Reader, path: Path, depth: int) -> None:
     """The contents of another file's <scene>, or its one other element, put here."""
+    # Files that include each other twice would double at each level: their number is bounded.
     reader.includes += 1
     if reader.includes > MAX_INCLUDES:
         raise SceneError(f"more than {MAX_INCLUDES} files are included", where=path)
     target = reader.folders.find(name, path)
     root = _parse(target)
+    # A file may hold one element that is no scene.
     if root.tag != "scene":
         holder = ElementTree.Element("scene")
         holder.append(root)
@@ -148,6 +153,7 @@ def _include(node: Node, name: str, reader: _Reader, path: Path, depth: int) -> 
 
 
 def _refer(node: Node, tag: str, attributes: dict[str, str], reader: _Reader, path: Path) -> None:
+    # An alias is another id for what is there already.
     target = attributes.get("id", "")
     if tag == "alias":
         if target not in reader.nodes:
@@ -169,6 +175,7 @@ def _solve_references(reader: _Reader) -> None:
                 where=path,
                 remedy=nearest(target, reader.nodes),
             )
+        # Without a name of its own, the reference plays the role that the plugin has.
         name = node.children[place].name
         if name and name != found.name:
             # The same plugin in another role: it shares values, and what was read of them.
@@ -180,6 +187,7 @@ def _solve_references(reader: _Reader) -> None:
 
 def _set_parameters(element: ElementTree.Element, reader: _Reader, path: Path) -> None:
     """Put the parameters' values in place of $name, the longest name that fits first."""
+    # Steps of a transform are not visited by themselves, so their attributes are filled here.
     for inner in element.iter() if element.tag == "transform" else (element,):
         for key, text in inner.attrib.items():
             if "$" in text:
@@ -187,8 +195,10 @@ def _set_parameters(element: ElementTree.Element, reader: _Reader, path: Path) -
 
 
 def _with_values(text: str, reader: _Reader, path: Path) -> str:
+    # Each part after a $ begins with a parameter's name.
     first, *rest = text.split("$")
     parts = [first]
+    # The longest parameter that the text begins with is meant.
     lengths = sorted({len(name) for name in reader.parameters if name}, reverse=True)
     for part in rest:
         name = next((part[:n] for n in lengths if part[:n] in reader.parameters), None)

@@ -44,6 +44,7 @@ def load_mtl(path: Path, textures: TextureFiles) -> dict[str, Material]:
 
 
 def _material(block: Block, textures: TextureFiles) -> Material:
+    # Each group of statements gives some fields; the base texture may get the mask as alpha.
     values: dict[str, Any] = {"name": block.name}
     values.update(_reflection(block, textures))
     values.update(_coverage(block, textures, _base_texture(block, textures)))
@@ -56,6 +57,7 @@ def _material(block: Block, textures: TextureFiles) -> Material:
         textures.warnings.append(
             f"{block.path}: {listed} of '{block.name}' are not read and left out"
         )
+    # Options and spectra of statements that are read otherwise.
     parts = sorted({part for key in _READ for part in block.unread(key)})
     if parts:
         textures.warnings.append(
@@ -112,6 +114,7 @@ def _blinn_roughness(block: Block) -> float:
     Source: Walter2007, section 5.2 (matching Beckmann to Phong), with glTF's alpha = r^2.
     """
     exponent = block.number("ns")
+    # Without highlights the exponent says nothing: illum 0 and 1 are matte.
     if exponent is None or block.number("illum") in (0.0, 1.0):
         return 1.0
     return float((2.0 / (max(exponent, 0.0) + 2.0)) ** 0.25)
@@ -120,12 +123,14 @@ def _blinn_roughness(block: Block) -> float:
 def _roughness_metallic_maps(
     block: Block, textures: TextureFiles, metallic: float | None
 ) -> dict[str, Any]:
+    # Two grey images become channels of one.
     names = [block.image(key) for key in ("map_pr", "map_pm")]
     images = [textures.data(name.file) if name else None for name in names]
     packed = packed_roughness_metallic(images[0], images[1])
     if packed is None:
         return {}
     placed = next(name for name in names if name is not None).placed(packed)
+    # The factor of a metallic image is 1 unless Pm says it; without an image Pm alone counts.
     has_metal = images[1] is not None
     return {
         "metallic_roughness_texture": placed,
@@ -158,6 +163,7 @@ def _coverage(block: Block, textures: TextureFiles, base: Texture | None) -> dic
                 "alpha": alpha,
                 **({"is_blended": True} if is_blended else {"alpha_cutoff": 0.5}),
             }
+    # One opacity for all of the surface.
     if alpha == 1.0:
         return {"base_color_texture": base}
     return {"base_color_texture": base, "alpha": alpha, "is_blended": True}
@@ -181,6 +187,7 @@ def _normal_map(block: Block, textures: TextureFiles) -> dict[str, Any]:
     texture = textures.data(name.file) if name else None
     if name is None or texture is None:
         return {}
+    # Height maps have the same keys: in a normal map the mean pixel points outwards.
     if not _is_normal_map(texture):
         textures.warnings.append(
             f"{block.path}: '{name.file}' of '{block.name}' is a height map, not a normal map; "

@@ -34,6 +34,7 @@ def read_blocks(path: Path) -> list[Block]:
     # A backslash at its end continues a line.
     text = in_utf8(read_bytes(path)).decode("utf-8", "replace").replace("\\\n", " ")
     for number, line in enumerate(text.splitlines(), start=1):
+        # A statement ends at a comment; its keyword is in any case of letters.
         keyword, _, rest = line.split("#", 1)[0].strip().replace("\t", " ").partition(" ")
         if keyword.lower() == "newmtl":
             block = Block(rest.strip(), path)
@@ -105,6 +106,7 @@ class ImageName:
 
     def __init__(self, text: str) -> None:
         self.options: dict[str, list[str]] = {}
+        # Options come first, each with its own number of words.
         words = text.split(" ")
         while words and (words[0] in _OPTION_ARGUMENTS or words[0] in _VECTOR_OPTIONS):
             option = words.pop(0)
@@ -136,6 +138,7 @@ class ImageName:
         """
         (su, sv), (ou, ov) = self.vector("-s", 1.0), self.vector("-o", 0.0)
         clamped = self.options.get("-clamp") == ["on"]
+        # A texture that is neither scaled nor moved nor clamped is left as it is.
         if (su, sv, ou, ov) == (1.0, 1.0, 0.0, 0.0) and not clamped:
             return texture
         wrap: Any = ("clamp", "clamp") if clamped else ("repeat", "repeat")

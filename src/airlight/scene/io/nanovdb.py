@@ -110,6 +110,7 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
         at += _RECORD.size
         names.append(content[at : at + name_size].rstrip(b"\0").decode(errors="replace"))
         at += name_size
+        # Of a single grid the name does not matter.
         if names[-1] == wanted or count == 1:
             record = _Record(fields[4], fields[5], fields[12:15], fields[15:18], names[-1])
             found = record, _unpacked(content[at : at + packed_size], size, codec)
@@ -125,6 +126,7 @@ def _unpacked(packed: bytes, size: int, codec: int) -> bytes:
     # Sizes are checked before anything is unpacked: a few bytes can claim gigabytes.
     if size > MOST_UNPACKED * len(packed) + _TREE_OFFSET:
         raise SceneError(f"is damaged: {len(packed):,} bytes cannot hold a grid of {size:,}")
+    # One byte more is asked for than there should be, which shows a false size.
     if codec == _ZIP:
         stream = zlib.decompressobj()
         packed = stream.decompress(packed[8:], size + 1)
@@ -149,6 +151,7 @@ def _without_blosc(packed: bytes, size: int) -> bytes:
     while left > 0:
         (length,) = _LENGTH.unpack_from(packed, at)
         at += _LENGTH.size
+        # The chunk's own header repeats its length, and says to how much it unpacks.
         whole, _, said = _BLOSC_SIZES.unpack_from(packed, at)
         if whole > left or said != length or at + length > len(packed) or not whole:
             raise ValueError("a Blosc chunk of the wrong size")
@@ -177,6 +180,7 @@ def check_span(size: NDArray[np.int64], file_bytes: int) -> None:
 
 def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
     """The tree spread over the box of its active voxels."""
+    # Quantised kinds keep other values than floats.
     if record.kind != _FLOAT:
         raise SceneError(
             f"holds values of NanoVDB's type {record.kind}, only 32-bit floats are read",
@@ -230,6 +234,7 @@ def _blocks(
         key = int(tile["key"])
         low = [_signed(key >> shift) << 12 for shift in (42, 21, 0)]
         _paint(blocks, corner, np.array(low) // 8, tile["value"].reshape(1, 1, 1), 512)
+    # Each table holds values where there is no child; those of children are painted over later.
     for nodes, side, bits in ((upper, 16, 12), (lower, 1, 7)):
         for node in nodes:
             low = node["low"].astype(np.int64) >> bits << bits
@@ -250,6 +255,7 @@ def _paint(
     """Put a node's values, `side` blocks across each, where it overlaps the blocks."""
     # Per axis: which blocks it covers, and in which of its values each of them lies.
     offsets = [int(n) for n in corner - low]
+    # The overlap of the node with the blocks, along each axis.
     covered = [
         np.arange(max(0, -offset), min(count, side * values - offset))
         for offset, count, values in zip(offsets, blocks.shape, table.shape, strict=True)
@@ -265,6 +271,7 @@ def _with_leaves(blocks: F32, corner: NDArray[np.int64], leaves: NDArray[np.void
     """Voxels (x, y, z) of all blocks, those of the leaves in full."""
     x, y, z = blocks.shape
     shape = (x, 8, y, 8, z, 8)
+    # Each block's value fills its 8^3 voxels, until a leaf has better ones.
     voxels = np.broadcast_to(blocks[:, None, :, None, :, None], shape).copy()
     at = (leaves["low"] >> 3) - corner
     here = ((at >= 0) & (at < blocks.shape)).all(axis=1)

@@ -82,6 +82,7 @@ def xarray_names(path: Path) -> list[str]:
 
 
 def _names(dataset: Any) -> list[str]:
+    # Numbers along three axes at least that have more than one cell.
     return [
         str(name)
         for name, variable in dataset.data_vars.items()
@@ -100,6 +101,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of attributes that are not as the conventions say
+            # Times stay numbers: only the first is read.
             with xarray.open_dataset(
                 path, engine=engine, decode_times=False, cache=False
             ) as dataset:
@@ -147,6 +149,7 @@ def _check_folder(path: Path) -> None:
         regular_file(path)
         raise SceneError("is no zarr folder", remedy="Unpack it: a zarr store is a folder here.")
     count = 0
+    # Reading a store opens any of its files, so none of them may lead out of it.
     for folder, _, files in os.walk(path):
         count += len(files)
         if count > _MOST_PARTS:
@@ -173,6 +176,7 @@ def _check_hdf5(path: Path) -> None:
             link = group.get(name, getlink=True)
             if isinstance(link, h5py.ExternalLink):
                 raise outside
+            # Soft links lead to what the file holds, under its own name.
             if not isinstance(link, h5py.HardLink):
                 continue
             found = group[name]
@@ -201,6 +205,7 @@ def _wrf_lines(dataset: Any) -> dict[str, F64]:
             lines[name] = (np.arange(dataset.sizes[name]) + 0.5) * float(dataset.attrs[key])
     if "PH" in dataset and "PHB" in dataset and "bottom_top_stag" in dataset["PH"].dims:
         whole = (dataset["PH"] + dataset["PHB"]).isel(Time=0) / _GRAVITY
+        # Levels lie between the edges of a staggered grid.
         edges = np.asarray(whole.mean(("south_north", "west_east")).values, np.float64)
         lines["bottom_top"] = 0.5 * (edges[1:] + edges[:-1])
     return lines
@@ -234,6 +239,7 @@ def _along_axes(
         kept = [replace(axis, letter=letter) for axis, letter in zip(kept, "ZYX", strict=True)]
         names = ", ".join(axis.name for axis in kept)
         told.append(f"{file} does not say which way its axes go: {names} are height, y, x")
+    # Height first, as grids of the world come here.
     order = [next(a for a in kept if a.letter == letter) for letter in "ZYX"]
     values = variable.transpose(*(axis.name for axis in order)).values
     return values, order, tuple(told)
@@ -242,6 +248,7 @@ def _along_axes(
 def _axis(variable: Any, name: str, lines: dict[str, F64]) -> Axis:
     size = int(variable.sizes[name])
     centres, attributes = lines.get(name), {"units": "m"} if name in lines else {}
+    # Coordinates of the dimension itself win over those from WRF's attributes.
     if name in variable.coords and variable.coords[name].ndim == 1:
         found = variable.coords[name]
         if found.dtype.kind in "fiu":
@@ -280,6 +287,7 @@ def _mended(values: NDArray[np.float32], file: str) -> tuple[NDArray[np.float32]
         values = np.nan_to_num(values, nan=0.0, posinf=np.inf, neginf=-np.inf)
         told.append(f"{file} has {missing:,} missing values, taken as 0")
     least, most = float(values.min(initial=0.0)), float(values.max(initial=0.0))
+    # Values a little below 0 are what rounding leaves, no mistake of the file.
     if 0.0 > least >= -1e-3 * most:
         values = np.maximum(values, np.float32(0.0))
         told.append(f"{file} has values of rounding below 0, taken as 0")

@@ -43,8 +43,10 @@ def creased_normals(
     row_of_vertex = np.cumsum(~is_rough, dtype=triangles.dtype) - 1
     smooth = sums[~is_rough]
     index = row_of_vertex[triangles]
+    # Without rough vertices that is all.
     if not is_rough.any():
         return _unit(smooth), index
+    # Corners at rough vertices, told apart by their sets of joined faces.
     corner = np.flatnonzero(is_rough[triangles])
     rough_sums, keys = _rough_sums(positions, triangles, corner, is_flat)
     _, first, row = np.unique(keys, return_index=True, return_inverse=True)
@@ -53,6 +55,7 @@ def creased_normals(
 
 
 def _unit(sums: F64) -> F64:
+    # A sum of no length has no direction: +Y stands in.
     length = np.linalg.norm(sums, axis=1, keepdims=True)
     return np.where(length > 1e-12, sums / np.maximum(length, 1e-300), np.array((0.0, 1.0, 0.0)))
 
@@ -91,6 +94,7 @@ def _faces_and_angles(positions: F64, triangles: Ints) -> tuple[F64, F64]:
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1, keepdims=True)
     faces: F64 = np.where(length > 0.0, cross / np.maximum(length, 1e-300), 0.0)
+    # The angle between the edges to the next corner and to the one before.
     ahead = np.roll(corners, -1, axis=1) - corners
     behind = np.roll(corners, 1, axis=1) - corners
     dot = np.einsum("tkc,tkc->tk", ahead, behind)
@@ -129,6 +133,7 @@ class _Around:
         self, positions: F64, triangles: Ints, corners: I64, is_flat: NDArray[np.bool_] | None
     ) -> None:
         count = len(corners)
+        # Each triangle's normal and angles are computed once for all of its corners.
         triangle = corners // 3
         touched, row = np.unique(triangle, return_inverse=True)
         faces, angles = np.empty((len(touched), 3)), np.empty((len(touched), 3))
@@ -137,6 +142,7 @@ class _Around:
         self.face = faces[row]
         self.weighted = self.face * angles[row, corners - 3 * triangle][:, None]
         self.is_sliver = np.equal(np.abs(self.face).max(axis=1), 0.0)
+        # A flat face joins none but those in its own plane.
         self.limit = np.full(count, CREASE_COSINE)
         if is_flat is not None:
             self.limit[is_flat[triangle]] = _COPLANAR_COSINE
@@ -145,6 +151,7 @@ class _Around:
 
     def sums(self, starts: I64, sizes: I64) -> tuple[F64, I64]:
         """For the corners of the vertices that start at `starts`: normal sums and set keys."""
+        # Vertices of too many faces have one pair for each corner: with itself.
         per_vertex = np.where(sizes > _MAX_FACES_AT_A_VERTEX, 1, sizes)
         count = np.repeat(per_vertex, sizes)
         corners = np.arange(starts[0], starts[0] + sizes.sum())
@@ -169,6 +176,7 @@ def compact(corners: Ints) -> tuple[Ints, NDArray[np.uint32]]:
     flat = corners.reshape(-1, corners.shape[-1])
     if len(flat) == 0:
         return flat, np.zeros((0, 3), np.uint32)
+    # Numbers that are sparse would need large tables: such rows are sorted at once.
     lead = flat[:, 0] + 1
     if int(lead.max()) > 8 * len(flat):
         rows, _, inverse = _sorted_rows(flat)
@@ -177,7 +185,9 @@ def compact(corners: Ints) -> tuple[Ints, NDArray[np.uint32]]:
     sample = np.zeros(int(lead.max()) + 1, np.int64)
     is_used = np.zeros(len(sample), dtype=bool)
     is_used[lead] = True
+    # Any row of a value may be its sample.
     sample[lead] = np.arange(len(flat))
+    # A value is mixed where a row of it differs from its sample.
     is_mixed = np.zeros(len(sample), dtype=bool)
     for part in chunks(len(flat)):
         differs = (flat[part] != flat[sample[lead[part]]]).any(axis=1)
@@ -189,8 +199,10 @@ def compact(corners: Ints) -> tuple[Ints, NDArray[np.uint32]]:
     counts += np.bincount(distinct[:, 0] + 1, minlength=len(counts)) - is_mixed
     starts = np.cumsum(counts) - counts
     within = np.arange(len(distinct)) - np.searchsorted(distinct[:, 0], distinct[:, 0])
+    # Where each corner's row will stand: mixed ones by their place within the value.
     indices = starts.astype(np.uint32)[lead]
     indices[several] += within[inverse].astype(np.uint32)
+    # Which old row each new one is.
     chosen = np.empty(int(counts.sum()), np.int64)
     single = np.flatnonzero(is_used & ~is_mixed)
     chosen[starts[single]] = sample[single]

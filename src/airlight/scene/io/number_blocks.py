@@ -35,6 +35,7 @@ def _token_starts(data: Bytes) -> NDArray[np.bool_]:
 
 def token_counts(text: bytes) -> I64:
     """How many words stand on each line."""
+    # Of each line's end, how many words had begun up to there.
     data = np.frombuffer(text, dtype=np.uint8)
     ends = np.flatnonzero(data == NEWLINE)
     total = np.cumsum(_token_starts(data))
@@ -53,6 +54,7 @@ def slashes_per_token(text: bytes) -> I64:
 def rows_of(values: Floats, sizes: I64, start: int, width: int) -> Floats:
     """Numbers start .. start + width of each line, (n, width)."""
     rows: Floats
+    # Lines of one length are a table; of others the first numbers are picked.
     if len(sizes) and (sizes == sizes[0]).all():
         rows = values.reshape(len(sizes), -1)[:, start : start + width].copy()
     else:

@@ -62,6 +62,7 @@ class Archive:
         """An array of one of NumPy's `kinds`. Raises SceneError where there is none of the name."""
         if name not in self.names:
             raise SceneError(f"has no array '{name}'", remedy=nearest(name, self.names))
+        # The directory's sizes are checked before anything is unpacked.
         about = self._held.getinfo(f"{name}.npy")
         if about.file_size > max(MODEST_BYTES, MOST_UNPACKED * about.compress_size):
             raise SceneError(
@@ -122,6 +123,7 @@ def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     start = stream.read(8)
     if len(start) < 8 or not start.startswith(_MAGIC) or start[6] not in (1, 2, 3):
         raise damaged
+    # The version says how many bytes the header's length has.
     length = int.from_bytes(stream.read(2 if start[6] == 1 else 4), "little")
     if length > _LONGEST_HEADER:
         raise damaged
@@ -130,6 +132,7 @@ def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     try:
         with python_warnings.catch_warnings():
             python_warnings.simplefilter("ignore")  # of Python that is not quite Python
+            # The header is a Python literal, of which nothing is run.
             header = ast.literal_eval(text.strip())
         shape, is_fortran, kind = (header[key] for key in ("shape", "fortran_order", "descr"))
         dtype = np.dtype(kind) if isinstance(kind, str) else None
@@ -137,6 +140,7 @@ def _header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
         raise damaged from None
     if dtype is None:
         raise SceneError("holds records, it must hold numbers")
+    # A shape that no array can have, or whose product overflows.
     is_shape = isinstance(shape, tuple) and len(shape) <= 32
     if not is_shape or not all(type(n) is int and n >= 0 for n in shape):
         raise SceneError(f"has the impossible shape {str(shape)[:80]}")

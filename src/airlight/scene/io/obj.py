@@ -34,6 +34,7 @@ def load_obj(path: Path) -> Scene:
     """
     data = parse_obj(in_utf8(read_bytes(path)), path)
     textures = TextureFiles(path)
+    # What the file says and is not shown.
     if data.unread:
         listed = ", ".join(f"'{keyword}'" for keyword in data.unread)
         textures.warnings.append(f"{path}: its statements {listed} are not read and left out")
@@ -95,10 +96,12 @@ def _meshes(data: ObjData, triangles: _Triangles, materials: list[Material]) -> 
 def _geometry(data: ObjData, corners: I64, normals: Floats) -> Geometry:
     # A vertex for each combination of position, coordinates and normal.
     rows, indices = compact(corners)
+    # Coordinates where any corner has some; v is turned downwards.
     uvs: NDArray[np.float32] | None = None
     if (rows[:, 1] >= 0).any():
         given = np.concatenate([data.uvs, [[0.0, 1.0]]])[rows[:, 1]]  # -1 is the last row
         uvs = np.stack([given[:, 0], 1.0 - given[:, 1]], axis=1).astype(np.float32)
+    # Colours of vertices, linear, without alpha.
     colors: NDArray[np.float32] | None = None
     if data.colors is not None:
         rgb = srgb_decode(data.colors[rows[:, 0]])
@@ -120,6 +123,7 @@ def _unit(normals: Floats) -> NDArray[np.float32]:
 
 def _materials(data: ObjData, path: Path, textures: TextureFiles) -> list[Material]:
     """A material for each name the file uses; unknown ones become the default, with a warning."""
+    # Later libraries replace materials of the same name.
     known: dict[str, Material] = {}
     for library in _libraries(data, path, textures):
         known.update(load_mtl(library, textures))
@@ -136,6 +140,7 @@ def _libraries(data: ObjData, path: Path, textures: TextureFiles) -> list[Path]:
     """The material files that exist. One statement may name several, or one with spaces."""
     found: list[Path] = []
     for statement in data.libraries:
+        # The whole statement as one name first, as names may hold spaces.
         whole = textures.find(statement)
         several = [whole] if whole else [textures.find(name) for name in statement.split()]
         found += [library for library in several if library is not None]

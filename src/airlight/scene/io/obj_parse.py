@@ -71,6 +71,7 @@ def parse_obj(raw: bytes, path: Path) -> ObjData:
     face_lines = lines.of(_FACE)
     absent = []
     for column, kind in enumerate((_V, _VT, _VN)):
+        # Indices of texture coordinates or normals of which there are none are dropped.
         if kind != _V and not len(lines.of(kind)) and corners[:, column].any():
             absent.append(_KIND_NAMES[kind])
             corners[:, column] = 0  # as if the faces did not name them
@@ -99,12 +100,14 @@ class _Lines:
 
     def __init__(self, raw: bytes, path: Path) -> None:
         self.path = path
+        # Other white space and line ends become spaces and newlines, so that masks find words.
         text = raw.translate(bytes.maketrans(b"\t\f\v", b"   "))
         text = text.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         # A continued line keeps its length in bytes, but its parts become one line.
         text = text.replace(b"\\\n", b"  ")
         text = re.sub(rb"(?m)^ +", b"", text) + b"\n\n"
         self.data: Bytes = np.frombuffer(text, dtype=np.uint8).copy()
+        # Where each line begins and ends, and by its first three bytes of which kind it is.
         ends = np.flatnonzero(self.data == NEWLINE)[:-1]
         self.starts: I64 = np.concatenate([[0], ends[:-1] + 1]).astype(np.int64)
         self.ends: I64 = ends.astype(np.int64)
@@ -125,6 +128,7 @@ class _Lines:
         """The lines of a kind, one after the other, without keyword and comments."""
         data = self.data.copy()
         starts = self.starts[self.kind == kind]
+        # The keyword becomes blanks, which the number parser skips.
         data[starts] = SPACE
         if kind in (_VT, _VN):
             data[starts + 1] = SPACE
@@ -153,6 +157,7 @@ class _Lines:
             rows = np.stack([values[first], second], axis=1)
         else:
             rows = rows_of(values, sizes, 0, width)
+        # Geometries keep them in single precision, where they have to be finite, too.
         with np.errstate(over="ignore"):
             bad = np.flatnonzero(~np.isfinite(rows.astype(np.float32)).all(axis=1))
         if len(bad):
@@ -168,6 +173,7 @@ class _Lines:
     def corners(self) -> tuple[I64, I64]:
         """Corners of all polygons (C, 3) as written, 0 where absent; and corners per polygon."""
         # Every corner as a/b/c, with 0 for what it leaves out.
+        # A corner may end in slashes without an index.
         text = self.text(_FACE)
         if b"/\n" in text or b"/ " in text:
             text = re.sub(rb"/+(?=[ \n])", b"", text)
@@ -178,6 +184,7 @@ class _Lines:
         slashes = slashes_per_token(text)
         if values is None or len(values) != len(slashes) + slashes.sum() or (slashes > 2).any():
             raise self._unreadable(_FACE, text.replace(b"/", b" "))
+        # A corner has one number, and one more after each slash.
         first = np.cumsum(slashes + 1) - (slashes + 1)
         last = len(values) - 1
         corners = np.zeros((len(first), 3), dtype=np.int64)
@@ -259,6 +266,7 @@ def _unread(lines: _Lines) -> tuple[str, ...]:
 
 def _latest(changes: list[tuple[int, int]], at: I64) -> I64:
     numbers, values = np.array(changes, dtype=np.int64).T
+    # The last change on a line before each face; every list begins with one at line -1.
     latest: I64 = values[np.searchsorted(numbers, at) - 1]
     return latest
 
@@ -273,6 +281,7 @@ def _resolve(
     before = np.searchsorted(kind_lines, lines)
     resolved = np.where(written < 0, before + written, written - 1)
     bad = (resolved < 0) | (resolved >= len(kind_lines))
+    # A vertex always has a position; other indices may be absent.
     bad &= ~absent if kind != _V else True
     if bad.any():
         at = int(np.flatnonzero(bad)[0])

@@ -52,6 +52,7 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
         _check_head(stream)
         found = _descriptors(stream)
         names = [grid.name for grid in found]
+        # Of several grids one has to be named.
         if len(found) != 1 and wanted not in names:
             raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
         chosen = found[0] if len(found) == 1 else found[names.index(wanted)]
@@ -90,6 +91,7 @@ def _check_head(stream: VdbStream) -> None:
         raise SceneError(
             "is a .vdb stream without offsets of its grids", remedy="Write it to a file instead."
         )
+    # Id and metadata of the file are passed over.
     stream.take(_UUID_BYTES)
     _metadata(stream)
 
@@ -99,6 +101,7 @@ def _descriptors(stream: VdbStream) -> list[_Descriptor]:
     (count,) = stream.unpack("<I")
     found = []
     for _ in range(count):
+        # A descriptor, and where its grid begins, where its values do, and where it ends.
         name, kind, parent = (stream.text() for _ in range(3))
         at, blocks, end = stream.unpack("<3q")
         if not 0 <= at <= end <= len(stream.data) or not at <= blocks <= end:
@@ -134,6 +137,7 @@ def _grid(stream: VdbStream, chosen: _Descriptor, found: list[_Descriptor]) -> S
         if not parents or parents[0].parent:
             raise VdbError(f"'{chosen.name}' shows '{chosen.parent}', which it does not hold")
         source = parents[0]
+        # The parent's own head is passed over, as the instance has its own metadata and place.
         stream.at = source.at
         (compression,) = stream.unpack("<I")
         _metadata(stream)

@@ -100,6 +100,7 @@ class _Values:
 
     def read(self, mask: NDArray[np.bool_]) -> F32:
         """(n,) or (n, 3) values of a node, whose active ones the (n,) `mask` says."""
+        # A sparse node stores its active values alone, and what the others are beside them.
         inactive, selected = self._inactive(len(mask))
         is_sparse = bool(self.compression & _ACTIVE_MASK) and inactive is not None
         stored = self._stored(int(mask.sum()) if is_sparse else len(mask))
@@ -126,6 +127,7 @@ class _Values:
                 second = self.one()
         elif kind not in (_ALL_MINUS_BACKGROUND, _MASK_OF_BACKGROUNDS):
             raise VdbError(f"a node's inactive values are of the unknown kind {kind}")
+        # The mask says which of the two values each inactive voxel has.
         has_mask = kind in (_MASK_OF_BACKGROUNDS, _MASK_AND_ONE_VALUE, _MASK_AND_TWO_VALUES)
         return (first, second), self.stream.mask(count) if has_mask else none
 
@@ -230,9 +232,11 @@ def _read_inner(values: _Values, corner: Corner, level: int, found: _Found) -> N
     stream, log2 = values.stream, _LEVELS[level]
     side = 1 << (_LEAF_LOG2 + sum(_LEVELS[level + 1 :]))
     count = 1 << 3 * log2
+    # Which cells have nodes below them, and which of the others are active.
     has_child, is_active = stream.mask(count), stream.mask(count)
     tiles = values.read(is_active)
     offsets = np.arange(count)
+    # The x offset is in the highest bits of a cell's number, z in the lowest.
     cells = np.stack([offsets >> 2 * log2, offsets >> log2, offsets], axis=1) & ((1 << log2) - 1)
     corners = np.array(corner, dtype=np.int64) + side * cells
     # Inactive tiles of the background are what the box holds anyway.
@@ -240,6 +244,7 @@ def _read_inner(values: _Values, corner: Corner, level: int, found: _Found) -> N
     is_tile = ~has_child & (is_active | is_other)
     if is_tile.any():
         found.tiles.append((corners[is_tile], side, tiles[is_tile], is_active[is_tile]))
+    # Nodes below follow each other, depth first.
     for below in corners[has_child].tolist():
         if level + 1 < len(_LEVELS):
             _read_inner(values, tuple(below), level + 1, found)

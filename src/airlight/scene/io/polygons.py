@@ -26,6 +26,7 @@ def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
     Polygons that are not flat are judged in their mean plane; those without area, or that cross
     themselves so that no ear can be clipped, become fans.
     """
+    # A polygon of n corners gives n - 2 triangles, whatever way it is cut.
     count = np.maximum(sizes - 2, 0)
     polygon = np.repeat(np.arange(len(count)), count)
     starts = np.cumsum(sizes) - sizes
@@ -37,6 +38,7 @@ def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
     columns = np.ascontiguousarray(positions.T)
     for size in np.unique(sizes[sizes > 3]).tolist():
         rows = np.flatnonzero(sizes == size)
+        # Parts bound the memory.
         for part in np.array_split(rows, -(-len(rows) * size // _AT_ONCE)):
             if size == 4:
                 _turn_quads(columns, corners, starts[part], at, begins[part])
@@ -47,6 +49,7 @@ def triangulated(positions: F64, corners: I64, sizes: I64) -> tuple[I64, I64]:
 
 def _turn_quads(columns: F64, corners: I64, starts: I64, at: I64, begins: I64) -> None:
     """Cut quads by their other diagonal in `at` where the first lies outside of them."""
+    # Where the two triangles face different ways the diagonal from b to d may lie inside.
     a, b, c, d = (columns[:, corners[starts + k]] for k in range(4))
     folded = np.flatnonzero(_bend(a, b, c, d) < 0.0)
     a, b, c, d = (corner[:, folded] for corner in (a, b, c, d))
@@ -71,6 +74,7 @@ def _cut_concave(
     """Replace the fans of the concave ones of polygons of one size, in `at`."""
     number = starts[:, None] + np.arange(size)
     shape = positions[corners[number]]
+    # About the polygon's middle, so that products of small differences keep their digits.
     shape = shape - shape.mean(axis=1, keepdims=True)
     ahead = np.roll(shape, -1, axis=1)
     normal = np.cross(shape, ahead).sum(axis=1)  # twice the area, Newell's normal
@@ -80,6 +84,7 @@ def _cut_concave(
     left = np.einsum("fkc,fc->fk", turn, normal)
     limit = _STRAIGHT * np.square(np.abs(shape).max(axis=(1, 2))) * np.linalg.norm(normal, axis=1)
     is_reflex = left < -limit[:, None]
+    # Without such a corner the fan stays.
     for k in np.flatnonzero(is_reflex.any(axis=1)).tolist():
         cut = _clipped(shape[k], normal[k])
         if cut is not None:

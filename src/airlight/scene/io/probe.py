@@ -33,7 +33,7 @@ class Hits:
 
 
 class Probe:
-    """The opaque triangles of a scene in world space, largest first.
+    """The triangles of a scene in world space, largest first; glass counts as opaque.
 
     `corners` (T, 3, 3) metres, `mesh` (T,) the mesh each belongs to, `normals` (T, 3) unit.
     """
@@ -45,7 +45,7 @@ class Probe:
 
     @classmethod
     def of(cls, scene: Scene, max_triangles: int = MAX_TRIANGLES) -> Probe:
-        """The largest opaque triangles of a scene; those without area are left out."""
+        """The largest triangles of a scene; those without area are left out."""
         largest = _largest_areas(scene.meshes)
         held, least = cls(np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, np.int64)), 0.0
         for k, mesh in enumerate(scene.meshes):
@@ -61,6 +61,7 @@ class Probe:
         """The probe with triangles (T, 3, 3) of a mesh, cut to the largest; least area, twice."""
         corners = np.concatenate([self.corners, added])
         owner = np.append(self.mesh, np.full(len(added), mesh))
+        # New triangles compete with those held before; the smallest make room.
         cross, area = _areas(corners)
         keep = np.argsort(-area, kind="stable")[:max_triangles]
         least = float(area[keep[-1]]) if len(keep) else 0.0
@@ -83,6 +84,7 @@ class Probe:
         ]
         distance = np.concatenate([np.zeros(0), *(part[0] for part in parts)])
         nearest = np.concatenate([np.zeros(0, int), *(part[1] for part in parts)])
+        # A ray meets a front where it goes against the surface's normal.
         hit = np.isfinite(distance)
         facing = np.zeros(len(distance))
         facing[hit] = np.einsum("rk,rk->r", self.normals[nearest[hit]], directions[hit])
@@ -103,11 +105,13 @@ class Probe:
         # matrix product: (o - a) . (d x e) = e . (o x d) - d . (e x a).
         ray = _single(np.hstack([np.cross(origins, directions), directions]))
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Rays along a triangle's plane divide by zero; the comparisons below fail for them.
             inverse = 1.0 / -(ray[:, 3:] @ _single(normal).T)
             u = ray @ _single(np.hstack([edge2, -np.cross(edge2, a)])).T
             u *= inverse
             v = ray @ _single(np.hstack([-edge1, np.cross(edge1, a)])).T
             v *= inverse
+            # The distance along the ray, from the plane's equation.
             t = _single(origins) @ _single(normal).T
             t -= _single(np.einsum("tk,tk->t", a, normal))
             t *= inverse
@@ -126,6 +130,7 @@ class Probe:
         for row, point in enumerate(points):
             a, b, c = (self.corners - point).transpose(1, 0, 2)
             la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+            # tan(angle / 2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b).
             volume = np.einsum("tk,tk->t", a, np.cross(b, c))
             dots = [np.einsum("tk,tk->t", v, w) for v, w in ((a, b), (b, c), (c, a))]
             beside = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
@@ -179,6 +184,7 @@ def _single(values: F64) -> F32:
 
 
 def _plane(direction: F64) -> F64:
+    # From the axis that the direction is least along, so that the cross product is long.
     """Two unit vectors (2, 3) across a unit direction."""
     other = np.eye(3)[int(np.abs(direction).argmin())]
     u = np.cross(direction, other)
@@ -188,11 +194,12 @@ def _plane(direction: F64) -> F64:
 
 def _largest_triangles(mesh: Mesh, count: int) -> F64:
     """Corners (T, 3, 3) in world space of the `count` largest triangles that have an area, in
-    their order; none of a mesh that lets light through."""
+    their order; none of a mesh that is cut out whole, its alpha below its cutoff."""
     material = mesh.material
     if material.alpha < material.alpha_cutoff:
         return np.zeros((0, 3, 3))
     matrix, indices = mesh.world_from_object, mesh.geometry.indices
+    # Areas in the world, as placements scale meshes.
     placed = mesh.geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
     area = np.empty(len(indices))
     for part in chunks(len(indices)):
@@ -233,6 +240,7 @@ def _areas(corners: F64) -> tuple[F64, F64]:
 def sphere_directions(count: int) -> F64:
     """`count` unit vectors spread evenly over the sphere (a Fibonacci spiral), (count, 3)."""
     k = np.arange(count) + 0.5
+    # Rings of equal area along y, each turned by the golden angle.
     y = 1.0 - 2.0 * k / count
     angle = k * np.pi * (3.0 - 5.0**0.5)
     across = np.sqrt(1.0 - y * y)

@@ -26,6 +26,7 @@ def decode(raw: bytes, path: Path) -> F32:
     Raises SceneError, naming `path`, for bytes that are not one or end early.
     """
     if not raw.startswith(b"#?"):
+        # Header lines end with an empty one; what follows is the size, then pixels.
         raise SceneError("not a Radiance HDR file", where=path)
     header, _, rest = raw.partition(b"\n\n")
     if b"32-bit_rle_xyze" in header:
@@ -38,6 +39,7 @@ def decode(raw: bytes, path: Path) -> F32:
     height, width = int(size[3]), int(size[6])
     if height * width == 0:
         raise SceneError(f"an image of {width} x {height} pixels cannot be", where=path)
+    # Sizes are checked against the file before any memory is taken for pixels.
     check_size(width, height, len(raw), path)
     if len(body) < height * _fewest_bytes(width):
         raise SceneError("the file is truncated or damaged", where=path)
@@ -59,12 +61,14 @@ def _fewest_bytes(width: int) -> int:
 def _exposure(header: bytes, path: Path) -> float:
     """Radiance divides by the product of all EXPOSURE lines. Raises SceneError."""
     product = 1.0
+    # Each line tells of a scaling that a program has done, which is undone.
     for written in re.findall(rb"(?m)^EXPOSURE=[ \t]*(.*)$", header):
         text = written.decode("ascii", "replace").strip()
         try:
             product *= float(text)
         except ValueError:
             product = math.nan
+        # NaN is in no range either.
         if not _LEAST_EXPOSURE <= product <= 1.0 / _LEAST_EXPOSURE:
             raise SceneError(
                 f"its EXPOSURE={text[:40]} is not from {_LEAST_EXPOSURE:g} to "
@@ -75,6 +79,7 @@ def _exposure(header: bytes, path: Path) -> float:
 
 
 def _radiance(quads: NDArray[np.uint8]) -> F32:
+    # Exponents are stored plus 128, and mantissas count 256ths; exponent 0 is black.
     exponent = quads[..., 3].astype(np.int32)
     scale = np.where(exponent > 0, np.ldexp(1.0, exponent - 136), 0.0)
     # Ward adds half a step; everyone else's readers do not, and black must stay black.
@@ -124,6 +129,7 @@ def _unpacked(body: bytes, at: int, count: int) -> tuple[bytearray, int]:
 def encode(radiance: F32) -> bytes:
     """The bytes of a .hdr file of linear (H, W, 3); negative and NaN become 0; not packed."""
     height, width = radiance.shape[:2]
+    # Infinite pixels become a number that the format's exponent can hold.
     c = np.clip(np.nan_to_num(radiance.astype(np.float64), posinf=1e38), 0.0, 1e38)
     peak = c.max(axis=2)
     _, exponent = np.frexp(peak)

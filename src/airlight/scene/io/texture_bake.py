@@ -74,6 +74,7 @@ class Baked:
 
 def baked(texture: Texture, charts: Charts, *, is_normal: bool = False) -> Baked:
     """`texture` in the coordinates `charts.to`; tangent-space normals are turned with it."""
+    # Without an area in the new image there is nothing to draw.
     solid = charts.solid()
     if not len(solid.to):
         return Baked(texture, 1.0, is_coarse=False)
@@ -106,6 +107,7 @@ def _edges(corners: F64) -> F64:
 
 def _size(texture: Texture, charts: Charts, span: F64) -> tuple[Ints, bool]:
     """Width and height of the new image; whether the old one has finer texels."""
+    # How many old texels one unit of the new coordinates crosses, for nearly all triangles.
     height, width = texture.pixels.shape[:2]
     per_unit = np.linalg.norm(charts.jacobians * np.array([[width], [height]]), axis=1)
     wanted = np.percentile(per_unit, 95.0, axis=0) * span
@@ -132,8 +134,10 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
         inside: F64 = _depth(placed.to[which], centre)
         near = inside >= -MARGIN
         which, texel, away, inside = which[near], texel[near], away[near], inside[near]
+        # Each texel by its triangle's map, in the old image.
         at = placed.source[which, 0] + np.einsum("nij,nj->ni", jacobians[which], away)
         values = _interpolated(old, at, texture.wrap)
+        # Normal maps are in the frame of their texture coordinates, which turn, too.
         if is_normal:
             values = _turned(values, jacobians[which])
         # Of several triangles the one that the texel lies deepest in.
@@ -154,6 +158,7 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
 
 def _covered(corners: F64, width: int, height: int) -> Iterator[tuple[Ints, Ints]]:
     """(triangle, texel) of the boxes around triangles, in batches."""
+    # The box of each triangle with its margin, within the image.
     most = np.array([width, height]) - 1
     low = np.clip(np.floor(corners.min(axis=1) - MARGIN), 0, most).astype(np.int64)
     high = np.clip(np.ceil(corners.max(axis=1) + MARGIN), 0, most).astype(np.int64)
@@ -184,6 +189,7 @@ def _depth(corners: F64, at: F64) -> F64:
     """How far inside its triangle (N, 3, 2) a point (N, 2) lies; negative outside."""
     edge = np.roll(corners, -1, axis=1) - corners
     away = at[:, None] - corners
+    # Distances from the edges' lines, counted inwards whichever way the corners go round.
     side = np.sign(np.linalg.det(_edges(corners)))[:, None]
     cross = edge[..., 0] * away[..., 1] - edge[..., 1] * away[..., 0]
     length = np.maximum(np.linalg.norm(edge, axis=-1), 1e-30)
@@ -193,8 +199,10 @@ def _depth(corners: F64, at: F64) -> F64:
 def _old_image(texture: Texture, placed: Charts) -> F64:
     """(H, W, 4) linear values, averaged where the new image has texels of twice the size."""
     values = texture.pixels / 255.0
+    # Filtering is of light, not of code values.
     if texture.is_srgb:
         values[..., :3] = srgb_decode(values[..., :3])
+    # Old texels per new one, along each axis: halved until there are fewer than two.
     per_texel = np.median(np.linalg.norm(placed.jacobians, axis=2), axis=0)
     for axis, row in ((0, 1), (1, 0)):
         while per_texel[row] * values.shape[axis] >= 2.0 and values.shape[axis] % 2 == 0:
@@ -204,6 +212,7 @@ def _old_image(texture: Texture, placed: Charts) -> F64:
 
 
 def _interpolated(image: F64, at: F64, wrap: tuple[Wrap, Wrap]) -> F64:
+    # Texel centres lie at half numbers; the four around each point, wrapped.
     """Bilinear values (N, 4) at `at` (N, 2), whose 1 is the image's side."""
     size = np.array(image.shape[1::-1])
     place = at * size - 0.5
@@ -219,6 +228,7 @@ def _interpolated(image: F64, at: F64, wrap: tuple[Wrap, Wrap]) -> F64:
 
 def _wrapped(texel: Ints, count: int, wrap: Wrap) -> Ints:
     if wrap == "clamp":
+        # A mirrored image has a period of two, of which the second half runs backwards.
         return np.clip(texel, 0, count - 1)
     if wrap == "mirror":
         return np.minimum(texel % (2 * count), 2 * count - 1 - texel % (2 * count))
@@ -231,6 +241,7 @@ def _turned(values: F64, jacobians: F64) -> F64:
     A normal map's frame are the gradients of u and v (`wgsl/mapped_normal.wgsl`), the longer one
     of length 1: those of the old coordinates are the Jacobian's rows. Green is up, v down.
     """
+    # The longer gradient has length 1, so that the bump keeps its height.
     length = np.linalg.norm(jacobians, axis=2).max(axis=1)
     rows = jacobians / np.maximum(length, 1e-30)[:, None, None]
     bump = values[:, :2] * 2.0 - 1.0
@@ -244,6 +255,7 @@ def _filled(values: F64, is_there: NDArray[np.bool_]) -> F64:
     if is_there.all() or values.shape[:2] == (1, 1):
         return values
     height, width = values.shape[:2]
+    # An odd side gets one more row or column, which counts for nothing.
     padding = ((0, height % 2), (0, width % 2))
     # Means of what is there over 2 x 2 texels, filled in turn the same way.
     weight = np.pad(is_there.astype(np.float64), padding)[..., None]

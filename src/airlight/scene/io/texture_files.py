@@ -48,6 +48,7 @@ class TextureFiles:
         plain = PurePosixPath(name.strip().strip('"').replace("\\", "/"))
         if not plain.name:
             return None
+        # The path as it is written, then its name alone here, then in `textures`.
         tries = [plain, PurePosixPath(plain.name), PurePosixPath("textures", plain.name)]
         return next((hit for path in tries if (hit := self._found(path))), None)
 
@@ -62,6 +63,7 @@ class TextureFiles:
             return None
 
     def _texture(self, name: str, is_srgb: bool, consequence: str) -> Texture | None:
+        # A name is read once as a colour and once as data, as these decode differently.
         key = (name, is_srgb)
         if key not in self._read:
             path = self.find(name)

@@ -21,6 +21,7 @@ def with_alpha(base: Texture | None, mask: Texture) -> Texture:
     A mask image with an alpha channel of its own gives that, any other its mean brightness.
     """
     alpha = _alpha(mask)
+    # A mask alone is the alpha of white.
     if base is None:
         white = np.full((*alpha.shape, 4), 255, dtype=np.uint8)
         base = dataclasses.replace(mask, pixels=white, is_srgb=True)

@@ -62,6 +62,7 @@ def load_toml(path: str | Path) -> Scene:
 
 
 def _parsed(path: Path) -> dict[str, Any]:
+    # The standard library's reader takes time by the square of a dotted key's parts.
     text = read_text(path)
     long = _LONG_KEY.search(text)
     if long:
@@ -72,6 +73,7 @@ def _parsed(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise SceneError("is nested too deeply", where=path) from None
     except tomllib.TOMLDecodeError as error:
+        # The place of the error is in the message alone.
         at = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error), re.DOTALL)
         where = f"{path}:{at[2]}:{at[3]}" if at else str(path)
         problem = at[1] if at else str(error)
@@ -84,6 +86,7 @@ def _check_names(raw: Raw) -> None:
     """Refuse tables that do not exist, and [one] for [[many]] or the reverse."""
     headers = {table.name: table for table in TABLES}
     known = [*headers, "technique"]
+    # A table has to be known, and written once or many times as its description says.
     for name, value in raw.items():
         if name not in known:
             kind = "table" if isinstance(value, (dict, list)) else "key outside any table,"
@@ -150,6 +153,7 @@ def _part_tracks(parts: list[Scene], lights: int, *, has_camera: bool) -> Iterat
     """
     meshes = 0
     for part in parts:
+        # Its meshes and lights are counted behind those of the parts before it.
         for track in part.animation.tracks if part.animation else ():
             yield shifted(track, meshes, lights, has_camera=has_camera)
         meshes, lights = meshes + len(part.meshes), lights + len(part.lights)
@@ -232,6 +236,7 @@ def _technique_settings(raw: Raw) -> dict[str, dict[str, Any]]:
 
 def _with_camera(scene: Scene, camera: Camera | None, parts: list[Scene]) -> Scene:
     """The scene with `camera`, else the first that a mesh file brought, else one that frames it."""
+    # A camera like the default one is how a mesh file's scene says that it has none.
     brought = [part.camera for part in parts if part.camera != Camera()]
     chosen = camera or next(iter(brought), None)
     if chosen:

@@ -55,6 +55,7 @@ def light_curves(light: Light, keys: Sequence[Any], between: str, label: str) ->
 
 
 def _curves(table: Table, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
+    # Each keyframe is checked as a table of its own.
     rows = [
         check_table(table, key, f"{label} key {number}") for number, key in enumerate(keys, start=1)
     ]
@@ -69,6 +70,7 @@ def _curves(table: Table, keys: Sequence[Any], between: str, label: str) -> dict
                 f"{label}: key {number} and key 1 differ in whether they set {sorted(odd)[0]}",
                 remedy="All keyframes of a table set the same keys.",
             )
+    # One curve for each key; colours and vectors have several components.
     times = np.array([row["time_s"] for row in rows])
     try:
         return {
@@ -141,6 +143,7 @@ def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Trac
 def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
     """The files of a sequence, sorted by the numbers in their names. Raises SceneError."""
     path = folder / pattern
+    # A folder stands for all files in it; * may stand in the name alone.
     try:
         base, name = (path, "*") if path.is_dir() else (path.parent, path.name)
         if "**" in name:
@@ -183,6 +186,7 @@ def file_sequence(
 def animation(raw: Raw, tracks: Sequence[Track]) -> Animation | None:
     """The scene's animation; None where nothing moves. Raises SceneError."""
     values = check_table(ANIMATION, raw.get("animation", {}), ANIMATION.header)
+    # Times of a sequence in which nothing moves are a mistake.
     if not tracks:
         if "animation" in raw:
             raise SceneError(

@@ -39,6 +39,7 @@ def placed_mesh(
     `keys` are its keyframes, unchecked. Raises SceneError where neither or both of file and shape
     are given, matrix stands beside other transforms, or the file cannot be read.
     """
+    # Exactly one of the two says what the mesh is.
     if ("file" in values) == ("shape" in values):
         raise SceneError(f"{label} needs either a file or a shape")
     if "file" in values:
@@ -142,6 +143,7 @@ def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
         key = id(mesh.material)
         if key not in made:
             made[key] = _with_factors(mesh.material, factors)
+        # Colours of vertices would go on tinting the colour that replaces them.
         geometry = mesh.geometry
         if "base_color" in factors and geometry.colors is not None:
             white = geometry.colors.copy()
@@ -152,6 +154,7 @@ def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
 
 def _with_factors(material: Material, factors: Mapping[str, Any]) -> Material:
+    # Textures give way where a factor replaces them, each in its own channels.
     changes: dict[str, Any] = dict(factors)
     if "base_color" in factors:
         changes["base_color_texture"] = _whitened(material.base_color_texture, _RED_GREEN_BLUE)

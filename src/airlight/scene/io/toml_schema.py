@@ -36,6 +36,7 @@ class Table:
 
 def scale_vec3(value: Any, name: str) -> checks.Vec3:
     """One factor or three, none of them zero."""
+    # A boolean is an integer in Python, and no factor.
     grey = isinstance(value, (int, float)) and not isinstance(value, bool)
     factors = checks.vec3([value] * 3 if grey else value, name)
     if 0.0 in factors:
@@ -94,6 +95,7 @@ def check_table(table: Table, raw: Any, label: str) -> dict[str, Any]:
             raise SceneError(
                 f"unknown key '{name}' in {label}{of_variant}", remedy=nearest(name, known)
             )
+    # Then what has to be there, and the value of each key.
     for key in keys:
         if key.required and key.name not in raw:
             raise SceneError(f"{label}{of_variant} has no {key.name}", remedy=_explained(key))
@@ -104,6 +106,7 @@ def _keys_for(table: Table, raw: dict[str, Any], label: str) -> tuple[tuple[Key,
     """The keys that hold for `raw`, and words for the variant that it names."""
     if table.variants is None:
         return table.keys, ""
+    # The variant's own keys are known only by the value that selects it.
     (selector,) = (key for key in table.keys if key.name == table.variant_key)
     if selector.name not in raw:
         raise SceneError(f"{label} has no {selector.name}", remedy=f"It is {selector.kind}.")

@@ -25,8 +25,10 @@ def read_sky(raw: Mapping[str, Any]) -> Sky | None:
         return None
     label = SKY.header
     values = check_table(SKY, raw["sky"], label)
+    # One of them says what is all around.
     if "environment" in raw:
         raise SceneError(f"{label} stands beside [environment]", remedy="Use one of them.")
+    # Keys of the place are apart from those of the sky.
     placed = {name: values.pop(name) for name in _OF_PLACE if name in values}
     north_deg = values.pop("north_deg", 0.0)
     with inside(label):
@@ -36,6 +38,7 @@ def read_sky(raw: Mapping[str, Any]) -> Sky | None:
 
 
 def _placed(placed: dict[str, Any], values: dict[str, Any]) -> Sky:
+    # The sun's direction is said once, by angles or by place and time.
     angles = [name for name in _ANGLES if name in values]
     if angles:
         raise SceneError(
@@ -72,6 +75,7 @@ def sky_table(scene: Scene, original: Scene, raw: Mapping[str, Any]) -> dict[str
     sky = scene.environment.sky if scene.environment is not None else None
     if sky is None:
         return {}
+    # A sky that nobody changed is written as the file has it, by place and time if it was so.
     before = original.environment.sky if original.environment is not None else None
     if sky == before and raw:
         return dict(raw)

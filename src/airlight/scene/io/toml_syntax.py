@@ -15,12 +15,14 @@ def toml_lines(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator
     `path`: the names of the tables it lies in. Keys whose value is None are left out.
     """
     inner = {k: v for k, v in table.items() if isinstance(v, Mapping) or _is_tables(v)}
+    # A table's own keys have to come before the header of any table in it.
     for key, value in table.items():
         if key not in inner and value is not None:
             yield f"{_key(key)} = {_value(value)}"
     for key, value in inner.items():
         name = ".".join(_key(part) for part in (*path, key))
         for one in [value] if isinstance(value, Mapping) else value:
+            # A table of nothing but tables needs no header of its own.
             has_own = any(not isinstance(v, Mapping) for v in one.values())
             if has_own or not isinstance(value, Mapping):
                 yield f"\n[{name}]" if isinstance(value, Mapping) else f"\n[[{name}]]"
@@ -37,6 +39,7 @@ def _key(key: str) -> str:
 
 
 def _value(value: Any) -> str:
+    # Booleans before numbers, as they are integers in Python.
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

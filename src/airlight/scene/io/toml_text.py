@@ -79,6 +79,7 @@ def scene_text(
     if is_default:
         raw["light"], raw["environment"] = groups, {}
         del notes[notes_before:]
+    # A ground that was put under the model when it was loaded becomes a mesh of the file.
     if (model or {}).get("ground", False) is not False:
         raw["mesh"] = [*raw.get("mesh", ()), *ground_tables(scene)]
     # Media, and what moves.
@@ -144,6 +145,7 @@ def _is_default_light(raw: Mapping[str, Any], scene: Scene, original: Scene) -> 
         return False
     if now is None or before is None or now.map is None or before.map is None:
         return False
+    # As the loader made them: the same values, the same lights, the same pixels.
     plain = ("radiance", "scale", "rotation_deg", "visible")
     is_same_sky = all(getattr(now, key) == getattr(before, key) for key in plain)
     is_same_light = is_same_sky and scene.lights == original.lights
@@ -154,6 +156,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
     table = {"position": camera.position, "target": camera.target, "fov_y_deg": camera.fov_y_deg}
     if camera.up != (0.0, 1.0, 0.0):
         table["up"] = camera.up
+    # What differs from a new camera.
     usual = Camera()
     for name in ("aperture_m", "focus_m", "shutter_s", "film_px"):
         if getattr(camera, name) != getattr(usual, name):
@@ -179,6 +182,7 @@ def _environment_file(
 ) -> Mapping[str, Any]:
     """[environment] as it was, its file that of the scene's map; none where that has no file."""
     now, before = scene.environment, original.environment
+    # The file's map stays named while the environment comes from the same source.
     if now is not None and before is not None and now.source == before.source:
         return raw
     other = {key: value for key, value in raw.items() if key != "file"}
@@ -199,6 +203,7 @@ def _environment(
         table["radiance"] = _colour(tuple(mean.tolist()))
     elif not table:
         table["radiance"] = _colour(environment.radiance)
+    # What differs from a new environment, or was said before.
     changed = {"scale": 1.0, "rotation_deg": 0.0, "visible": True}
     return table | {
         key: getattr(environment, key)
@@ -211,6 +216,7 @@ def _medium(medium: Medium | None, raw: Mapping[str, Any]) -> dict[str, Any]:
     if medium is None:
         return {}
     extent = ("bounds", "endless", "top")
+    # Keys that coefficients replace are dropped, whichever of their spellings was used.
     kept = {key: value for key, value in raw.items() if key not in (*_SCATTERING, *extent)}
     given = {key: getattr(medium, key) for key in extent}
     said = {key: value for key, value in given.items() if value is not None and value is not False}
@@ -232,6 +238,7 @@ def _volumes(
     volumes: Sequence[Volume], raw: Sequence[Mapping[str, Any]], notes: list[str]
 ) -> list[dict[str, Any]]:
     tables = []
+    # Volumes of the file stand in its order: each keeps its table, with new coefficients.
     for volume, table in zip(volumes, raw, strict=False):
         kept = {key: value for key, value in table.items() if key not in _SCATTERING}
         tables.append({**kept, **_by_voxel(_scattering(volume), table, notes)})

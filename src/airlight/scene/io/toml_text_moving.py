@@ -30,6 +30,7 @@ def with_motion(raw: dict[str, Any], scene: Scene, original: Scene, notes: list[
     # What moves by the file itself, which the table names.
     tracks = scene.animation.tracks if scene.animation else ()
     kept = {_place(track) for track in (original.animation.tracks if original.animation else ())}
+    # Keyframes of a camera are written again below, if it still moves.
     _drop(raw.get("camera") or {}, _MOVING)
     from_file = [t for t in tracks if isinstance(t, (MeshTrack, Rig, VolumeTrack))]
     if not any(_place(track) in kept for track in from_file):
@@ -79,6 +80,7 @@ def _put(table: dict[str, Any], curves: Curves, kind: str, notes: list[str]) -> 
     if not is_said or not set(curves) <= known:
         notes.append(_NOT_WRITTEN.format(what=f"the {kind}"))
         return
+    # "smooth" is what a table without the key means.
     if first.between != "smooth":
         table["between"] = first.between
     table["key"] = [

@@ -96,11 +96,13 @@ def _with_coefficients(
 ) -> tuple[dict[str, Any], VolumeGrid]:
     """The values with coefficients by voxel, and the density on the box that holds their grids."""
     grid, made = read_coefficients(path, grid, grids, {n: given[n] for n in NAMES if n in given})
+    # Colours by voxel come from one file, so only those that leave the density alone will do.
     if "sequence" in given:
         if "sigma_t" in made:
             raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
         text = f"{path.name}: the colours of a sequence stay those of its first file"
         grid = replace(grid, warnings=(*grid.warnings, text))
+    # Grids of extinction have the table's numbers in them already.
     if "sigma_t" in made:
         values = {name: value for name, value in values.items() if name not in NAMES}
     return {**values, **made}, grid
@@ -108,6 +110,7 @@ def _with_coefficients(
 
 def with_extinction(values: dict[str, Any], label: str) -> dict[str, Any]:
     """The values with sigma_s and sigma_a turned into sigma_t and albedo."""
+    # One pair of coefficients or the other, not a mixture of both.
     scattering = [name for name in ("sigma_s", "sigma_a") if name in values]
     extinction = [name for name in ("sigma_t", "albedo") if name in values]
     remedy = "Use sigma_t and albedo, or sigma_s and sigma_a."

@@ -69,6 +69,7 @@ class _Reader:
         self._root = np.diag([self._metres] * 3 + [1.0])
         if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z:
             self._root = self._root @ _UPRIGHT
+        # Caches for the whole stage, and what is found on the way.
         self._places = UsdGeom.XformCache(self._time)
         self._materials = UsdMaterials(self._folder, self._time)
         self._shapes: dict[str, list[tuple[Geometry, str]]] = {}
@@ -98,12 +99,14 @@ class _Reader:
         """All that is below a prim and seen; `root` comes after the prims' own places."""
         from pxr import Usd, UsdGeom
 
+        # Prims of instances are visited as well, as proxies of their prototypes'.
         visited = iter(Usd.PrimRange(top, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
         for prim in visited:
             if self._is_hidden(prim):
                 visited.PruneChildren()
                 continue
             if prim.IsA(UsdGeom.PointInstancer):
+                # Prototypes below an instancer are shown at its places only.
                 visited.PruneChildren()
                 self._instances(prim, root)
             elif prim.IsA(UsdGeom.Boundable) or prim.IsA(UsdGeom.Xformable):
@@ -148,6 +151,7 @@ class _Reader:
         if prim.GetTypeName() in _LEFT_OUT:
             self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
             return
+        # Instances share a prototype's geometry, which is read once.
         prototype = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
         key = str(prototype.GetPath())
         if key not in self._shapes:
@@ -188,6 +192,7 @@ class _Reader:
         for place, k in zip(places, kept, strict=len(places) == len(kept)):
             if 0 <= which[k] < len(prototypes):
                 top = self._stage.GetPrimAtPath(prototypes[which[k]])
+                # From the prototype's own place to the instance's.
                 own = np.array(self._places.GetLocalToWorldTransform(top)).T
                 self._walk(top, world @ np.array(place).T @ np.linalg.inv(own))
 
@@ -224,9 +229,11 @@ class _Reader:
         if asset is None or not asset.IsA(UsdVol.OpenVDBAsset):
             self.warnings.append(f"'{prim.GetPath()}': it has no density in an OpenVDB file")
             return
+        # Its file and the grid in it are attributes of the asset.
         vdb = UsdVol.OpenVDBAsset(asset)
         attribute = vdb.GetFilePathAttr()
         value, grid = attribute.Get(self._time), vdb.GetFieldNameAttr().Get(self._time)
+        # The path counts from the layer that wrote it.
         layer = attribute.GetPropertyStack(self._time)[0].layer
         resolved = resolved_asset(layer, str(value.path), self._folder) if value else ""
         if not resolved or not Path(resolved).is_file():

@@ -23,6 +23,7 @@ _SMALL_M = 1e-6
 
 def strength(light: Any, time: Any) -> F64:
     """Radiance before `normalize`: intensity 2^exposure colour; taken as W m^-2 sr^-1."""
+    # A black body's colour tints the light and leaves its luminance.
     color = np.array(light.GetColorAttr().Get(time), float)
     if light.GetEnableColorTemperatureAttr().Get(time):
         kelvin = float(np.clip(light.GetColorTemperatureAttr().Get(time), 1000.0, 10000.0))
@@ -43,6 +44,7 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
     radiance, is_whole = strength(api, time), bool(api.GetNormalizeAttr().Get(time))
     if not np.isfinite(radiance).all():
         raise SceneError(f"'{prim.GetPath()}': its light is no finite number")
+    # Lights shine along their -Z; the placement's scale stretches their sizes.
     position, ahead, up = triple(world[:3, 3]), _unit(-world[:3, 2]), _unit(world[:3, 1])
     wide, high, deep = (float(n) for n in np.linalg.norm(world[:3, :3], axis=0))
     # Each kind in its own unit. A normalised light gives its whole power, whatever its size.
@@ -78,6 +80,7 @@ def dome(prim: Any, world: F64, time: Any, image: Any) -> tuple[Environment, boo
     from pxr import UsdLux
 
     radiance = strength(UsdLux.LightAPI(prim), time)
+    # A map turns about the vertical axis alone.
     pole, ahead = _unit(world[:3, 1]), world[:3, 2]
     yaw = math.degrees(math.atan2(ahead[0], ahead[2]))
     if image is None:
@@ -95,6 +98,7 @@ def usd_camera(prim: Any, world: F64, time: Any, metres: float) -> Camera | None
     if seen.projection != Gf.Camera.Perspective:
         return None
     fov = float(np.clip(seen.GetFieldOfView(Gf.Camera.FOVVertical), 0.1, 179.0))
+    # USD's cameras look along -Z.
     ahead, f_stop = _unit(-world[:3, 2]), float(seen.fStop)
     focus = float(seen.focusDistance) * metres
     # A focal length is in tenths of the stage's unit.

@@ -35,6 +35,7 @@ class UsdMaterials:
         """The material of a prim; where it has none, white under its displayColor, or grey."""
         from pxr import UsdGeom, UsdShade
 
+        # A subset has a material of its own, and the sides of its mesh.
         bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
         mesh = prim if prim.IsA(UsdGeom.Gprim) else prim.GetParent()
         sided = UsdGeom.Gprim(mesh).GetDoubleSidedAttr().Get(self._time) or False
@@ -45,6 +46,7 @@ class UsdMaterials:
 
     def uv_name(self, prim: Any) -> str:
         """The primvar of texture coordinates that a prim's material reads."""
+        # The base colour's image says which coordinates; all others are read by the same.
         surface = self._surface(prim)
         shader = self._producer(surface, "diffuseColor")[0] if surface else None
         name = None
@@ -63,6 +65,7 @@ class UsdMaterials:
     def _read(self, bound: Any, *, two_sided: bool, has_colors: bool) -> Material:
         white = (1.0, 1.0, 1.0) if has_colors else USUAL.base_color
         usual = replace(USUAL, base_color=white, two_sided=two_sided)
+        # Without a material, or with one of another kind, the colour of the mesh alone.
         if not bound:
             return usual
         name = str(bound.GetPath())
@@ -159,6 +162,7 @@ class UsdMaterials:
             return None
         place = f"{shader.GetPath()}: the image of {name}"
         image = self._image(source, place, is_color=is_color)
+        # The texel is scale times the image plus bias.
         scale = np.array(self._value(source, "scale") or (1.0,) * 4, float)
         bias = np.array(self._value(source, "bias") or (0.0,) * 4, float)
         # Data in one channel, with scale and bias worked in, as images have no such keys here.
@@ -171,6 +175,7 @@ class UsdMaterials:
             image = replace(image, pixels=pixels)
         elif name != "normal" and (not np.allclose(scale, 1.0) or bias.any()):
             self.warnings.append(f"{place}: its scale and bias are left out")
+        # Wrapping by axis; the format's other modes repeat.
         wraps = [str(self._value(source, f"wrap{axis}") or "repeat") for axis in "ST"]
         wrap_s, wrap_t = (_WRAPS.get(name, "repeat") for name in wraps)
         return self._placed(replace(image, wrap=(wrap_s, wrap_t)), source, place)
@@ -192,6 +197,7 @@ class UsdMaterials:
         return image
 
     def _image(self, source: Any, place: str, *, is_color: bool) -> Texture:
+        # Each image is read once for each coding.
         value = self._value(source, "file")
         asset = str(value.path) if value is not None else ""
         # "auto" leaves the coding to what the image is used for.
@@ -218,6 +224,7 @@ class UsdMaterials:
     def _opened(self, source: Any, asset: str, is_srgb: bool) -> Texture:
         from pxr import Ar
 
+        # A tiled image is many files, of which no single one is the texture.
         if "<UDIM>" in asset:
             raise SceneError(f"'{asset}' is tiled, which is not read")
         # A path is relative to the layer that wrote it, which need not be the stage's own.

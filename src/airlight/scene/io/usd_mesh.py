@@ -26,6 +26,7 @@ def prim_geometries(prim: Any, time: Any, uv_name: Any) -> Iterator[tuple[Geomet
     """
     from pxr import UsdGeom
 
+    # A mesh in parts by material, or a shape of the size that its attributes say.
     if prim.IsA(UsdGeom.Mesh):
         mesh = UsdGeom.Mesh(prim)
         faces = _Faces(mesh, time)
@@ -61,6 +62,7 @@ def _subsets(prim: Any, count: int, time: Any) -> Iterator[tuple[I64, Any]]:
     """Faces by the prim that says their material: GeomSubsets of the family materialBind."""
     from pxr import UsdShade
 
+    # Faces that no subset claims have the mesh's own material.
     rest = np.ones(count, bool)
     for subset in UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets():
         chosen = np.array(subset.GetIndicesAttr().Get(time) or [], np.int64)
@@ -76,6 +78,7 @@ class _Faces:
     def __init__(self, mesh: Any, time: Any) -> None:
         self._mesh, self._time = mesh, time
         where = str(mesh.GetPath())
+        # A mesh without points is empty; points of another type than the schema's are damage.
         points = mesh.GetPointsAttr().Get(time)
         has_points = points is not None and (not hasattr(points, "__len__") or len(points) > 0)
         positions = _table(points, 3) if has_points else np.zeros((0, 3))
@@ -91,6 +94,7 @@ class _Faces:
             self.positions
         ):
             raise SceneError(f"'{where}': a face has a point that there is not")
+        # Faces go round clockwise where the mesh is left-handed.
         self._is_left_handed = mesh.GetOrientationAttr().Get(time) == "leftHanded"
 
     def geometry(self, chosen: I64, uv_name: str) -> Geometry | None:
@@ -106,6 +110,7 @@ class _Faces:
         if len(at) == 0:
             return None
         at = held[at]
+        # A left-handed mesh winds the other way.
         if self._is_left_handed:
             at = at[:, ::-1]
         # Rows of each table by its own interpolation: one vertex for each combination.
@@ -115,6 +120,7 @@ class _Faces:
         uvs, uv_at = self._primvar(uv_name, 2, points, at, face)
         colors, color_at = self._primvar("displayColor", 3, points, at, face)
         rows, indices = compact(np.stack([points, normal_at, uv_at, color_at], axis=-1))
+        # Texture coordinates and colours only where the mesh has them.
         taken = {
             "normals": normals[rows[:, 1]].astype(np.float32),
             "uvs": None if uvs is None else _image_uvs(uvs[rows[:, 2]]),
@@ -127,6 +133,7 @@ class _Faces:
         from pxr import UsdGeom
 
         rows: I64 | None
+        # The primvar counts before the mesh's own attribute, as the schema says.
         found, rows = self._primvar("normals", 3, points, at, face)
         if found is None:
             found = _table(self._mesh.GetNormalsAttr().Get(self._time), 3)
@@ -143,6 +150,7 @@ class _Faces:
                 return smooth.astype(np.float64), points
             table, index = creased_normals(self.positions, points)
             return table, np.asarray(index, np.int64)
+        # Normals of no length are +Y.
         length = np.linalg.norm(found, axis=1, keepdims=True)
         up = np.array((0.0, 1.0, 0.0))
         return np.where(length > 0.0, found / np.maximum(length, 1e-30), up), rows
@@ -160,6 +168,7 @@ class _Faces:
         made = _table(values, width)
         if made is None:
             return None, none
+        # An indexed primvar lists each value once, and says which one is where.
         index = primvar.GetIndices(self._time) if primvar.IsIndexed() else None
         kind = str(primvar.GetInterpolation())
         rows = _rows(kind, len(made), index, points, at, face)
@@ -179,6 +188,7 @@ def _rows(kind: str, count: int, index: Any, points: I64, at: I64, face: I64) ->
     rows = given.get(kind)
     if rows is None:
         return None
+    # An index leads from the number to the row of values.
     if index is not None:
         table = np.array(index, np.int64)
         if rows.max() >= len(table):

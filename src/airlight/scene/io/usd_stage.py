@@ -31,6 +31,7 @@ def told_by_usd() -> Iterator[Callable[[], list[str]]]:
     except ImportError:
         yield list
         return
+    # The library's own delegate gathers what it would print.
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
 
     def told() -> list[str]:
@@ -70,6 +71,7 @@ def opened_stage(path: Path) -> Any:
     folder = root_around(path.parent.resolve())
     try:
         first = _layer(path.resolve(), Sdf)
+        # What is still to be looked at, and what was seen: layers may name each other in a circle.
         todo, seen = [first], {first.identifier}
         while todo:
             for name in _named(todo.pop(), folder):
@@ -79,6 +81,7 @@ def opened_stage(path: Path) -> Any:
                         raise SceneError(f"has over {_MOST_LAYERS:,} layers")
                     seen.add(layer.identifier)
                     todo.append(layer)
+        # The layers are within bounds: now the stage may compose them.
         stage = Usd.Stage.Open(first, None, _resolver_context(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
         raise SceneError(f"is no readable USD ({_said(error)})") from None
@@ -121,6 +124,7 @@ def _said(error: Exception) -> str:
 
 def _named(layer: Any, folder: Path) -> list[str]:
     """What a layer would compose, resolved, each in the folder. Raises SceneError."""
+    # Clips name files by templates that are no dependencies of a layer.
     layer.Traverse("/", lambda path: _refuse_clips(layer, path))
     found = []
     for asset in layer.GetCompositionAssetDependencies():
@@ -140,6 +144,7 @@ def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
     """Where an asset that `layer` names lies; "" for none. Raises SceneError for one outside."""
     from pxr import Ar, Sdf
 
+    # Expressions are evaluated at composition, when it is too late to check them.
     if asset.startswith("`"):
         raise SceneError("names files by expressions, which are not read", remedy="Flatten it.")
     if not asset:
@@ -147,6 +152,7 @@ def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
     written = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
     resolved = str(Ar.GetResolver().Resolve(written))
     if resolved:
+        # What does not resolve is checked as well: the library may look for it elsewhere.
         placed_inside(resolved, folder, asset)
     elif not _is_within(_outer(written), folder):
         raise _outside(asset)

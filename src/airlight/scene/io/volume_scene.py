@@ -88,6 +88,7 @@ def _with_emission(
         return grid, None, (f"{file.name}: its grid '{name}' is no fire that is seen",)
     # Temperatures in kelvin are taken as they are, others end at HOTTEST_K.
     scale = 1.0
+    # Each kind of grid: kelvin, or flames of a colour in proportion to the values.
     if name == "temperature":
         hottest = float(values.max())
         scale = 1.0 if _COOLEST_K < hottest <= 1e4 else HOTTEST_K / hottest
@@ -110,6 +111,7 @@ def _colours(grid: VolumeGrid, file: Path) -> tuple[F32 | None, tuple[str, ...]]
     name = colours_of(file)
     if name is None:
         return None, ()
+    # Colours are read on the density's own voxels.
     _, values = on_one_grid(grid, read_values(file, name), grows=False)
     if values.ndim == 4 and values.shape[3] != 3:
         return None, (f"{file.name}: its grid '{name}' is no colour, and left out",)
@@ -122,6 +124,7 @@ def _colours(grid: VolumeGrid, file: Path) -> tuple[F32 | None, tuple[str, ...]]
 
 def fitting_sigma_t(density: F32, bounds: Bounds) -> float:
     """sigma_t, m^-1 at density 1, that makes the denser parts DEPTH deep; two digits."""
+    # The mean density along each axis times the box's side: optical depth over sigma_t.
     size = np.subtract(bounds[1], bounds[0])[::-1]  # z, y, x
     depths = [
         float(np.percentile(density.mean(axis=axis, dtype=np.float64), 95)) * size[axis]

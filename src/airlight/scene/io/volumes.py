@@ -65,6 +65,7 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
     path = Path(path)
     suffix = path.suffix.lower()
     with naming(path):
+        # Sparse grids say where they are; of vectors one channel is the density.
         if suffix in _SPARSE:
             sparse = _from_sparse(_SPARSE[suffix](path, grid))
             if sparse.density.ndim == 4:
@@ -73,6 +74,7 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
         if suffix not in _DENSE:
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a density grid", remedy=f"Known endings: {known}.")
+        # Dense ones are arrays; without a box of their own they get one.
         found = _DENSE[suffix](path, grid)
         density = _density(found.values, channels)
         placed = _in_own_box(density, path)
@@ -96,6 +98,7 @@ def read_values(path: Path, grid: str) -> GridValues:
         suffix = path.suffix.lower()
         if suffix in _SPARSE:
             sparse = _SPARSE[suffix](path, grid)
+            # A single grid is found by any name, so its own is checked here.
             if sparse.name not in ("", grid):
                 raise SceneError(f"has no grid '{grid}', only '{sparse.name}'")
             found = _from_sparse(sparse)
@@ -130,6 +133,7 @@ def is_grid_file(path: Path) -> bool:
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:
     """Voxels at whole numbers; a level set as what it holds, its rim anti-aliased."""
     matrix = grid.world_from_index
+    # Box faces lie half a voxel outside of the outermost centres.
     low = np.array(grid.first) - 0.5
     high = low + grid.values.shape[:3]
     values = grid.values
@@ -150,6 +154,7 @@ def _sound(density: F32, path: Path) -> tuple[str, ...]:
     """Warnings of values that mean nothing. Raises SceneError for those that cannot be used."""
     if density.size == 0:
         raise SceneError(f"is empty: its shape is {density.shape}", where=path)
+    # A minimum and a maximum see NaN as well, without a mask of the whole grid.
     least, most = float(density.min()), float(density.max())
     if not math.isfinite(least) or not math.isfinite(most):
         count = int((~np.isfinite(density)).sum())
@@ -197,6 +202,7 @@ def _density(values: NDArray[Any], channels: str) -> F32:
     """(z, y, x) float32 from (z, y, x) or (z, y, x, channel)."""
     if channels not in _CHANNELS:
         raise SceneError(f"channels = '{channels}' is unknown", remedy=nearest(channels, _CHANNELS))
+    # A scalar grid is one of a single channel.
     if values.ndim == 3:
         values = values[..., None]
     if values.ndim != 4:
@@ -256,6 +262,7 @@ def _read_vol(path: Path, grid: str) -> DenseGrid:
             )
         if min(nx, ny, nz, channel_count) < 1:
             raise SceneError(f"has an impossible size {nx} x {ny} x {nz} x {channel_count}")
+        # The size that the header asks for has to be the file's, to the byte.
         count = nx * ny * nz * channel_count
         check_count(count)
         if size_bytes != _VOL_HEADER.size + 4 * count:

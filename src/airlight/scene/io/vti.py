@@ -75,6 +75,7 @@ def read_vti(path: Path, wanted: str) -> DenseGrid:
     Raises SceneError for what is damaged, packed by LZ4, or has no such array.
     """
     try:
+        # The head and where values lie; values are unpacked for the wanted array alone.
         file = _parsed(read_bytes(path))
         arrays, active = _arrays(file.image)
         name = chosen_name(wanted, list(arrays), (*_LIKELY, *active))
@@ -113,9 +114,11 @@ def _parsed(raw: bytes) -> _File:
         if begin < 0:
             raise ValueError("its appended data do not begin with an underscore")
         appended, is_raw = raw[begin + 1 :], b"raw" in found[1]
+        # Base64 ends at the next tag; raw bytes may hold any sign.
         if not is_raw:
             appended = appended.partition(b"<")[0]
         raw = raw[: found.start()] + b"</VTKFile>"
+    # What remains is XML, in which entities are refused.
     parser = ElementTree.XMLParser(target=_Builder())
     parser.feed(raw)
     root = parser.close()
@@ -152,6 +155,7 @@ def _arrays(image: ElementTree.Element) -> tuple[dict[str, _Array], list[str]]:
 
 def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
     """All pieces of an array in one grid, and its place."""
+    # The whole image, of which each piece says its part.
     whole = _numbers(file.image, "WholeExtent", 6, int)
     count = _counts(whole, array.is_of_points)
     channels = int(array.pieces[0][1].get("NumberOfComponents", "1"))
@@ -164,7 +168,9 @@ def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
         if (first < 0).any() or any(a + n > m for a, n, m in zip(first, own, count, strict=True)):
             raise ValueError(f"a piece of '{array.name}' lies outside of the whole")
         flat = _values(file, element, math.prod(own) * channels)
+        # x is fastest in the file, as in the grid.
         block = flat.reshape(*own[::-1], channels)
+        # The first piece says of which type the whole is.
         if values is None:
             values = np.zeros((*count[::-1], channels), block.dtype)
         x, y, z = (slice(int(a), int(a) + n) for a, n in zip(first, own, strict=True))
@@ -196,6 +202,7 @@ def _place(
     low = spacing * (whole[::2] - half)
     high = spacing * (np.maximum(whole[1::2], whole[::2] + (not is_of_points)) + half)
     matrix = np.eye(4)
+    # A turned image keeps its own axes, and a matrix leads to the world.
     if np.array_equal(turn, np.eye(3)):
         low, high = low + origin, high + origin
     else:

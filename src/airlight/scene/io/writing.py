@@ -45,6 +45,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         with _said(path):
             _create(part)
             yield part
+            # The old file's owner and permissions are given before the new one takes its place.
             _inherit(part, target.state)
             part.replace(target.path)
         note_written(path)
@@ -57,6 +58,7 @@ def check_target(path: Path) -> None:
     """Raise OutputError where `whole_file` would. Nothing is left behind."""
     target = _target(path)
     if not target.is_stream:
+        # A file of no name in the same folder shows that one can be written.
         with _said(path), tempfile.TemporaryFile(dir=target.path.parent):
             pass
 
@@ -157,10 +159,12 @@ def _inherit(part: Path, state: os.stat_result | None) -> None:
 @contextmanager
 def _streamed(path: Path, target: _Target) -> Iterator[Path]:
     """A file elsewhere, whose bytes are written into the device or descriptor at the end."""
+    # The whole is written first: a block that fails leaves nothing in the stream.
     with tempfile.TemporaryDirectory(prefix="airlight-") as folder:
         part = Path(folder) / f"part{path.suffix[:_SUFFIX_LETTERS]}"
         yield part
         with _said(path):
+            # What was printed before stands before it in the stream.
             if target.descriptor in (1, 2) and sys.stdout is not None:
                 sys.stdout.flush()
             number = target.descriptor

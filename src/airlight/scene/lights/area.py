@@ -155,11 +155,13 @@ class AreaLight(LightType):
     @property
     def area(self) -> float:
         """Of one side, m^2."""
+        # A sphere gives light from all of its surface, a disk from one side of it.
         if self.shape == "rectangle":
             return self.size[0] * self.size[1]
         return (4.0 if self.shape == "sphere" else 1.0) * math.pi * self.radius**2
 
     def controls(self) -> list[tuple[LightKey, Control]]:
+        # Controls that change nothing would only be in the way.
         """Only what its shape has, and of a surface that is not seen no reflectance."""
         lacks = {*_LACKS[self.shape], *(() if self.visible else ("reflectance",))}
         return [pair for pair in super().controls() if pair[0].name not in lacks]
@@ -171,6 +173,7 @@ class AreaLight(LightType):
 
     def outline(self, eye: Vec3) -> F64 | None:
         """The border of a rectangle or a disk; of a sphere the disk through its middle."""
+        # A border of diameter 2 in the plane of the unit shape, closed.
         if self.shape == "rectangle":
             unit = np.array([(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1), (-1, 0, -1)], float)
         else:
@@ -182,12 +185,14 @@ class AreaLight(LightType):
             away = np.subtract(eye, self.position)
             x, y, z = (away / np.linalg.norm(away)).tolist()
             facing = replace(self, shape="disk", direction=(x, y, z))
+        # The unit shape's corners, placed.
         placed = world_from_unit(facing)
         corners: F64 = 0.5 * unit @ placed[:3, :3].T + placed[:3, 3]
         return corners
 
     def moved(self, matrix: F64) -> Self:
         """The light through a (4, 4) matrix; its surface grows with the rest."""
+        # Scales that differ by axis have no equal among these shapes: their mean keeps the volume.
         scale = float(np.cbrt(abs(np.linalg.det(matrix[:3, :3])))) or 1.0
         width, height = self.size
         moved = super().moved(matrix)
@@ -203,6 +208,7 @@ class AreaLight(LightType):
 
     def emitters(self, notes: list[str]) -> Sequence[Emitter]:
         """A matte shape with an area emitter; the back of a two-sided one is its own shape."""
+        # Mitsuba's area emitters are surfaces, and a surface is seen.
         if not self.visible:
             notes.append("a light that is not seen: Mitsuba shows it, and it casts shadows")
         sides = (1.0, -1.0) if self.two_sided and self.shape != "sphere" else (1.0,)
@@ -220,6 +226,7 @@ class AreaLight(LightType):
         placed = np.eye(4)
         placed[:3, 0], placed[:3, 1] = 0.5 * side * unit[:3, 2], 0.5 * unit[:3, 0]
         placed[:3, 2], placed[:3, 3] = side * unit[:3, 1], unit[:3, 3]
+        # The back of a light lies a hair behind its front, so that neither shadows the other.
         placed[:3, 3] += min(side, 0.0) * _BEHIND * max(self.size) * unit[:3, 1]
         return Emitter("shape", self.shape, {"to_world": placed}, (light, matte), mark=mark)
 
@@ -234,6 +241,7 @@ _MARK = "airlight_light"
 
 def light_mark(*, is_back: bool, is_seen: bool, is_two_sided: bool) -> str:
     """The beginning of a shape's id, by which reading it knows what Mitsuba cannot say."""
+    # Words in one order, so that a mark can be searched for each.
     words = [
         *(["back"] if is_back else []),
         *(["two_sided"] if is_two_sided else []),
@@ -249,6 +257,7 @@ def world_from_unit(light: AreaLight) -> F64:
     if light.shape == "sphere":
         placed[:3, :3] *= 2.0 * light.radius
         return placed
+    # The height within the plane of the surface; any will do where `up` lies along the normal.
     normal = np.array(light.direction)
     height = np.array(light.up) - np.dot(light.up, normal) * normal
     length = float(np.linalg.norm(height))
@@ -262,5 +271,6 @@ def world_from_unit(light: AreaLight) -> F64:
 
 def ball(position: Vec3, intensity: Rgb, radius: float) -> AreaLight:
     """The sphere, not seen, that gives an intensity, W sr^-1: radiance times its cross section."""
+    # A sphere's intensity is its radiance times the area of its disk.
     r, g, b = (c / (math.pi * radius**2) for c in intensity)
     return AreaLight(position, (r, g, b), "sphere", radius=radius, visible=False)

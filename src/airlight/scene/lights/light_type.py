@@ -80,6 +80,7 @@ class LightType:
     """Whether only samples of it reach the device, with views and rows of their own."""
 
     def __post_init__(self) -> None:
+        # The check of each field is the one that scene files have.
         for key in self.keys:
             checked = key.check(getattr(self, key.name), f"light {key.name}")
             object.__setattr__(self, key.name, checked)
@@ -102,6 +103,7 @@ class LightType:
 
     def controls(self) -> list[tuple[LightKey, Control]]:
         """The fields that the viewer offers, with their controls, in the order of `Widget`."""
+        # Fields of one kind of widget keep the order of `keys`.
         shown = [(key, key.control) for key in self.keys if key.control is not None]
         order = get_args(Widget)
         return sorted(shown, key=lambda pair: order.index(pair[1].widget))
@@ -122,6 +124,7 @@ class LightType:
 
     def moved(self, matrix: F64) -> Self:
         """The light through a (4, 4) matrix; its strength stays."""
+        # Positions and directions move; strengths and sizes stay.
         by_meaning = {"point": moved_point, "direction": moved_vector}
         changes: dict[str, Any] = {
             key.name: by_meaning[key.stands_for](getattr(self, key.name), matrix)

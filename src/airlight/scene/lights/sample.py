@@ -45,6 +45,7 @@ class LightSample(LightType):
     @property
     def power(self) -> Rgb:
         """W."""
+        # Pi times the front's share for a cosine over the hemisphere, 4 pi for all directions.
         share = math.pi * (self.front + 4.0 * self.even)
         r, g, b = self.intensity
         return (share * r, share * g, share * b)
@@ -82,6 +83,7 @@ class LightSample(LightType):
 
         That is pi times the intensity; what sends to all sides is a point of the same power.
         """
+        # What sends to one side only is a spot, anything else a point of the same power.
         if self.even == 0.0:
             return SpotLight(self.position, self.direction, self.intensity, 0.0, 89.0)
         r, g, b = (power / (4.0 * math.pi) for power in self.power)

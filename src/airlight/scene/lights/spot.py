@@ -17,7 +17,7 @@ from .light_key import DIRECTION, INTENSITY, POSITION, RADIUS, Control, LightKey
 from .light_type import NO_RADIUS_IN_GLTF, LightRow, LightType, Punctual
 
 SPOT_PX = 1024
-_NARROWEST = 1e-4  # cosines that the fade spans at least, as in sent_share.wgsl
+_NARROWEST = 1e-4  # cosines that the fade spans at least, as in light_kinds.wgsl
 _INNER = LightKey(
     "inner_deg", within(0.0, 89.0), "number", "half angle lit in full", "degrees", "20", moves=True
 )
@@ -87,6 +87,7 @@ class SpotLight(LightType):
 
         The image is within 0.5% of the peak at any pair of angles (tested).
         """
+        # Mitsuba has no spot light with an extent.
         if self.radius > 0.0:
             notes.append("a spot light's radius: Mitsuba's spots are points, its shadows are hard")
         # The projected texture multiplies a cone without a fall-off; a hard cone needs none.
@@ -127,6 +128,7 @@ class SpotLight(LightType):
 
 def spot_share(cosine: F64, inner_deg: float, outer_deg: float) -> F64:
     """The smoothstep of the cosine between the outer and the inner half angle, in [0, 1]."""
+    # The fade spans _NARROWEST at least, so that equal angles divide by no zero.
     inner, outer = math.cos(math.radians(inner_deg)), math.cos(math.radians(outer_deg))
     t = np.clip((cosine - outer) / max(inner - outer, _NARROWEST), 0.0, 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))
@@ -134,6 +136,7 @@ def spot_share(cosine: F64, inner_deg: float, outer_deg: float) -> F64:
 
 def spot_pixels(inner_deg: float, outer_deg: float) -> F32:
     """The fall-off on the plane that Mitsuba projects: (S, S, 3), tan(outer) at the border."""
+    # Points of the projection plane at distance 1, and the cosine towards each.
     at = ((np.arange(SPOT_PX) + 0.5) / SPOT_PX * 2.0 - 1.0) * math.tan(math.radians(outer_deg))
     cosine = 1.0 / np.sqrt(1.0 + at[:, None] ** 2 + at[None, :] ** 2)
     falloff = spot_share(cosine, inner_deg, outer_deg).astype(np.float32)
@@ -142,5 +145,6 @@ def spot_pixels(inner_deg: float, outer_deg: float) -> F32:
 
 def _looking(position: Vec3, direction: Vec3) -> LookAt:
     x, y, z = (float(v) for v in np.add(position, direction))
+    # Any up that does not lie along the axis.
     up: Vec3 = (0.0, 0.0, 1.0) if abs(direction[1]) > 0.9 else (0.0, 1.0, 0.0)
     return LookAt(position, (x, y, z), up)
