@@ -1,6 +1,7 @@
 """Surfaces between the cells of a medium, found by rays from the middle of each cell to the next.
 
 Diffuse light ends at them as it does at the border of the medium's box, but for what they reflect.
+Behind that border, too, surfaces reflect, as far out as the middle of a next cell would be.
 differs: Elek2014 lets light propagate from cell to cell as if nothing stood there.
 """
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
-from ...gpu.layout import Struct, f32, mat4x4f
+from ...gpu.layout import Struct, f32, mat4x4f, u32
 from ...gpu.memory import Buffer, buffer_of
 from ...gpu.slots import storage, uniform
 from ...rays.rays import RAY_SLOTS, RayScene
@@ -29,6 +30,7 @@ class WallParams(Struct):
 
     world_from_medium = mat4x4f()
     wider = f32("of the distance to the next cell, by which rays are longer at both ends")
+    is_whole = u32("1: the medium ends at the border of the grid")
 
 
 class _Positions(ComputePass):
@@ -60,7 +62,7 @@ class Walls:
     def __init__(self, medium: GridMedium) -> None:
         self._medium = medium
         self._faces = _Faces(medium.gpu)
-        self._positions = Buffer(medium.gpu, "positions of walls", 8 * medium.cells)
+        self._positions = Buffer(medium.gpu, "positions of walls", 12 * medium.cells)
         # Pipelines of rays, by their constants.
         self._passes: dict[tuple[Any, ...], _Positions] = {}
         self._reflectances: Buffer | None = None
@@ -114,20 +116,25 @@ class Walls:
             commands,
             (placement.cells,),
             params=params,
-            placement=WallParams(world_from_medium=placement.world_from_medium, wider=_WIDER),
+            placement=WallParams(
+                world_from_medium=placement.world_from_medium,
+                wider=_WIDER,
+                is_whole=int(self._medium.level == 0),
+            ),
             **scene.bound,
             reflectances=self._reflectances,
             positions=self._positions,
         )
 
     def _crossing(self, surfaces: Surfaces) -> tuple[tuple[Any, ...], ...]:
-        """The meshes whose boxes meet that of the medium: number, geometry, where it is."""
+        """The meshes near the medium's box: number, geometry, where it is."""
         meshes = surfaces.meshes.current
         if not (surfaces.meshes.draws and meshes):
             return ()
         # The medium's box may be turned: compared is the box along the world's axes around it.
         placement = self._medium.placement
         corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).reshape(3, 8).T * placement.extent
+        corners += np.where(corners > 0.0, 0.5, -0.5) * placement.cell
         placed = (
             corners @ placement.world_from_medium[:3, :3].T + placement.world_from_medium[:3, 3]
         )
