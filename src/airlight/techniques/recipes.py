@@ -174,8 +174,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     is_local = _has_local_shafts(context, settings)
     drawn = _drawn_by_pop(settings, "auto" if is_local else "off")
     every, own = EveryMedium(context.scene), context.scene.medium
-    volumes = context.scene.volumes
-    sources = source_count(every(context.scene), settings)
+    volumes, sources = context.scene.volumes, source_count(every(context.scene), settings)
     found = Solved(volumes if own is None else (own, *volumes), is_local)
     media = Media(kit, drawn, sources=sources, has_sky=False, solved=found)
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
