@@ -63,7 +63,7 @@ def merged_width(volumes: Sequence[Volume], whole: Volume) -> Width:
     """
     unit = max(float(np.mean(whole.sigma_t)), 1e-30)
     held = np.array([mass_of(v) * np.mean(v.sigma_t) / unit for v in volumes])
-    density = np.array([_density_bymass_of(v) * np.mean(v.sigma_t) / unit for v in volumes])
+    density = np.array([_density_by_mass(v) * np.mean(v.sigma_t) / unit for v in volumes])
     box = np.asarray(whole.bounds)
     total = float(held.sum())
     if total <= 0.0:
@@ -82,7 +82,7 @@ def merged_width(volumes: Sequence[Volume], whole: Volume) -> Width:
     return Width(wide, float(held @ density) / total, total / size)
 
 
-def _density_bymass_of(volume: Volume) -> float:
+def _density_by_mass(volume: Volume) -> float:
     """The mean of its density, weighted by mass."""
     probed = probed_density(volume)
     return float((probed**2).sum() / max(float(probed.sum()), 1e-30))
