@@ -28,7 +28,7 @@ from .lighting.view import View
 from .maths.transforms import F64
 from .scene.scene import Scene
 
-ABSOLUTE, ALL_MEDIA = -1, -2
+ABSOLUTE, ALL_MEDIA, SOME_MEDIA = -1, -2, -3
 FORWARD_REACH = 3
 """Cells to each side over which forward light is averaged."""
 _FORWARD_BLUR_CELLS = 2.0  # deviation of a mean over so many cells to each side
@@ -39,13 +39,13 @@ class Source:
     """Emission on a grid: rgb of an rgba16float (or wider, filterable) 3D texture.
 
     With `medium` ABSOLUTE, texel * `scale` is J in W m^-3 sr^-1. Otherwise it is mean radiance,
-    W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient of ALL_MEDIA, or
-    of one (its row: the scene's medium first, then the volumes) and the next `parts` - 1, which are
-    one volume's, at the density's own resolution. `whole`: the same with what shafts draw in the
-    eye's rays; `texture` if not given. `mean`: what rays of a gather meet instead, of the reduced
-    medium (similarity theory), through which they go then. `texels`: of the texture along a solved
-    cell. `fade`, in shares of its box: where it is a finer grid inside the next source, which takes
-    over there.
+    W m^-2 sr^-1 (fluence/4pi), and is multiplied by the scattering coefficient, at the density's
+    own resolution, of ALL_MEDIA, of SOME_MEDIA, whose rows are `members`, or of one (its row: the
+    scene's medium first, then the volumes) and the next `parts` - 1, which are one volume's.
+    `whole`: the same with what shafts draw in the eye's rays; `texture` if not given. `mean`: what
+    rays of a gather meet instead, of the reduced medium (similarity theory), through which they go
+    then. `texels`: of the texture along a solved cell. `fade`, in shares of its box: where it is a
+    finer grid inside the next source, which takes over there.
     """
 
     texture: Texture
@@ -53,6 +53,7 @@ class Source:
     scale: float = 1.0
     medium: int = ABSOLUTE
     parts: int = 1
+    members: tuple[int, ...] = ()
     whole: Texture | None = None
     mean: Texture | None = None
     fade: Fade | None = None

@@ -82,12 +82,44 @@ def test_light_diffuses_on_one_side_as_its_twin(walled):
     medium = MediumGrid(at.extent, read["density"], RHO, 3.0 * one, 0.9 * one, 0.0 * one)
     width = solver.medium.placed.width.diffusivity
     plain = diffusion_of(medium, width)
-    system = type(plain)(plain.cell, plain.d, plain.sigma_a, closed, np.full((3, 2, 8, 8, 8), 0.5))
+    # The wall reflects on both sides; the box ends where there is none.
+    reflectance = np.zeros((3, 2, 8, 8, 8))
+    reflectance[0, 1, :, :, 4] = reflectance[0, 0, :, :, 5] = 0.5
+    system = type(plain)(plain.cell, plain.d, plain.sigma_a, closed, reflectance)
     power, forward = read["deposits"][0, ..., :3], read["deposits"][1:, ..., :3]
     phi, _ = solve(system, system.source(power, forward), SETTINGS["solver_steps"])
     np.testing.assert_allclose(read["phi"][..., :3], phi, rtol=5e-3, atol=2e-3 * phi.max())
     # All of the lamp's light is beyond the wall.
     assert read["phi"][:, :, :5].max() < 1e-6 * phi.max()
+
+
+def test_surfaces_close_outside_reflect_as_in_the_twin(gpu):
+    """A floor a third of a cell under the box reflects a half; one a cell away is not its own."""
+    found = {}
+    for gap in (0.08, 0.25):
+        floor = block((-2, -1.3, -2), (2, -1.0 - gap, 2))
+        with Renderer(scene(floor), "pop", (16, 16), settings=SETTINGS) as renderer:
+            renderer.frame(samples=1)
+            (solver,) = renderer.technique.find(PopMedia).solvers
+            diffuse = solver.transport.diffuse
+            words = diffuse.walls.read(np.uint32).reshape(8, 8, 8, 2)
+            phi = diffuse.phi.read().reshape(8, 8, 8, 4)[..., :3].astype(np.float64)
+            deposits = diffuse.deposits.read().reshape(4, 8, 8, 8, 4)[..., :3].astype(np.float64)
+            density = solver.medium.density.cells.read().reshape(8, 8, 8).astype(np.float64)
+        reflectance = np.zeros((3, 2, 8, 8, 8))
+        reflectance[1, 0, :, 0] = 0.5 if gap < 0.1 else 0.0
+        lower = (words[..., 1] >> 10) & 31
+        np.testing.assert_array_equal(lower, 32 * reflectance[1, 0])
+        assert not (words[..., 0] & 63).any()
+        at, one = solver.medium.placement, np.ones(3)
+        medium = MediumGrid(at.extent, density, RHO, 3.0 * one, 0.9 * one, 0.0 * one)
+        plain = diffusion_of(medium, solver.medium.placed.width.diffusivity)
+        system = replace(plain, reflectance=reflectance)
+        source = system.source(deposits[0], deposits[1:])
+        want, _ = solve(system, source, SETTINGS["solver_steps"])
+        np.testing.assert_allclose(phi, want, rtol=5e-3, atol=2e-3 * want.max())
+        found[gap] = phi[:, 0].mean()
+    assert found[0.08] > 1.2 * found[0.25]
 
 
 def test_light_between_cells_is_of_one_side_as_its_twin(walled):

@@ -71,6 +71,11 @@ def vec3u(unit: str = "") -> Field:
     return Field("vec3u", np.uint32, (3,), 16, unit)
 
 
+def vec4u(unit: str = "") -> Field:
+    """Four unsigned integers."""
+    return Field("vec4u", np.uint32, (4,), 16, unit)
+
+
 def mat4x4f(unit: str = "") -> Field:
     """A 4x4 matrix; NumPy's rows are stored as WGSL's columns."""
     return Field("mat4x4f", np.float32, (4, 4), 16, unit)

@@ -67,7 +67,7 @@ class Diffusion:
 
     `d` (z, y, x, channel), m; `sigma_a` (z, y, x, channel), m^-1. `closed` (3, z, y, x): where a
     surface stands before the next cell along x, y and z; `reflectance` (3, 2, z, y, x): what those
-    before a cell's lower and upper faces reflect to all sides.
+    before a cell's lower and upper faces reflect to all sides, at the border from close outside.
     """
 
     cell: F64
@@ -82,8 +82,17 @@ class Diffusion:
         return np.asarray(2.0 * low * high / (low + high))
 
     def outflow(self, axis: int, side: int) -> F64:
-        """J_n/Phi on an outer face without a source: 1/(h/(2 D) + 2)."""
-        return np.asarray(1.0 / (0.5 * self.cell[axis] / _edge(self.d, axis, side) + 2.0))
+        """J_n/Phi on an outer face without a source: 1/(h/(2 D) + 2 (1 + rho)/(1 - rho)); rho: of a
+        surface close outside."""
+        half = 0.5 * self.cell[axis] / _edge(self.d, axis, side)
+        return np.asarray(1.0 / (half + self._beyond(axis, side)))
+
+    def _beyond(self, axis: int, side: int) -> F64:
+        """Phi/J on an outer face: 2, more before a surface that reflects."""
+        if self.reflectance is None:
+            return np.full(1, 2.0)
+        rho = _edge(self.reflectance[axis, side][..., None], axis, side)
+        return np.asarray(2.0 * (1.0 + rho) / (1.0 - rho))
 
     def apply(self, phi: F64) -> F64:
         """A phi, W m^-3 for phi in W m^-2."""
@@ -188,7 +197,8 @@ class Diffusion:
         return np.concatenate([outer[0], inner, outer[1]], axis=2 - axis)
 
     def _outer(self, phi: F64, source: F64 | None, axis: int, side: int) -> F64:
-        """J along `axis` on one outer face: (Phi + (h/2D) J_src,n)/(h/(2D) + 2) outwards."""
+        """J along `axis` on one outer face: (Phi + (h/2D) J_src,n)/(h/(2D) + 2) outwards; beyond
+        stands for 2 where a surface close outside reflects."""
         sign = -1.0 if side == 0 else 1.0
         edge = _edge(self.d, axis, side)
 
@@ -197,7 +207,7 @@ class Diffusion:
         value = _edge(phi, axis, side)
         if source is not None:
             value = value + half * sign * 3.0 * edge * _edge(source[axis], axis, side)
-        return np.asarray(sign * value / (half + 2.0))
+        return np.asarray(sign * value / (half + self._beyond(axis, side)))
 
 
 def _sides(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:

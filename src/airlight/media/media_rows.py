@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,14 @@ def medium_fields(
         "columns_count": (2.0, 2.0, 2.0),
         "nodes": np.zeros((4, 4)),
     }
+
+
+def member_bits(rows: Sequence[int]) -> dict[str, tuple[int, ...]]:
+    """Rows of media as bits of `members_low` and `members_high`; see `wgsl/members.wgsl`."""
+    words = [0] * 8
+    for row in rows:
+        words[row // 32] |= 1 << row % 32
+    return {"members_low": tuple(words[:4]), "members_high": tuple(words[4:])}
 
 
 def has_detail(scene: Scene) -> bool:

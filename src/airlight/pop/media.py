@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError, SettingsError
-from ..fields import ALL_MEDIA, Fields, Frame, Solver
+from ..fields import ALL_MEDIA, SOME_MEDIA, Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..lighting.view import View
@@ -27,8 +27,9 @@ from ..scene.volume import Volume
 from .light.illumination import Illumination
 from .light.importance import Look
 from .light.visibility import Surfaces
+from .medium.kinds import kinds_of
 from .medium.merged_medium import MergedMedium
-from .medium.mixture import MediaCount
+from .medium.mixture import BLOCKS, MediaCount
 from .medium.surrounding import SurroundingMedium
 from .settings import MOST_ALONE, PopSettings, uses_virtual_grids
 from .several_media import encode, introduce
@@ -55,8 +56,8 @@ class PopMedia(Solver):
         """`media`: all that are marched, brought up to date by others; the last are solved here.
 
         `media_of`: the volumes of a scene that are, if not all. `has_local_shafts`: what local
-        lights scatter once is drawn by shafts. More than MOST_ALONE are solved as one, on one grid:
-        they are all of `media` then.
+        lights scatter once is drawn by shafts. Of more than MOST_ALONE those of a kind are solved
+        as one, on one grid: they are all of `media` then.
         """
         self.kit, self.settings, self._has_local_shafts = kit, settings, has_local_shafts
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
@@ -73,9 +74,9 @@ class PopMedia(Solver):
             self._surfaces = Surfaces(
                 kit.meshes, kit.lights, kit.sky, kit.rays, kit.blockers, reflected
             )
-        self._merged: MergedMedium | None = None
+        self._merged: list[MergedMedium] = []
         if len(volumes) > MOST_ALONE:
-            self.solvers = [self._made_as_one(volumes, media)]
+            self.solvers = self._made_of_kinds(volumes, media)
         else:
             self.solvers = self._made(volumes, media)
         introduce(self.solvers)
@@ -106,22 +107,44 @@ class PopMedia(Solver):
         virtual = self._surfaces.virtual_lights if self._surfaces else 0
         return len(self._scene.lights) + virtual
 
-    def _made_as_one(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> PopSolver:
-        """One solver for all, on a grid of cells twice as large as theirs, if there is room."""
+    def _made_of_kinds(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> list[PopSolver]:
+        """A solver for each kind; together they have an eighth of the volumes' cells, if there is
+        room, and one volume's at least."""
         gpu, settings, lights = self.kit.gpu, self.settings, self._most_lights
-        # Paths to every light are stored in each cell.
-        most = gpu.limits["max-storage-buffer-binding-size"] / (8 * (settings.ordinates + lights))
-        cells = min(settings.grid**3 * max(1.0, len(volumes) / 2**3), _FULL * most)
         every = [part for parts in volumes for part in parts]
-        self._merged = MergedMedium(gpu, media, every, cells)
-        return PopSolver(
-            gpu, self._merged, settings, lights=lights, has_local_shafts=self._has_local_shafts
-        )
+        kinds = kinds_of(every, settings)
+        others = MediaCount(others=len(kinds) - 1, other_parts=len(kinds) - 1)
+        # Paths to every light, through every kind, are stored in each cell.
+        paths = len(kinds) * (settings.ordinates + lights + BLOCKS * others.others)
+        most = gpu.limits["max-storage-buffer-binding-size"] / (8 * paths)
+        wanted = settings.grid**3 * max(1.0, len(volumes) / 2**3) / len(kinds)
+        for kind in kinds:
+            cells = min(wanted, _FULL * most)
+            rows = [self._first_row + i for i in kind]
+            self._merged.append(
+                MergedMedium(gpu, media, [every[i] for i in kind], cells, rows=rows, others=others)
+            )
+        return [
+            PopSolver(
+                gpu,
+                medium,
+                settings,
+                lights=lights,
+                others=others,
+                has_local_shafts=self._has_local_shafts,
+            )
+            for medium in self._merged
+        ]
 
     def _volumes(self, scene: Scene) -> list[tuple[Volume, ...]]:
         """Those that solvers take in a frame."""
         volumes = self._media_of(scene)
-        return [(self._merged.volume_of(volumes),)] if self._merged else grouped(volumes)
+        if not self._merged:
+            return grouped(volumes)
+        return [
+            (medium.volume_of([volumes[i - self._first_row] for i in medium.rows]),)
+            for medium in self._merged
+        ]
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Take the scene, and what surfaces reflect; media are solved for a view."""
@@ -152,9 +175,14 @@ class PopMedia(Solver):
         for solver in self.solvers:
             sources += solver.sources(row)
             row += len(solver.medium.parts)
-        # One grid of all media lights whatever there is at a point.
-        if self._merged:
+        # The grid of a kind lights whatever there is of it at a point.
+        if len(self._merged) == 1:
             sources = [replace(source, medium=ALL_MEDIA) for source in sources]
+        elif self._merged:
+            sources = [
+                replace(source, medium=SOME_MEDIA, members=medium.rows)
+                for source, medium in zip(sources, self._merged, strict=True)
+            ]
         return replace(fields, volumes=tuple(sources))
 
     def _around(self, eye: F64) -> SurroundingMedium | None:

@@ -85,12 +85,7 @@ class PopSettings:
 
 
 MOST_ALONE = 4
-"""Media that are solved and marched on grids of their own; more of them share one."""
-
-
-def source_count(media: int, settings: PopSettings) -> int:
-    """How many grids are marched for so many media."""
-    return (media if media <= MOST_ALONE else 1) * settings.grid_levels
+"""Media that are solved and marched on grids of their own; of more, those of a kind share one."""
 
 
 def uses_virtual_grids(settings: PopSettings, *, alone: bool) -> bool:

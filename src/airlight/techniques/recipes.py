@@ -20,8 +20,7 @@ from ..gather.settings import GatherSettings
 from ..lighting.cascades import cascades_nest
 from ..lighting.kit import Context, Kit, SurfaceSettings, scene_nest
 from ..media.settings import MediaSettings
-from ..pop.settings import PopSettings, source_count
-from ..scene.coefficients import grouped
+from ..pop.settings import PopSettings
 from ..scene.lights import DirectionalLight
 from .settings import (
     LpvMarchSettings,
@@ -163,6 +162,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     from ..media.media import Media, Solved
     from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
+    from ..pop.medium.kinds import source_count
     from .beams import forward_solvers
 
     # Delta scaling: forward peaks sharper than a grid resolves count as unscattered.
@@ -174,8 +174,7 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     is_local = _has_local_shafts(context, settings)
     drawn = _drawn_by_pop(settings, "auto" if is_local else "off")
     every, own = EveryMedium(context.scene), context.scene.medium
-    volumes = context.scene.volumes
-    sources = source_count(len(grouped(every(context.scene))), settings)
+    volumes, sources = context.scene.volumes, source_count(every(context.scene), settings)
     found = Solved(volumes if own is None else (own, *volumes), is_local)
     media = Media(kit, drawn, sources=sources, has_sky=False, solved=found)
     solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
@@ -216,11 +215,11 @@ def _with_pop(
     """Of volumes on grids of ordinates: settings without those of `but`, what is solved there, and
     how many grids are marched."""
     from ..media.media import Solved
+    from ..pop.medium.kinds import source_count
 
     own, drawn = part_of(settings, PopSettings, but=but), part_of(settings, MediaSettings)
-    volumes = context.scene.volumes
-    solved = Solved(volumes, _has_local_shafts(context, own, drawn.shafts))
-    return own, drawn, solved, source_count(len(grouped(volumes)), own)
+    volumes, is_local = context.scene.volumes, _has_local_shafts(context, own, drawn.shafts)
+    return own, drawn, Solved(volumes, is_local), source_count(volumes, own)
 
 
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:

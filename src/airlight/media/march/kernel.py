@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ...gpu.layout import Struct, f32, i32, mat4x4f, u32, vec3f
+from ...gpu.layout import Struct, f32, i32, mat4x4f, u32, vec3f, vec4u
 from ...gpu.slots import Slot, sampler, storage, texture, uniform
 from ...lattice.placement import LatticeParams
 from ..gpu_media import GpuMedia
@@ -43,9 +43,11 @@ class SourceData(Struct):
 
     uvw_from_world = mat4x4f()
     scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
-    medium = i32("-1 absolute, -2 times sigma_s of all media, else of this one")
+    medium = i32("-1 absolute; times sigma_s of: -2 all media, -3 members, else this one")
     parts = u32("media from it on that are one volume's")
     steps = f32("length of a step in it, in steps of the finest source")
+    members_low = vec4u("bits of media, see wgsl/members.wgsl")
+    members_high = vec4u()
     fade_low = vec3f("0..1 in its box, where the light of a finer grid begins")
     fade_low_width = vec3f("to where it is whole")
     fade_high = vec3f("where it ends")

@@ -75,6 +75,7 @@ def _sources_wgsl(variant: Variant) -> str:
     if not is_reduced:
         parts.append(lattices)
     uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
+    uses += _WEIGHT_WGSL if sources else ""
     uses += _step_share_wgsl(variant)
     return (
         f"{uses}fn emission_at(p: vec3f, travel: vec3f) -> vec3f {{\n    var sum = vec3f(0.0);\n"
@@ -97,9 +98,27 @@ def _source_wgsl(i: int, fading: tuple[bool, ...]) -> str:
         f"    if (all(uvw{i} >= vec3f(0.0)) && all(uvw{i} <= vec3f(1.0))) {{\n{share * is_finer}"
         f"        sum += {factor}textureSampleLevel(source{i}, source_linear, uvw{i}, 0.0).rgb\n"
         f"            * sources[{i}].scale\n"
-        f"            * source_weight(sources[{i}].medium, sources[{i}].parts);\n    }}\n"
+        f"            * weight_of_source({i}u);\n    }}\n"
     )
 
+
+_WEIGHT_WGSL = """
+//! use members
+// The scattering coefficient that a source leaves out.
+fn weight_of_source(i: u32) -> vec3f {
+    if (sources[i].medium != -3) {
+        return source_weight(sources[i].medium, sources[i].parts);
+    }
+    var sum = vec3f(0.0);
+    for (var j = 0u; j < media_here(); j++) {
+        let k = medium_here(j);
+        if (is_member(ray_medium(k), sources[i].members_low, sources[i].members_high)) {
+            sum += media_density_here[k] * sigma_s_of(ray_medium(k));
+        }
+    }
+    return sum;
+}
+"""
 
 _FADING_WGSL = """
 // The share of a finer grid's light at a point of its box; see lattice.nested.shares.

@@ -25,6 +25,7 @@ from ...gpu.memory import Buffer, Texture, linear_sampler
 from ...lattice.placement import Fade, Placement
 from ...lattice.table import LatticeTable
 from ..gpu_media import GpuMedia
+from ..media_rows import member_bits
 from ..rays import Rays
 from .forward_source import fused_rows
 from .kernel import (
@@ -206,6 +207,7 @@ class March:
                     "scale": s.scale,
                     "medium": s.medium,
                     "parts": s.parts,
+                    **member_bits(s.members),
                     "steps": s.cell_m / finest,
                     **_fade_fields(s.fade),
                 }

@@ -19,8 +19,9 @@ const AROUND = 2;   // cells: as far as splines read
             found |= select(0u, 1u, position_of(below, axis) != WALL_FREE) << (2u * axis);
         }
     }
-    // The reflectances of its faces: the lower side of its upper faces, the upper side of those below it.
-    var reflecting = 0u;
+    // The reflectances of its faces: the lower side of its upper faces, the upper side of those below it; or what
+    // stands outside.
+    var reflecting = positions[2u * params.cells + id.x];
     let above = positions[params.cells + id.x];
     for (var axis = 0u; axis < 3u; axis++) {
         let upper = (above >> (2u * REFLECTING_BITS * axis)) & 31u;

@@ -1,6 +1,6 @@
 // The first surface on the path from the middle of a cell to those of the next along x, y and z: its distance in
 // cells, eight bits each; WALL_FREE where there is none. Behind those of all cells: the reflectances of the
-// surfaces that either cell sees, five bits each.
+// surfaces that either cell sees, five bits each. Then the same of what stands close outside the outer faces.
 //! use medium_grid
 //! use rays
 //! use walls
@@ -9,8 +9,29 @@
 // met by either neighbour.
 const WIDER = 1e-3;
 
+override IS_WHOLE: bool = true;  // whether the medium ends at the border of the grid
+
 fn reflectance_code(instance: u32) -> u32 {
     return min(u32(round(reflectances[instance] * REFLECTING_STEPS)), 31u);
+}
+
+// The reflectance before each outer face of the medium's own box: of a surface no farther than the middle of a cell
+// beyond it would be.
+fn reflecting_outside(cell: vec3u, origin: vec3f) -> u32 {
+    var found = 0u;
+    for (var face = 0u; face < 6u && IS_WHOLE; face++) {
+        let axis = face / 2u;
+        let side = face & 1u;
+        if (cell[axis] != select(0u, params.count[axis] - 1u, side == 1u)) {
+            continue;
+        }
+        let step = params.world_from_medium[axis].xyz * params.cell[axis] * select(-1.0, 1.0, side == 1u);
+        let hit = nearest_hit(origin, step, 0.0, 1.0);
+        if (hit.triangle != NO_HIT) {
+            found |= reflectance_code(hit.instance) << (REFLECTING_BITS * face);
+        }
+    }
+    return found;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -40,4 +61,5 @@ fn reflectance_code(instance: u32) -> u32 {
     }
     positions[id.x] = found;
     positions[params.cells + id.x] = reflecting;
+    positions[2u * params.cells + id.x] = reflecting_outside(cell, origin);
 }

@@ -1,6 +1,7 @@
 """Surfaces between the cells of a medium, found by rays from the middle of each cell to the next.
 
 Diffuse light ends at them as it does at the border of the medium's box, but for what they reflect.
+Behind that border, too, surfaces reflect, as far out as the middle of a next cell would be.
 differs: Elek2014 lets light propagate from cell to cell as if nothing stood there.
 """
 
@@ -49,7 +50,7 @@ class Walls:
     def __init__(self, medium: GridMedium) -> None:
         self._medium = medium
         self._faces = _Faces(medium.gpu)
-        self._positions = Buffer(medium.gpu, "positions of walls", 8 * medium.cells)
+        self._positions = Buffer(medium.gpu, "positions of walls", 12 * medium.cells)
         # Pipelines of rays, by their constants.
         self._passes: dict[tuple[Any, ...], _Positions] = {}
         self._reflectances: Buffer | None = None
@@ -92,7 +93,8 @@ class Walls:
     def _trace(self, commands: Commands, params: MediumParams, scene: RayScene) -> None:
         """Find the first surface on the path from each cell to the next along x, y and z."""
         # Translucent surfaces close nothing.
-        constants = {**scene.constants, "RAYS_MEET_TRANSLUCENT": 0.0}
+        is_whole = float(self._medium.level == 0)
+        constants = {**scene.constants, "RAYS_MEET_TRANSLUCENT": 0.0, "IS_WHOLE": is_whole}
         key = tuple(constants.items())
         if key not in self._passes:
             self._passes[key] = _Positions(self._medium.gpu, constants=constants)
@@ -106,13 +108,14 @@ class Walls:
         )
 
     def _crossing(self, surfaces: Surfaces) -> tuple[tuple[Any, ...], ...]:
-        """The meshes whose boxes meet that of the medium: number, geometry, where it is."""
+        """The meshes near the medium's box: number, geometry, where it is."""
         meshes = surfaces.meshes.current
         if not (surfaces.meshes.draws and meshes):
             return ()
         # The medium's box may be turned: compared is the box along the world's axes around it.
         placement = self._medium.placement
         corners = np.array(np.meshgrid(*[(0.0, 1.0)] * 3)).reshape(3, 8).T * placement.extent
+        corners += np.where(corners > 0.0, 0.5, -0.5) * placement.cell
         placed = (
             corners @ placement.world_from_medium[:3, :3].T + placement.world_from_medium[:3, 3]
         )

@@ -1,5 +1,6 @@
-// The extinction of all media in fine cells, as the density of one medium.
+// The extinction of all media of a kind in fine cells, as the density of one medium.
 //! use media
+//! use members
 
 const LARGEST_HALF = 65504.0;
 
@@ -17,7 +18,9 @@ const LARGEST_HALF = 65504.0;
         let visit = visit_near(node, centre, params.reach);
         node = visit.next;
         if (visit.is_done) { break; }
-        if (visit.is_skipped) { continue; }
+        if (visit.is_skipped || !is_member(visit.medium, params.members_low, params.members_high)) {
+            continue;
+        }
         var density = 0.0;
         for (var s = 0u; s < n * n * n; s++) {
             let inside = (vec3f(vec3u(s % n, (s / n) % n, s / (n * n))) + 0.5) / f32(n);

@@ -1,6 +1,6 @@
-"""Many volumes on one grid: their extinctions, added up by the device.
+"""Many volumes of a kind on one grid: their extinctions, added up by the device.
 
-volumes -> merging: box, mean coefficients, width -> merged.wgsl: extinction in fine cells
+volumes -> kinds -> merging: box, mean coefficients, width -> merged.wgsl: extinction in fine cells
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ import numpy as np
 from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
-from ...gpu.layout import Struct, f32, mat4x4f, u32, vec3u
+from ...gpu.layout import Struct, f32, mat4x4f, u32, vec3u, vec4u
 from ...gpu.memory import Texture
 from ...gpu.slots import image, uniform
 from ...media.gpu_media import GpuMedia
+from ...media.media_rows import member_bits
 from ...scene.volume import Volume
-from .grid_medium import GridMedium
+from .grid_medium import NO_OTHERS, GridMedium
 from .merging import merged_volume, merged_width
+from .mixture import MediaCount
 from .placement import FINE, PlacedVolume, placed
 
 _SAMPLES = 2  # of the media along each axis of a fine cell
@@ -35,6 +37,8 @@ class MergedParams(Struct):
     samples = u32("along each axis of one")
     scale = f32("m, density per extinction")
     reach = f32("m, from the middle of a fine cell to its corners")
+    members_low = vec4u("bits of the media, see wgsl/members.wgsl")
+    members_high = vec4u()
 
 
 class _Merged(ComputePass):
@@ -51,11 +55,22 @@ class _Merged(ComputePass):
 
 
 class MergedMedium(GridMedium):
-    """All `media` on one grid, of a number of cells that stays. It follows the volumes."""
+    """Some `media` on one grid, of a number of cells that stays. It follows the volumes."""
 
-    def __init__(self, gpu: Gpu, media: GpuMedia, volumes: Sequence[Volume], cells: float) -> None:
-        """About so many `cells`. `volumes`: those that `media` hold, brought up to date there."""
+    def __init__(
+        self,
+        gpu: Gpu,
+        media: GpuMedia,
+        volumes: Sequence[Volume],
+        cells: float,
+        *,
+        rows: Sequence[int],
+        others: MediaCount = NO_OTHERS,
+    ) -> None:
+        """About so many `cells`. `volumes`: those that `media` hold in `rows`, brought up to date
+        there. `others`: media on grids of their own beside this one."""
         self._media, self._pass, self._filled = media, _Merged(gpu, media), -1
+        self.rows = tuple(rows)
         side = min(float(np.cbrt(cells)), _MOST_SIDE)
         self._of, self._whole_volume = tuple(volumes), merged_volume(volumes)
         self._placement = placed(self._whole_volume, int(side))
@@ -63,7 +78,7 @@ class MergedMedium(GridMedium):
         self._merged = Texture(
             gpu, "merged media", size, "rgba16float", dimension="3d", written=True
         )
-        super().__init__(gpu, [self._whole_volume], 0, voxels=self._merged)
+        super().__init__(gpu, [self._whole_volume], 0, voxels=self._merged, others=others)
 
     def volume_of(self, volumes: Sequence[Volume]) -> Volume:
         """The medium that these are, which are of the first ones' number; `take` takes it."""
@@ -93,6 +108,7 @@ class MergedMedium(GridMedium):
                     samples=_SAMPLES,
                     scale=1.0 / max(float(np.mean(self.volume.sigma_t)), 1e-30),
                     reach=float(np.linalg.norm(self.placement.cell)) / (2 * FINE),
+                    **member_bits(self.rows),
                 ),
                 voxels=self._merged,
                 **self._media.medium_bound,

@@ -25,7 +25,7 @@ def merged_volume(volumes: Sequence[Volume]) -> Volume:
     """A box around all of them; density 1 is their mean extinction, weighted by mass."""
     # Extinction is averaged by mass, albedo by extinction, g by scattering: then each mean keeps
     # the total of its coefficient.
-    mass = np.array([_mass(volume) for volume in volumes])[:, None]
+    mass = np.array([mass_of(volume) for volume in volumes])[:, None]
     sigma_t, albedo, g = (np.array([getattr(v, n) for v in volumes]) for n in _COEFFICIENTS)
     held, scattered = mass * sigma_t, mass * sigma_t * albedo
     boxes = np.array([volume_world_bounds(volume) for volume in volumes])
@@ -47,7 +47,7 @@ def _mean(sums: F64, weights: F64) -> Rgb:
     return (float(r), float(g), float(b))
 
 
-def _mass(volume: Volume) -> float:
+def mass_of(volume: Volume) -> float:
     """Its mean density times its volume, m^3."""
     low, high = np.asarray(volume.bounds)
     size = abs(float(np.linalg.det(volume.world_from_volume[:3, :3]))) * float(np.prod(high - low))
@@ -62,7 +62,7 @@ def merged_width(volumes: Sequence[Volume], whole: Volume) -> Width:
     Volumes whose boxes meet are one body; each body counts by what it holds. `whole`: all merged.
     """
     unit = max(float(np.mean(whole.sigma_t)), 1e-30)
-    held = np.array([_mass(v) * np.mean(v.sigma_t) / unit for v in volumes])
+    held = np.array([mass_of(v) * np.mean(v.sigma_t) / unit for v in volumes])
     density = np.array([_density_by_mass(v) * np.mean(v.sigma_t) / unit for v in volumes])
     box = np.asarray(whole.bounds)
     total = float(held.sum())

@@ -1,0 +1,67 @@
+"""Many volumes in a few kinds: those that are alike in colour, albedo and phase function.
+
+Volumes of a kind share a grid (`merged_medium`), where means of their coefficients stand for each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...maths.transforms import F64
+from ...scene.coefficients import grouped
+from ...scene.volume import Volume
+from ..settings import MOST_ALONE, PopSettings
+from .merging import mass_of
+
+_ALIKE = 0.1  # of the ratios of extinctions, of albedo and g
+
+
+def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int, ...]]:
+    """The indices of the volumes of each kind, at most MOST_ALONE kinds, each in order.
+
+    Light that hops from cell to cell knows one medium only, so there all are one kind.
+    """
+    if settings.scheme != "delta-beam":
+        return [tuple(range(len(volumes)))]
+    rows = np.array([_features(volume) for volume in volumes])
+    held = np.array([mass_of(v) * float(np.mean(v.sigma_t)) for v in volumes])
+    # Equal ones first, so that few are compared.
+    means, kind_of = np.unique(rows, axis=0, return_inverse=True)
+    weight = np.bincount(kind_of.reshape(-1), held, len(means)) + 1e-30
+    members = [list(np.flatnonzero(kind_of.reshape(-1) == k)) for k in range(len(means))]
+    # The nearest two become one as long as they are alike, or there are too many.
+    while len(members) > 1:
+        off = np.abs(means[:, None] - means[None, :])
+        apart = off.max(axis=-1)
+        np.fill_diagonal(apart, np.inf)
+        a, b = np.unravel_index(int(np.argmin(apart)), apart.shape)
+        if apart[a, b] > _ALIKE:
+            if len(members) <= MOST_ALONE:
+                break
+            # Of unlike ones those whose mean changes least what they hold.
+            both = weight[:, None] * weight[None, :] / (weight[:, None] + weight[None, :])
+            cost = both * (off**2).sum(axis=-1)
+            np.fill_diagonal(cost, np.inf)
+            a, b = np.unravel_index(int(np.argmin(cost)), cost.shape)
+        means[a] = (weight[a] * means[a] + weight[b] * means[b]) / (weight[a] + weight[b])
+        weight[a] += weight[b]
+        members[a] += members.pop(b)
+        means, weight = np.delete(means, b, axis=0), np.delete(weight, b)
+    return sorted(tuple(sorted(int(i) for i in kind)) for kind in members)
+
+
+def source_count(volumes: Sequence[Volume], settings: PopSettings) -> int:
+    """How many grids are marched for these volumes."""
+    media = len(grouped(volumes))
+    if media > MOST_ALONE:
+        media = len(kinds_of(volumes, settings))
+    return media * settings.grid_levels
+
+
+def _features(volume: Volume) -> F64:
+    """Ratios of extinctions, albedo and g (9,)."""
+    sigma_t = np.asarray(volume.sigma_t)
+    tint = sigma_t / max(float(sigma_t.max()), 1e-30)
+    return np.concatenate([tint, volume.albedo, volume.g])
