@@ -117,7 +117,7 @@ def _parallel(
     # The box seen along the light, a little wider, lest its own faces be cut.
     low, high = _triple(box[0]), _triple(box[1])
     view, near, far = _extent_along(_triple(light.direction), low, high, turn_deg)
-    margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
+    margin = 1e-3 * float(np.linalg.norm(far - near)) or 1e-6
     near, far = near - margin, far + margin
     # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
     texel = (far[:2] - near[:2]) / (resolution - 1)
