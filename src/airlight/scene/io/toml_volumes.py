@@ -60,9 +60,7 @@ def placed_volume(
         else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
-    wanted = [values.get(name, "density") for name in _OF_FILES]
-    # The first file with anything in it says how large a sequence is and where it lies.
-    shown, grid = _first_filled(files, wanted[0], wanted[1], grids)
+    shown, grid = _first_filled(files, values, grids)
     # Emission and coefficients may need a larger box than the density's.
     glowing = values.get("emission_grid", values.get("temperature_grid"))
     with inside(label):
@@ -84,9 +82,13 @@ def placed_volume(
 
 
 def _first_filled(
-    files: tuple[Path, ...], name: str, channels: str, grids: dict[str, str]
+    files: tuple[Path, ...], values: dict[str, Any], grids: dict[str, str]
 ) -> tuple[Path, VolumeGrid]:
-    """The first file that holds any density, and its grid; the first of all where none does."""
+    """The file that says how large a volume is and where it lies, and its grid.
+
+    That is the first one that holds any density, or the first of all where none does.
+    """
+    name, channels = (values.get(key, "density") for key in _OF_FILES)
     first = density_or_first(files[0], name, channels, grids)
     grid = first
     for k, path in enumerate(files):
