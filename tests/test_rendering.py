@@ -15,8 +15,10 @@ from airlight.scene import (
     DirectionalLight,
     Environment,
     Material,
+    Mesh,
     PointLight,
     Scene,
+    shapes,
 )
 from airlight.scene.image import checked_size
 from airlight.scene.io import load
@@ -387,3 +389,22 @@ def test_memory_that_runs_out_is_a_device_error(monkeypatch):
     monkeypatch.setattr("airlight.rendering.GpuScene", full)
     with pytest.raises(DeviceError, match=r"no memory is left.*5\.00 GiB"):
         Renderer("builtin:cornell", size=(16, 9))
+
+
+@pytest.mark.parametrize("scale", [1e-5, 1e-3, 1e3, 1e5])
+def test_the_image_of_a_scene_does_not_depend_on_its_size(gpu, scale):
+    images = []
+    for size in (1.0, scale):
+        box = Mesh(geometry=shapes.box(), world_from_object=np.diag((size, size, size, 1.0)))
+        floor = np.diag((6.0 * size, size, 6.0 * size, 1.0))
+        floor[1, 3] = -0.5 * size
+        scene = Scene(
+            meshes=(box, Mesh(geometry=shapes.quad(), world_from_object=floor)),
+            lights=(DirectionalLight(direction=(-1, -2, -1), irradiance=(3, 3, 3)),),
+            environment=Environment(radiance=(1, 1, 2)),
+            camera=Camera(position=tuple(size * v for v in (1.2, 0.9, 2.0)), target=(0, 0, 0)),
+        )
+        images.append(render(scene, "direct", (32, 18), settings=DIRECT, samples=1).radiance)
+    # Blue light of the sky reaches the shadow, and what is farthest is the sky itself.
+    np.testing.assert_allclose(images[1], images[0], rtol=0.02, atol=0.02)
+    assert images[0][12, 16].max() > 0.1

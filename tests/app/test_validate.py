@@ -82,3 +82,17 @@ def test_technique_settings_are_checked(validate, table, expected):
 
 def test_good_technique_settings_pass(validate):
     assert validate(BOX + "[technique.lpv]\nresolution = 16\n")[0] == 0
+
+
+@pytest.mark.parametrize("command", ["info", "validate", "render"])
+def test_all_commands_refuse_alike(tmp_path, capsys, command):
+    np.save(tmp_path / "huge.npy", np.full((2, 2, 2), 1e30, np.float32))
+    (tmp_path / "point.obj").write_text("v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n")
+    output = ["-o", str(tmp_path / "a.png")] if command == "render" else []
+    said = {
+        "huge.npy": "its density holds 1e+30, at most 1e+15 can be used",
+        "point.obj": "all that the scene holds lies in one point. Is a scale 0? Give it a size.",
+    }
+    for name, expected in said.items():
+        assert cli.run([command, str(tmp_path / name), *output]) == 2
+        assert f"{name}: {expected}" in capsys.readouterr().err

@@ -74,3 +74,9 @@ def test_broken_geometry_is_refused(values, expected):
 def test_a_transform_must_be_a_finite_4_by_4():
     with pytest.raises(SceneError, match=r"transform of mesh 'lamp' has shape \(3, 3\)"):
         Mesh(box(), world_from_object=np.eye(3), name="lamp")
+
+
+def test_a_transform_must_be_affine():
+    matrix = np.diag((1.0, 1.0, 1.0, 0.0))
+    with pytest.raises(SceneError, match="is not affine: its last row is 0, 0, 0, 0, not 0"):
+        Mesh(box(), world_from_object=matrix)

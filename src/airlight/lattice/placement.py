@@ -162,7 +162,8 @@ def fitted(
     # The longest side decides how large cells are, with one of margin at either end.
     extent = np.subtract(high, low).astype(np.float64)
     if not np.isfinite(extent).all() or extent.max() <= 0.0:
-        raise SettingsError(f"the lattice has no size: {list(low)} to {list(high)}")
+        ends = (", ".join(f"{v:g}" for v in end) for end in (low, high))
+        raise SettingsError("the lattice has no size: [{}] to [{}]".format(*ends))
     if resolution < 4:
         raise SettingsError(f"resolution = {resolution} is too small for a lattice")
     cell = float(extent.max()) / (resolution - 2)

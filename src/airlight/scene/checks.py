@@ -153,6 +153,15 @@ def at_most(values: NDArray[Any], most: float, name: str) -> None:
             raise SceneError(f"{name} holds {largest:g}, at most {most:g} can be used")
 
 
+def affine(value: Any, name: str) -> F64:
+    """A read-only 4x4 matrix whose last row is 0, 0, 0, 1."""
+    matrix = array(value, name, shape=(4, 4), dtype=np.float64)
+    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=1e-6):
+        row = ", ".join(f"{v:g}" for v in matrix[3])
+        raise SceneError(f"{name} is not affine: its last row is {row}, not 0, 0, 0, 1")
+    return matrix
+
+
 def array(
     value: Any, name: str, *, shape: tuple[int | None, ...], dtype: type[np.generic]
 ) -> NDArray[Any]:

@@ -13,11 +13,19 @@ FARTHEST_M = 1e8
 
 
 def check_extent(scene: Scene) -> None:
-    """Raise SceneError for a mesh or a volume that reaches too far from the origin."""
-    for mesh in scene.meshes:
-        _check(mesh.world_bounds, f"mesh '{mesh.name}'")
+    """Raise SceneError for a mesh or a volume that reaches too far from the origin, and where all
+    of them are no more than a point."""
+    named = [(mesh.world_bounds, f"mesh '{mesh.name}'") for mesh in scene.meshes]
     for number, volume in enumerate(scene.volumes, start=1):
-        _check(volume_world_bounds(volume), f"volume {number}")
+        named.append((volume_world_bounds(volume), f"volume {number}"))
+    for box, what in named:
+        _check(box, what)
+    # A lattice over a point would have no cells.
+    corners = np.array([box for box, _ in named]).reshape(-1, 3)
+    if len(corners) and not np.ptp(corners, axis=0).any():
+        raise SceneError(
+            "all that the scene holds lies in one point", remedy="Is a scale 0? Give it a size."
+        )
 
 
 def _check(box: tuple[F64, F64], what: str) -> None:

@@ -70,12 +70,7 @@ class Mesh:
     name: str = ""
 
     def __post_init__(self) -> None:
-        matrix = checks.array(
-            self.world_from_object,
-            f"transform of mesh '{self.name}'",
-            shape=(4, 4),
-            dtype=np.float64,
-        )
+        matrix = checks.affine(self.world_from_object, f"transform of mesh '{self.name}'")
         checks.at_most(matrix, checks.MOST, f"transform of mesh '{self.name}'")
         object.__setattr__(self, "world_from_object", matrix)
 

@@ -59,10 +59,7 @@ class Volume:
         put(self, "g", mean_cosine(self.g))
         put(self, "bounds", checks.bounds(self.bounds, "volume bounds"))
         put(self, "detail", checks.number(self.detail, "detail", low=0.0, high=10.0))
-        matrix = checks.array(
-            self.world_from_volume, "volume transform", shape=(4, 4), dtype=np.float64
-        )
-        put(self, "world_from_volume", matrix)
+        put(self, "world_from_volume", checks.affine(self.world_from_volume, "volume transform"))
         # A grid of densities or a shape of density 1, never both.
         if self.shape not in ("grid", "box", "sphere"):
             raise SceneError(f"volume shape '{self.shape}' is unknown", remedy="Use box or sphere.")

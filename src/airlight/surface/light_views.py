@@ -35,6 +35,8 @@ _CUBE = (  # forward, up: faces +x -x +y -y +z -z
 )
 
 
+LEAST_NEAR_M = 1e-9
+"""Of near planes, which else are a thousandth of the far plane's distance."""
 _WIDE_DEG = 50.0  # a single perspective would waste its texels on the axis
 
 
@@ -116,7 +118,7 @@ def _parallel(
     # The box seen along the light, a little wider, lest its own faces be cut.
     low, high = triple(box[0]), triple(box[1])
     view, near, far = _extent_along(triple(light.direction), low, high, turn_deg)
-    margin = 1e-3 * float(np.linalg.norm(far - near)) + 1e-6
+    margin = 1e-3 * float(np.linalg.norm(far - near)) or 1e-6
     near, far = near - margin, far + margin
     # Whole texels of a grid fixed in the world, so that a growing box does not make edges crawl.
     texel = (far[:2] - near[:2]) / (resolution - 1)
@@ -169,7 +171,7 @@ def _perspective(
     """`axes`: where it looks, and what is up; `least`, m: what is nearer is not drawn."""
     # The depth range ends just behind the box's farthest corner.
     far = float(np.linalg.norm(box_corners(*box) - position, axis=1).max()) * 1.01
-    near = max(1e-3 * far, 1e-4, least)
+    near = max(1e-3 * far, LEAST_NEAR_M, least)
     far = max(far, 2.0 * near)
     view = view_from_world(position, *axes)
     clip = clip_from_view_perspective(fov, near, far) @ view

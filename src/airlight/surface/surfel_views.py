@@ -22,7 +22,7 @@ from ..maths.transforms import (
 )
 from ..scene.camera import Camera
 from .geometry import GpuScene
-from .light_views import LightView, LightViewData
+from .light_views import LEAST_NEAR_M, LightView, LightViewData
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
 
 _WIDEST_DEG = 140.0
@@ -124,7 +124,7 @@ def camera_view(camera: Camera, aspect: float, low: F64, high: F64, resolution: 
     # Depth as far as the box's farthest corner.
     far = float(np.linalg.norm(box_corners(low, high) - eye, axis=1).max()) * 1.01
     look = np.subtract(camera.target, camera.position)
-    clip = clip_from_view_perspective(fov, max(1e-3 * far, 1e-4), far)
+    clip = clip_from_view_perspective(fov, max(1e-3 * far, LEAST_NEAR_M), far)
     texel = 2.0 * float(np.tan(0.5 * fov)) / resolution
     return LightView(
         clip @ view_from_world(camera.position, look, camera.up), (texel, texel), True, 0

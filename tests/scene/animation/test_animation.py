@@ -204,7 +204,7 @@ def test_an_unchanged_file_is_an_unchanged_volume(sequence):
 
 
 def test_files_that_do_not_fit_are_named(sequence):
-    np.save(sequence.files[2], np.zeros((2, 3, 5), np.float32))
+    np.save(sequence.files[2], np.ones((2, 3, 5), np.float32))
     with pytest.raises(SceneError) as caught:
         sequence.at(2.0)
     assert str(caught.value) == (

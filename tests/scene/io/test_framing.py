@@ -101,3 +101,12 @@ def test_view_directions_span_the_field_of_view():
     directions = view_directions(camera, 2, 2, aspect=1)
     expected = np.array([(-1, 1, -2), (1, 1, -2), (-1, -1, -2), (1, -1, -2)]) / 6**0.5
     np.testing.assert_allclose(directions, expected, atol=1e-12)
+
+
+def test_a_tiny_model_is_framed_as_its_large_likeness():
+    for scale in (1e-5, 1e-3, 1.0, 1e4):
+        corners = scale * np.array([(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)])
+        camera = framing_camera(Probe.of(Scene((quad(*corners),))))
+        place = np.array(camera.position) / scale
+        np.testing.assert_allclose(place, (1.5774, 2.0038, 2.868), rtol=1e-3)
+        assert in_image(camera, corners, 4 / 3).all()

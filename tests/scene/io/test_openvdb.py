@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
+from airlight.scene.io import load
 from airlight.scene.io.volumes import read_values, read_volume
 
 TURNED = np.array([[0, 2, 0, 0], [-2, 0, 0, 0], [0, 0, 2, 0], [10, 20, 30, 1.0]])
@@ -264,7 +265,6 @@ def test_names_that_are_not_utf_8(tmp_path):
         (vdb_bytes(COUNTED, version=221), "file version 221, 222 to 224 are read"),
         (vdb_bytes(COUNTED, tree="Tree_int32_5_4_3"), "only trees of float, double and vec3"),
         (vdb_bytes(COUNTED, kind=9), "inactive values are of the unknown kind 9"),
-        (vdb_bytes(np.zeros(512), kind=0), "has no active voxels"),
         (vdb_bytes(COUNTED, matrix=np.zeros((4, 4))), "transform is not finite, or flat"),
     ],
 )
@@ -273,6 +273,28 @@ def test_what_cannot_be_read_says_why(tmp_path, content, problem):
         read(tmp_path, content)
     assert str(caught.value).startswith(f"{tmp_path / 'a.vdb'}: ")
     assert problem in str(caught.value)
+
+
+def test_a_grid_without_active_voxels_is_nothing(tmp_path):
+    (tmp_path / "a.vdb").write_bytes(vdb_bytes(np.zeros(512), kind=0))
+    grid = read_volume(tmp_path / "a.vdb")
+    assert not grid.density.any()
+    assert grid.warnings == ("a.vdb holds no density at all: there is nothing to see",)
+
+
+def test_a_sequence_may_begin_and_end_with_empty_frames(tmp_path):
+    for number, values in enumerate((np.zeros(512), COUNTED, np.zeros(512))):
+        kind = 6 if values.any() else 0
+        (tmp_path / f"s{number}.vdb").write_bytes(vdb_bytes(values, kind=kind))
+    text = '[[volume]]\nsequence = "s*.vdb"\nsequence_fps = 1\nsigma_t = 1\n'
+    (tmp_path / "a.toml").write_text(text)
+    scene = load(tmp_path / "a.toml")
+    wanted = read_volume(tmp_path / "s1.vdb")
+    assert scene.volumes[0].bounds == wanted.bounds
+    first, second, third = (scene.at(t).volumes[0].density for t in (0.0, 1.0, 2.0))
+    np.testing.assert_array_equal(second, wanted.density)
+    for empty in (first, third):
+        assert empty.shape == wanted.density.shape and not empty.any()
 
 
 def root_at(raw: bytes) -> int:

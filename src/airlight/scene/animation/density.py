@@ -168,6 +168,9 @@ class FileSequence:
         return self._fitting(_with_emission(*key, self.emission_grid)[0], path)
 
     def _fitting(self, density: F32, path: Path) -> F32:
+        # A frame with nothing in it may be of any size, as sparse files have no other for it.
+        if density.shape[:3] != self.shape and not density.any():
+            return _nothing((*self.shape, *density.shape[3:]))
         if density.shape[:3] != self.shape:
             have, want = (" x ".join(map(str, s)) for s in (density.shape[:3], self.shape))
             raise SceneError(
@@ -176,6 +179,14 @@ class FileSequence:
                 remedy="Resample the sequence to one size.",
             )
         return density
+
+
+@lru_cache(maxsize=3)
+def _nothing(shape: tuple[int, ...]) -> F32:
+    """Zeros, always the same array."""
+    nothing = np.zeros(shape, np.float32)
+    nothing.flags.writeable = False
+    return nothing
 
 
 @lru_cache(maxsize=3)

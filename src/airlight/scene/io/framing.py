@@ -145,10 +145,10 @@ def _bundle_reach(probe: Probe, place: F64, axis: int, side: float) -> float:
     # A parallel bundle about the place, 16 % of the scene wide.
     spread = 0.08 * np.ptp(probe.corners.reshape(-1, 3), axis=0)
     spread[axis] = 0.0
-    steps = np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).reshape(3, -1).T
+    steps = np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1])).reshape(2, -1).T
     direction = np.zeros(3)
     direction[axis] = side
-    origins = place + spread * steps
+    origins = place + spread * np.insert(steps, axis, 0, axis=1)
     distance = probe.cast(origins, np.repeat(direction[None], len(origins), axis=0)).distance
     struck = distance[np.isfinite(distance)]
     return float(np.median(struck)) if len(struck) else 0.0
@@ -261,10 +261,12 @@ def _around(direction: F64, points: F64) -> Camera:
     reach_x = np.abs(offset @ right) / (half * 4.0 / 3.0)
     reach_y = np.abs(offset @ np.cross(towards, right)) / half
     distance = float(np.max(np.maximum(reach_x, reach_y) + offset @ towards))
-    return _camera(center + towards * max(distance, 1e-3), center, OBJECT_FOV_DEG)
+    return _camera(center + towards * (distance or 1e-3), center, OBJECT_FOV_DEG)
 
 
 def _camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:
-    ex, ey, ez = (round(float(v), 4) for v in eye)
-    tx, ty, tz = (round(float(v), 4) for v in target)
+    # Tenths of millimetres, and more digits where all is nearer than that is fine.
+    digits = max(4, 3 - math.floor(math.log10(float(np.linalg.norm(eye - target)))))
+    ex, ey, ez = (round(float(v), digits) for v in eye)
+    tx, ty, tz = (round(float(v), digits) for v in target)
     return Camera(position=(ex, ey, ez), target=(tx, ty, tz), fov_y_deg=fov_y_deg)

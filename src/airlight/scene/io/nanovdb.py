@@ -188,7 +188,8 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
         )
     first, end = np.array(record.low), np.array(record.high) + 1
     if (end <= first).any():
-        raise SceneError("has no active voxels")
+        nothing = np.zeros((1, 1, 1), np.float32)
+        return SparseGrid(nothing, (0, 0, 0), np.eye(4), False, record.name)
     check_span(end - first, file_bytes)
     # The map, and where each kind of node begins and how many there are.
     matrix, shift = (

@@ -143,7 +143,8 @@ def _grid(stream: VdbStream, chosen: _Descriptor, found: list[_Descriptor]) -> S
         _metadata(stream)
         _transform(stream)
     values, first = read_tree(stream, source.kind, compression, source.end)
-    is_level_set = metadata.get("class") == b"level set"
+    # Zeros in place of voxels are no distances.
+    is_level_set = metadata.get("class") == b"level set" and bool(values.any())
     return SparseGrid(values, first, world_from_index, is_level_set, chosen.name)
 
 

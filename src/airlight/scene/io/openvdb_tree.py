@@ -182,6 +182,8 @@ def _from_blosc(packed: bytes, size: int) -> bytes:
 def read_tree(stream: VdbStream, kind: str, compression: int, end: int) -> tuple[F32, Corner]:
     """The active box of a tree, dense: values (x, y, z), of vectors (x, y, z, 3), and its corner.
 
+    A tree without active voxels is one voxel of nothing at the origin.
+
     `kind` is the grid's type as its descriptor names it. Raises VdbError for damage, SceneError
     for trees of other values and boxes that are too large.
     """
@@ -198,7 +200,10 @@ def read_tree(stream: VdbStream, kind: str, compression: int, end: int) -> tuple
     _read_root(values, found)
 
     # The leaves' values, in the order of the topology.
-    low, high = _active_box(found)
+    box = _active_box(found)
+    if box is None:
+        return np.zeros((1, 1, 1, *values.shape), np.float32), (0, 0, 0)
+    low, high = box
     check_span(high - low, len(stream.data))
     dense = np.empty((*(high - low), *values.shape), dtype=np.float32)
     dense[...] = values.background
@@ -252,8 +257,8 @@ def _read_inner(values: _Values, corner: Corner, level: int, found: _Found) -> N
             found.leaves.append((tuple(below), stream.mask(_LEAF_VALUES)))
 
 
-def _active_box(found: _Found) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First voxel (3,) of what is active, and the one beyond the last."""
+def _active_box(found: _Found) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
+    """First voxel (3,) of what is active, and the one beyond the last; None where nothing is."""
     lows, highs = [], []
     # The leaves' active voxels, then the tiles'.
     for corner, mask in found.leaves:
@@ -266,7 +271,7 @@ def _active_box(found: _Found) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
             lows.append(corners[is_active].min(axis=0).tolist())
             highs.append((corners[is_active].max(axis=0) + side).tolist())
     if not lows:
-        raise SceneError("has no active voxels")
+        return None
     return np.min(lows, axis=0).astype(np.int64), np.max(highs, axis=0).astype(np.int64)
 
 

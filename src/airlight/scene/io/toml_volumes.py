@@ -60,16 +60,15 @@ def placed_volume(
         else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
-    wanted = [values.get(name, "density") for name in _OF_FILES]
-    grid = density_or_first(files[0], wanted[0], wanted[1], grids)
+    shown, grid = _first_filled(files, values, grids)
     # Emission and coefficients may need a larger box than the density's.
     glowing = values.get("emission_grid", values.get("temperature_grid"))
     with inside(label):
-        emission, grown = taken_emission(values, files[0], grid)
+        emission, grown = taken_emission(values, shown, grid)
     grid = grown or grid
     if grids:
         with inside(label):
-            values, grid = _with_coefficients(values, given, files[0], grid, grids)
+            values, grid = _with_coefficients(values, given, shown, grid, grids)
     sequence = file_sequence(values, files, grid.density.shape, glowing)
     warnings = grid.warnings
     if "bounds" in values:
@@ -80,6 +79,23 @@ def placed_volume(
         values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
     return volume, warnings, None if is_file else sequence
+
+
+def _first_filled(
+    files: tuple[Path, ...], values: dict[str, Any], grids: dict[str, str]
+) -> tuple[Path, VolumeGrid]:
+    """The file that says how large a volume is and where it lies, and its grid.
+
+    That is the first one that holds any density, or the first of all where none does.
+    """
+    name, channels = (values.get(key, "density") for key in _OF_FILES)
+    first = density_or_first(files[0], name, channels, grids)
+    grid = first
+    for k, path in enumerate(files):
+        grid = density_or_first(path, name, channels, grids) if k else first
+        if grid.density.any():
+            return path, grid
+    return files[0], first
 
 
 def _grid_file(path: Path, written: str, label: str) -> Path:

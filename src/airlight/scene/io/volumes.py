@@ -170,6 +170,8 @@ def _sound(density: F32, path: Path) -> tuple[str, ...]:
             where=path,
             remedy="A density is at least 0: numpy.clip.",
         )
+    with naming(path):
+        checks.at_most(density, checks.MOST, "its density")
     return (f"{path.name} holds no density at all: there is nothing to see",) if most == 0 else ()
 
 
