@@ -10,12 +10,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
+from ..gpu.memory import Buffer, Texture
 from ..lighting.gathered import Gathered
 from ..lighting.glossy import is_any_glossy
 from ..lighting.hits import HitLighting
 from ..lighting.kit import Kit
+from ..lighting.lighting import RadianceLayers
 from ..lighting.occlusion import Occlusion, lattice_reach
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
@@ -24,6 +28,8 @@ from .air import Air, light_in
 from .albedo import Albedos
 from .batches import CellBatches, ViewBatches
 from .beams import Beams
+from .guide import LightGuide
+from .guided import GuidedRays
 from .history import lit_alike
 from .mirrors import Mirrors
 from .paths import Lattices, SegmentLight
@@ -58,6 +64,7 @@ class GatherSolver(Solver):
         self._in_air: CellBatches | None = None
         self._scope, self._air_scope = kit.gpu.scope(), kit.gpu.scope()
         self._cells = SkyCells(kit.gpu)
+        self._guide = LightGuide(kit.gpu)
         is_occluded = kit.settings.ambient_occlusion
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
         self._trace: Trace | None = None
@@ -91,7 +98,6 @@ class GatherSolver(Solver):
         if kit.area_shadows is not None:
             with commands.stage("area lights"):
                 kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
-        fields = self._gathered_air(commands, view, fields)
         # What the rays start from, and what lights the surfaces that they meet.
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, kit.meshes, view.clip_from_world)
@@ -102,17 +108,21 @@ class GatherSolver(Solver):
                     commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
                 )
             sized.points.encode(commands, view)
+        guided = self._guided(commands, sized, fields)
+        fields = self._gathered_air(commands, view, fields)
         # Batches of paths: traced, lit segment by segment, added up.
         rays = self.settings.gather_rays
         sample = range(number * rays, (number + 1) * rays)
         for first in range(sample.start, sample.stop, sized.batch):
             numbers = range(first, min(first + sized.batch, sample.stop))
-            for index in self._followed(commands, sized, numbers, fields):
+            for index in self._followed(commands, sized, numbers, fields, guided):
                 if index == 0:
                     with commands.stage("gather lighting"):
                         sized.sums.encode(commands, view, sized.paths, numbers, sample)
             with commands.stage("gather lighting"):
                 sized.sums.encode_later(commands, view, sized.paths, numbers)
+        if guided:
+            self._add_guided(commands, sized, sized.guided, number, fields)
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
         sums = sized.sums.buffer
@@ -131,6 +141,54 @@ class GatherSolver(Solver):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
         return replace(fields, gathered=self._with_mirrors(commands, view, fields, gathered))
+
+    def _guided(self, commands: Commands, sized: ViewBatches, fields: Fields) -> int:
+        """Find what lights shine on that points see; how many rays of each point go there."""
+        diagonal = float(np.linalg.norm(self.kit.box[1] - self.kit.box[0]))
+        rays = self.kit.rays.of_frame(commands)
+        with commands.stage("gather guide"):
+            is_any = self._guide.encode(commands, fields.lit, sized.points, rays, diagonal)
+        return sized.guided.count if is_any else 0
+
+    def _add_guided(
+        self,
+        commands: Commands,
+        sized: ViewBatches,
+        guided: GuidedRays,
+        number: int,
+        fields: Fields,
+    ) -> None:
+        """Trace rays towards what lights shine on, light what they meet and add that up."""
+        assert self._trace is not None
+        numbers = range(number * guided.count, (number + 1) * guided.count)
+        segment = Segment(numbers, 0, self.kit.rays.raised)
+        patches, hits = self._guide.patches, guided.hits
+        with commands.stage("gather rays"):
+            self._trace.encode_guided(commands, sized.points, hits, segment, patches)
+        if self._air is not None and guided.air is not None:
+            self._pass_air(
+                commands, sized, (sized.points.places, hits), segment, fields, guided.air
+            )
+        # The same light as that of which rays by the cosine leave a part.
+        count = self.settings.gather_bounces if self._bounces else 1
+        with commands.stage("gather lighting"):
+            told = self._told(count - 1, count)
+            light = self._light(commands, guided.layers, hits, fields, told, is_last=count == 1)
+            guided.encode(commands, light.lights, patches, sized.sums.buffer)
+
+    def _pass_air(
+        self,
+        commands: Commands,
+        sized: ViewBatches | CellBatches,
+        way: tuple[Texture, Hits],
+        segment: Segment,
+        fields: Fields,
+        air: Buffer,
+    ) -> None:
+        """What media along a segment scatter into it, and how much light they let by."""
+        assert self._air is not None
+        with commands.stage("gather air"):
+            self._air.encode(commands, sized.points.reduced, way, segment, light_in(fields), air)
 
     def _with_mirrors(
         self, commands: Commands, view: View, fields: Fields, gathered: Gathered
@@ -171,9 +229,16 @@ class GatherSolver(Solver):
         return replace(fields, scattered=scattered, air=sized.found)
 
     def _followed(
-        self, commands: Commands, sized: ViewBatches | CellBatches, numbers: range, fields: Fields
+        self,
+        commands: Commands,
+        sized: ViewBatches | CellBatches,
+        numbers: range,
+        fields: Fields,
+        guided: int = 0,
     ) -> Iterator[int]:
         """Trace paths of several segments; lattices light what the last of them meets.
+
+        `guided`: rays of each point beside these that are led to what lights shine on.
 
         Yields the number of each segment once its light is in the paths; none where nobody waits.
         """
@@ -187,23 +252,19 @@ class GatherSolver(Solver):
             # What each ray meets, from the surface that the one before it met.
             segment = Segment(numbers, index, self.kit.rays.raised)
             with commands.stage("gather rays"):
-                self._trace.encode(commands, sized.points, (before, hits), segment)
+                guide = self._guide.patches, sized.paths.buffer
+                self._trace.encode(commands, sized.points, (before, hits), segment, guide)
             # What media along the segment scatter into it, and how much light they let by.
             if self._air is not None and sized.paths.air is not None:
                 way = (sized.points.places if index == 0 else before.positions, hits)
-                with commands.stage("gather air"):
-                    self._air.encode(
-                        commands,
-                        sized.points.reduced,
-                        way,
-                        segment,
-                        light_in(fields),
-                        sized.paths.air,
-                    )
+                self._pass_air(commands, sized, way, segment, fields, sized.paths.air)
             with commands.stage("gather lighting"):
                 told = self._told(count - 1 - index, count)
-                light = self._light(commands, sized, hits, fields, told, is_last=index + 1 == count)
-                sized.paths.encode(commands, hits, light, segment, rays, told)
+                light = self._light(
+                    commands, sized.layers, hits, fields, told, is_last=index + 1 == count
+                )
+                patches = self._guide.patches, guided
+                sized.paths.encode(commands, hits, light, segment, rays, told, patches)
             yield index
             # The next segment starts where this one ended.
             hits, before = before, hits
@@ -219,7 +280,7 @@ class GatherSolver(Solver):
     def _light(
         self,
         commands: Commands,
-        sized: ViewBatches | CellBatches,
+        layers: RadianceLayers,
         hits: Hits,
         fields: Fields,
         told: Lattices,
@@ -232,7 +293,7 @@ class GatherSolver(Solver):
         scatter forwards, which no ray meets. What a later segment finds of a mild sky, no lattice
         has to say.
         """
-        layers, forward = sized.layers, fields.forward
+        forward = fields.forward
         cache = fields.irradiance or self.kit.no_irradiance
         is_asked, has_sky = told is not Lattices.UNASKED, is_last or not self._cells.is_mild
         light = self._lighting
