@@ -37,10 +37,11 @@ class LitTile(Struct):
     """What a light shines on in a tile of texels of its map."""
 
     centre = vec3f("m")
-    weight = f32("what points of the image get of its light")
+    radius = f32("m")
     normal = vec3f("mean")
     flux = f32("W, luminance")
-    spread = f32("m^2, mean squared distance from the centre")
+    seen = f32("m^-2, what some points of the image get of its light, per unit of that")
+    weight = f32("what tiles around give to points, by its flux")
     running = f32("sum of the weights up to it")
 
 

@@ -58,11 +58,12 @@ class _GuidedSums(ComputePass):
 class GuidedRays:
     """`hits` and `layers` of the guided rays of a view's points; `count`: of each in a sample."""
 
-    def __init__(self, gpu: Gpu, points: Points, rays: int, *, has_air: bool) -> None:
+    def __init__(self, gpu: Gpu, points: Points, rays: int, count: int, *, has_air: bool) -> None:
         """`rays`: of a point, by the cosine."""
-        self._points, self._rays, self.count = points, rays, guided_count(rays)
+        self._points, self._rays = points, rays
         width, height = points.reduced
-        size = (width, height * self.count)
+        self.count = min(count, gpu.limits["max-texture-dimension-2d"] // height)
+        size = (width, height * max(1, self.count))
         self.hits, self.layers = Hits(gpu, size), RadianceLayers(gpu, size)
         self.air = Buffer(gpu, "air along guided rays", 32 * size[0] * size[1]) if has_air else None
         self._pass = _GuidedSums(gpu, has_air=has_air)
@@ -81,8 +82,3 @@ class GuidedRays:
             **({"air": self.air} if self.air else {}),
             sums=sums,
         )
-
-
-def guided_count(rays: int) -> int:
-    """Guided rays of a point beside `rays` by the cosine."""
-    return -(-rays // 4)

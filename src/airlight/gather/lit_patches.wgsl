@@ -3,7 +3,7 @@
 //! use light_guide
 
 const PROBES = 4u;          // points of the image for each lane
-const WIDER = 1.15;         // than a disk of the same spread
+const BLOCK = 16u;          // tiles that are seen alike, 4 x 4 of them
 
 var<workgroup> sums: array<f32, WX>;
 
@@ -40,15 +40,26 @@ fn put_together(low: f32, high: f32) -> LightPatch {
         if (tile.running >= high) { break; }
     }
     centre = origin + centre / max(weight, 1e-30);
-    var squares = 0.0;
+    // A sphere around all of it, so that no part is left to luck.
+    var radius = 0.0;
     for (var i = first; i < params.count; i++) {
         let tile = tiles[i];
-        let off = tile.centre - centre;
-        squares += between(tile, low, high) * (tile.spread + dot(off, off));
+        if (between(tile, low, high) > 0.0) {
+            radius = max(radius, distance(tile.centre, centre) + tile.radius);
+        }
         if (tile.running >= high) { break; }
     }
-    let radius = WIDER * sqrt(2.0 * squares / max(weight, 1e-30));
     return LightPatch(centre, radius, normal / max(weight, 1e-30), flux);
+}
+
+// Few points are looked for from each tile, so those around have their say.
+fn weight_of(k: u32) -> f32 {
+    let first = k / BLOCK * BLOCK;
+    var sum = vec2f(0.0);
+    for (var i = first; i < min(first + BLOCK, params.count); i++) {
+        sum += tiles[i].flux * vec2f(tiles[i].seen, 1.0);
+    }
+    return tiles[k].flux * sum.x / max(sum.y, 1e-30);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) lane: u32) {
@@ -58,7 +69,9 @@ fn put_together(low: f32, high: f32) -> LightPatch {
     let end = min(first + each, params.count);
     var own = 0.0;
     for (var i = first; i < end; i++) {
-        own += tiles[i].weight;
+        let weight = weight_of(i);
+        tiles[i].weight = weight;
+        own += weight;
     }
     sums[lane] = own;
     workgroupBarrier();

@@ -16,7 +16,7 @@ fn even_bits(code: u32) -> u32 {
     return (x | (x >> 8u)) & 0x0000ffffu;
 }
 
-// How much of what leaves `from` with normal n some points of the image get, about: per unit of its flux, m^-2.
+// How much of what leaves `start` with normal n some points of the image get, about: per unit of its flux, m^-2.
 fn seen_by_points(seed: u32, start: vec3f, n: vec3f, spread: f32) -> f32 {
     var sum = 0.0;
     for (var k = 0u; k < TRIED; k++) {
@@ -38,6 +38,34 @@ fn seen_by_points(seed: u32, start: vec3f, n: vec3f, spread: f32) -> f32 {
     return sum / f32(TRIED);
 }
 
+struct LitTexel {
+    place: vec3f,           // m
+    normal: vec3f,
+    flux: f32,              // W, luminance
+    reach: f32,             // m, from its middle to its corners
+}
+
+fn lit_texel(texel: vec2u, layer: u32) -> LitTexel {
+    if (any(texel >= vec2u(params.resolution))) {
+        return LitTexel();
+    }
+    let view = views[layer];
+    let d = textureLoad(depth, vec2i(texel), layer, 0);
+    let power = luminance(view.flux_unit * textureLoad(flux, vec2i(texel), layer, 0).rgb);
+    if (d >= 1.0 || power <= 0.0) {
+        return LitTexel();
+    }
+    let clip = texel_centre(texel, params.resolution);
+    let p = texel_point(view, clip, d);
+    let n = normalize(textureLoad(normal, vec2i(texel), layer, 0).xyz);
+    // How wide it is across the light, and on a surface at most four times as much.
+    let deep = select(1.0, (view.clip_from_world * vec4f(p, 1.0)).w, view.is_perspective == 1u);
+    let towards = view.world_from_clip * vec4f(clip, d * 0.5, 1.0);
+    let along = normalize(p - towards.xyz / towards.w);
+    let reach = 0.7071 * deep * max(view.texel.x, view.texel.y) / max(abs(dot(n, along)), 0.25);
+    return LitTexel(p, n, power * texel_measure(view, clip, params.resolution), reach);
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let each = params.side * params.side;
     if (id.x >= each * params.layers) {
@@ -47,48 +75,41 @@ fn seen_by_points(seed: u32, start: vec3f, n: vec3f, spread: f32) -> f32 {
     let layer = id.x / each;
     let code = id.x % each;
     let first = TILE * vec2u(even_bits(code), even_bits(code >> 1u));
-    let view = views[layer];
     var total = 0.0;
     var centre = vec3f(0.0);
-    var towards = vec3f(0.0);
+    var normals_sum = vec3f(0.0);
     var origin = vec3f(0.0);
-    var squares = 0.0;
     var start = vec3f(0.0);
     var start_normal = vec3f(0.0);
     var number = uniform_from_hash(pcg_hash(id.x));
     for (var k = 0u; k < TILE * TILE; k++) {
-        let texel = vec2i(first + vec2u(k % TILE, k / TILE));
-        if (any(texel >= vec2i(i32(params.resolution)))) { continue; }
-        let d = textureLoad(depth, texel, layer, 0);
-        let clip = texel_centre(vec2u(texel), params.resolution);
-        let power = luminance(view.flux_unit * textureLoad(flux, texel, layer, 0).rgb);
-        if (d >= 1.0 || power <= 0.0) { continue; }
-        let lit = power * texel_measure(view, clip, params.resolution);
-        let p = texel_point(view, clip, d);
-        let n = normalize(textureLoad(normal, texel, layer, 0).xyz);
-        // Moments about the first lit texel, so that small patches far away keep their size.
-        if (total <= 0.0) { origin = p; }
-        total += lit;
-        centre += lit * (p - origin);
-        squares += lit * dot(p - origin, p - origin);
-        towards += lit * n;
-        // One lit texel, by its flux, start which points are looked for.
-        let share = lit / total;
+        let lit = lit_texel(first + vec2u(k % TILE, k / TILE), layer);
+        if (lit.flux <= 0.0) { continue; }
+        // Moments about the first lit texel, so that small patches far away keep their place.
+        if (total <= 0.0) { origin = lit.place; }
+        total += lit.flux;
+        centre += lit.flux * (lit.place - origin);
+        normals_sum += lit.flux * lit.normal;
+        // One lit texel, by its flux, from which points are looked for.
+        let share = lit.flux / total;
         let is_taken = number < share;
         number = select((number - share) / max(1.0 - share, 1e-9), number / share, is_taken);
-        if (is_taken) {
-            start = p;
-            start_normal = n;
-        }
+        start = select(start, lit.place, is_taken);
+        start_normal = select(start_normal, lit.normal, is_taken);
     }
     var out: LitTile;
     if (total > 0.0) {
-        let mean = centre / total;
-        out.centre = origin + mean;
+        out.centre = origin + centre / total;
         out.flux = total;
-        out.normal = towards / total;
-        out.spread = max(squares / total - dot(mean, mean), 0.0);
-        out.weight = total * seen_by_points(params.first_tile + id.x, start, start_normal, out.spread + params.near2);
+        out.normal = normals_sum / total;
+        // As far as its farthest texel goes.
+        for (var k = 0u; k < TILE * TILE; k++) {
+            let lit = lit_texel(first + vec2u(k % TILE, k / TILE), layer);
+            if (lit.flux > 0.0) {
+                out.radius = max(out.radius, distance(lit.place, out.centre) + lit.reach);
+            }
+        }
+        out.seen = seen_by_points(params.first_tile + id.x, start, start_normal, params.near2);
     }
     tiles[params.first_tile + id.x] = out;
 }

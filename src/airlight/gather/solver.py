@@ -144,6 +144,8 @@ class GatherSolver(Solver):
 
     def _guided(self, commands: Commands, sized: ViewBatches, fields: Fields) -> int:
         """Find what lights shine on that points see; how many rays of each point go there."""
+        if not sized.guided.count:
+            return 0
         diagonal = float(np.linalg.norm(self.kit.box[1] - self.kit.box[0]))
         rays = self.kit.rays.of_frame(commands)
         with commands.stage("gather guide"):

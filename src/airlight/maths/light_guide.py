@@ -5,5 +5,5 @@ Twin of `wgsl/light_guide.wgsl`.
 
 from __future__ import annotations
 
-PATCHES = 32
+PATCHES = 16
 """Spheres around all that lights shine on."""

@@ -2,7 +2,7 @@
 // chosen. The twin of maths/light_guide.py, which says where it comes from. The including pass binds `lit_patches`
 // (gather/guide.py).
 
-const LIT_PATCHES = 32u;
+const LIT_PATCHES = 16u;
 const RARE = 0.03;
 const COMMON = 0.25;
 const MOST_GUIDED = 0.5;
