@@ -9,6 +9,7 @@ paths      what their segments found; air: media along them; beams: light that g
 calibration  how bright lattices' light is beside what paths trace
 far        how long rays must be for their light to come from afar
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
+guide      patches that lights shine on, from their maps; guided: rays towards them
 sky        more rays towards what is bright outside
 mirrors    rays of smooth surfaces' pixels, and what they mirror: mirror_passes; glosses: of metal
 history    the light of the frames before, looked up where points were then

@@ -25,7 +25,7 @@
             let rest = select((numbers.y - part) / (1.0 - part), numbers.y / max(part, 1e-9), is_led);
             direction = cosine_direction(n, vec2f(numbers.x, rest));
             if (is_led) {
-                direction = guide_direction(choice.chosen, vec2f(choice.number, rest));
+                direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, rest));
             }
             // What the path counts, both ways to choose its direction know (Veach1995, the balance heuristic).
             let cosine = max(dot(direction, n), 0.0) / 3.14159265;

@@ -52,7 +52,7 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     let origin = place.xyz + RAISED * place.w * n;
     let direction = normalize(hit.xyz - origin);
     let guide = guide_density(origin, n, direction);
-    let share = cosine_share(dot(direction, n), guide.density, sky.rays, params.guided);
+    let share = sky_share(dot(direction, n), guide.density, sky.rays, params.guided);
     return select(1.0, share, is_guided(guide.found));
 }
 

@@ -17,7 +17,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
         let origin = place.xyz + RAISED * place.w * n;
         let numbers = ray_numbers(at.x, at.y, params.first_ray + id.y / params.reduced.y);
         let choice = guide_choice(origin, n, numbers.x);
-        let direction = guide_direction(choice.chosen, vec2f(choice.number, numbers.y));
+        let direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, numbers.y));
         if (choice.total > 0.0 && is_guided(choice.found) && dot(direction, n) > 0.0) {
             found = gather_hit(origin, direction);
         }

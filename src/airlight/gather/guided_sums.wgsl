@@ -22,7 +22,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
         if (place.w > 0.0 && hit.w > 0.0) {
             let direction = normalize(hit.xyz - origin);
             let density = guide_density(origin, n, direction).density;
-            let share = cosine_share(dot(direction, n), density, params.rays, params.guided);
+            let share = sky_share(dot(direction, n), density, params.rays, params.guided);
             let passed = passed_of(2u * (texel.y * params.reduced.x + texel.x));
             let found = share * passed * textureLoad(direct_light, texel, 0).rgb;
             sum += found;

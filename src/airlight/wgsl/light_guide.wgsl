@@ -1,11 +1,8 @@
 // Where lights shine on surfaces, as a few spheres around what is lit: directions towards them, and how likely each is
-// chosen. The twin of maths/light_guide.py, which says where it comes from. The including pass binds `lit_patches`
-// (gather/guide.py).
+// chosen. The including pass binds `lit_patches` (gather/guide.py).
+//! use guided_share
 
 const LIT_PATCHES = 16u;
-const RARE = 0.03;
-const COMMON = 0.25;
-const MOST_GUIDED = 0.5;
 const LEAST_SINE2 = 1e-6;
 const MOST_SINE2 = 0.9;
 
@@ -70,14 +67,6 @@ fn guide_choice(place: vec3f, n: vec3f, number: f32) -> GuideChoice {
     return out;
 }
 
-// Towards a patch, evenly over its cone.
-fn guide_direction(towards: PatchSight, numbers: vec2f) -> vec3f {
-    let drop = numbers.x * towards.height;
-    let radius = sqrt(max(drop * (2.0 - drop), 0.0));
-    let angle = 6.2831853 * numbers.y;
-    return orthonormal_frame(towards.along) * vec3f(radius * cos(angle), radius * sin(angle), 1.0 - drop);
-}
-
 struct GuideDensity {
     density: f32,           // sr^-1
     found: f32,             // as in `GuideChoice`
@@ -100,22 +89,6 @@ fn guide_density(place: vec3f, n: vec3f, direction: vec3f) -> GuideDensity {
         inside += select(0.0, seen.weight / (6.2831853 * seen.height), is_inside);
     }
     return GuideDensity(inside / max(total, 1e-30), select(1.0, light * light / noise, noise > 0.0));
-}
-
-// Whether points send rays of their own to what lights shine on: not where those by the cosine find it.
-fn is_guided(found: f32) -> bool {
-    return found < COMMON;
-}
-
-// How many of a later segment's rays are guided.
-fn guided_share(found: f32) -> f32 {
-    return select(0.0, MOST_GUIDED / (1.0 + found / RARE), is_guided(found));
-}
-
-// What light counts that a cosine-distributed ray found, of `rays`, beside `guided` others.
-fn cosine_share(cosine: f32, density: f32, rays: u32, guided: u32) -> f32 {
-    let by_cosine = f32(rays) * max(cosine, 0.0) / 3.14159265;
-    return by_cosine / max(by_cosine + f32(guided) * density, 1e-30);
 }
 
 // Whether there are any patches.
