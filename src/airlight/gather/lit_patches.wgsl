@@ -3,6 +3,7 @@
 //! use light_guide
 
 const PROBES = 4u;          // points of the image for each lane
+const MOST_SPREAD = 1.5;    // of a patch: its radius over the root of its mean squared reach
 const BLOCK = 16u;          // tiles that are seen alike, 4 x 4 of them
 
 var<workgroup> sums: array<f32, WX>;
@@ -40,15 +41,20 @@ fn put_together(low: f32, high: f32) -> LightPatch {
         if (tile.running >= high) { break; }
     }
     centre = origin + centre / max(weight, 1e-30);
-    // A sphere around all of it, so that no part is left to luck.
+    // A sphere around all of it, but for what is far off and sends little.
     var radius = 0.0;
+    var squares = 0.0;
     for (var i = first; i < params.count; i++) {
         let tile = tiles[i];
-        if (between(tile, low, high) > 0.0) {
-            radius = max(radius, distance(tile.centre, centre) + tile.radius);
+        let part = between(tile, low, high);
+        if (part > 0.0) {
+            let reach = distance(tile.centre, centre) + tile.radius;
+            radius = max(radius, reach);
+            squares += part * reach * reach;
         }
         if (tile.running >= high) { break; }
     }
+    radius = min(radius, MOST_SPREAD * sqrt(squares / max(weight, 1e-30)));
     return LightPatch(centre, radius, normal / max(weight, 1e-30), flux);
 }
 
