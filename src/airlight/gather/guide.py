@@ -97,7 +97,8 @@ class LightGuide:
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self._scope = gpu.scope()
-        self._passes: tuple[_Tiles, RayScene] | None = None
+        self._pass: _Tiles | None = None
+        self._constants: dict[str, float] = {}
         self._patches = _Patches(gpu)
         self._tiles: Buffer | None = None
         self.patches = Buffer(gpu, "lit patches", LightPatch.dtype.itemsize * (PATCHES + 1))
@@ -117,21 +118,12 @@ class LightGuide:
         drawn = [one for one in maps if one.layers]
         if not drawn:
             return False
-        # A hierarchy of other constants needs another pass; more maps a larger buffer.
-        if self._passes is None or self._passes[1] is not scene:
-            self._passes = (
-                _Tiles(self._gpu, constants=scene.constants, generated=f"const TILE = {TILE}u;\n"),
-                scene,
-            )
         counts = [_side(one) ** 2 * one.layers for one in drawn]
-        nbytes = LitTile.dtype.itemsize * sum(counts)
-        if self._tiles is None or self._tiles.nbytes != nbytes:
-            self._scope.release()
-            self._tiles = Buffer(self._scope, "lit tiles", nbytes)
+        tiles_of, tiles = self._made(scene, sum(counts))
         # What each tile holds, and how much of that the image gets; then patches of them.
         seen = {"places": points.places, "normals": points.normals}
         for k, one in enumerate(drawn):
-            self._passes[0].dispatch(
+            tiles_of.dispatch(
                 commands,
                 (counts[k],),
                 params=TileParams(
@@ -148,17 +140,30 @@ class LightGuide:
                 flux=one.flux,
                 **seen,
                 **scene.bound,
-                tiles=self._tiles,
+                tiles=tiles,
             )
         self._patches.dispatch(
             commands,
             (256,),
             params=PatchParams(reduced=points.reduced, count=sum(counts)),
             **seen,
-            tiles=self._tiles,
+            tiles=tiles,
             lit_patches=self.patches,
         )
         return True
+
+    def _made(self, scene: RayScene, count: int) -> tuple[_Tiles, Buffer]:
+        """The pass over tiles, and a buffer for `count` of them."""
+        # A hierarchy of other constants needs another pass; more maps a larger buffer.
+        if self._pass is None or self._constants != scene.constants:
+            self._constants = scene.constants
+            made = f"const TILE = {TILE}u;\n"
+            self._pass = _Tiles(self._gpu, constants=self._constants, generated=made)
+        nbytes = LitTile.dtype.itemsize * count
+        if self._tiles is None or self._tiles.nbytes != nbytes:
+            self._scope.release()
+            self._tiles = Buffer(self._scope, "lit tiles", nbytes)
+        return self._pass, self._tiles
 
 
 def _side(maps: ReflectiveShadowMaps) -> int:
