@@ -6,7 +6,7 @@
     fields   irradiance, gathered -> lighting of surfaces
              scattered, volumes, sky_scatter, half_space -> marching of media
              reflected -> media that are lit by surfaces
-             air, forward -> rays of the gather
+             air, forward, lit -> rays of the gather
 
 Solvers run in the order of the recipe and are given the fields of those before them. The reader of
 a field does not know which solver it comes from.
@@ -27,6 +27,7 @@ from .lighting.gathered import Gathered
 from .lighting.view import View
 from .maths.transforms import F64
 from .scene.scene import Scene
+from .surface.reflective import ReflectiveShadowMaps
 
 ABSOLUTE, ALL_MEDIA, SOME_MEDIA = -1, -2, -3
 FORWARD_REACH = 3
@@ -197,6 +198,7 @@ class Fields:
     gathered     irradiance of a view's pixels, W m^-2, which lighting takes in place of both
     reflected    light that surfaces reflect into media
     air          light in media for the rays of a gather
+    lit          maps of the lights, whose texels are what these shine on
     forward      irradiance of surfaces, W m^-2, by light that media have only scattered forwards;
                  a part of `irradiance`, which no ray of a gather meets
     scattered    mean radiance on lattices, W m^-2 sr^-1; media scatter their share of it
@@ -210,6 +212,7 @@ class Fields:
     gathered: Gathered | None = None
     reflected: ReflectedLight | None = None
     air: AirLight | None = None
+    lit: tuple[ReflectiveShadowMaps, ...] = ()
     forward: Irradiance | None = None
     scattered: LatticeSource | None = None
     sky_scatter: LatticeSource | None = None

@@ -5,10 +5,12 @@ points     G-buffer -> places and normals at reduced resolution
 trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
 cells      the same from the cells of media, for what they scatter
 batches    as many rays as the device holds, and what they need
+segments   their segments, traced and lit one after the other
 paths      what their segments found; air: media along them; beams: light that goes forwards alone
 calibration  how bright lattices' light is beside what paths trace
 far        how long rays must be for their light to come from afar
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
+guide      patches that lights shine on, from their maps; guided: rays towards them
 sky        more rays towards what is bright outside
 mirrors    rays of smooth surfaces' pixels, and what they mirror: mirror_passes; glosses: of metal
 history    the light of the frames before, looked up where points were then

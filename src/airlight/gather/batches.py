@@ -15,6 +15,7 @@ from ..surface.hits import Hits
 from .calibration import RAYS
 from .cells import CellPoints, CellSums
 from .filtering import Filtering
+from .guided import GuidedRays
 from .history import History
 from .paths import Paths
 from .points import Points
@@ -50,6 +51,8 @@ class ViewBatches:
         hits = (width, height * self.batch)
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
+        guided = settings.gather_guided
+        self.guided = GuidedRays(gpu, self.points, rays, guided, has_air=has_air)
         # What becomes of their light.
         self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)

@@ -1,6 +1,7 @@
-// One more ray from each surface that a ray has met.
+// One more ray from each surface that a ray has met: by the cosine, or towards what lights shine on.
 //! use gather
 //! use gather_hit
+//! use light_guide
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
@@ -13,8 +14,29 @@
         // Texels of one ray lie below those of the ray before it.
         let ray = params.first_ray + id.y / params.reduced.y;
         let y = id.y % params.reduced.y;
-        let direction = cosine_direction(n, later_numbers(id.x, y, ray, params.segment));
-        found = gather_hit(place.xyz + params.raised * n, direction);
+        let origin = place.xyz + params.raised * n;
+        let numbers = later_numbers(id.x, y, ray, params.segment);
+        var direction = cosine_direction(n, numbers);
+        // A part of the second number chooses whether a patch leads the ray; the rest of it is uniform again.
+        if (has_guide()) {
+            let choice = guide_choice(origin, n, numbers.x);
+            let part = guided_share(choice.found);
+            let is_led = numbers.y < part;
+            let rest = select((numbers.y - part) / (1.0 - part), numbers.y / max(part, 1e-9), is_led);
+            direction = cosine_direction(n, vec2f(numbers.x, rest));
+            if (is_led) {
+                direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, rest));
+            }
+            // What the path counts, both ways to choose its direction know (Veach1995, the balance heuristic).
+            let cosine = max(dot(direction, n), 0.0) / 3.14159265;
+            let density = part * guide_density(origin, n, direction).density;
+            let counts = cosine / max((1.0 - part) * cosine + density, 1e-30);
+            let row = 2u * (id.y * params.reduced.x + id.x) + 1u;
+            paths[row] = vec4f(counts * paths[row].rgb, paths[row].w);
+        }
+        if (dot(direction, n) > 0.0) {
+            found = gather_hit(origin, direction);
+        }
     }
     textureStore(hit_positions, id.xy, found.position);
     textureStore(hit_normals, id.xy, found.normal);

@@ -1,5 +1,6 @@
 // What a segment of paths found: its light, times what the segments before it reflect.
 //! use gather
+//! use light_guide
 //! use sky_cells
 //! use octahedron
 //! use tone
@@ -10,6 +11,7 @@
 const ADDED = 1u;
 const TOLD = 2u;
 const LEFT = 3u;
+const RAISED = 2e-4;        // as in trace.wgsl
 
 // The light that media scatter into a segment, and their transmittance.
 struct Air {
@@ -42,6 +44,18 @@ fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
     return path;
 }
 
+// What the light of lights counts that a ray from a point has found, where other rays are guided to it.
+fn first_share(texel: vec2u, hit: vec4f) -> f32 {
+    let at = vec2u(texel.x, texel.y % sky.reduced.y);
+    let place = textureLoad(places, at, 0);
+    let n = textureLoad(normals, at, 0).xyz;
+    let origin = place.xyz + RAISED * place.w * n;
+    let direction = normalize(hit.xyz - origin);
+    let guide = guide_density(origin, n, direction);
+    let share = sky_share(dot(direction, n), guide.density, sky.rays, params.guided);
+    return select(1.0, share, is_guided(guide.found));
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= sky.reduced.x || id.y >= sky.reduced.y * params.rays) {
         return;
@@ -69,7 +83,11 @@ fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
             let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
             let albedo = towards_lights + textureLoad(hit_normals, id.xy, 0).w;
             let all_around = albedo / max(towards_lights, vec3f(1e-4));
-            found += path.passed * textureLoad(direct_light, id.xy, 0).rgb;
+            var share = 1.0;
+            if (params.segment == 0u && params.guided > 0u) {
+                share = first_share(id.xy, hit);
+            }
+            found += share * path.passed * textureLoad(direct_light, id.xy, 0).rgb;
             var forward = vec3f(0.0);
             if (params.has_forward != 0u) {
                 forward = path.passed * all_around * textureLoad(forward_light, id.xy, 0).rgb;

@@ -13,6 +13,7 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..surface.hits import Hits
 from .calibration import RAYS, Calibration
+from .guide import LightPatch
 from .sky_cells import SkyCells, SkyParams
 from .trace import AnyPoints, Segment
 
@@ -24,6 +25,7 @@ class FoldParams(Struct):
     segment = u32()
     lattices = u32("what becomes of their light, as `fold.wgsl` has it")
     has_forward = u32("whether there is light that media only scatter forwards")
+    guided = u32("rays of a point that are led to what lights shine on, beside these")
 
 
 class Lattices(Enum):
@@ -66,6 +68,7 @@ _SLOTS = (
     texture("forward_light", "2d", "unfilterable-float"),
     texture("lattice_light", "2d", "unfilterable-float"),
     storage("sky_cells", "vec4f"),
+    storage("lit_patches", LightPatch),
     storage("paths", "vec4f", "read_write"),
     storage("met", "u32", "read_write"),
     storage("shares", "vec4f", "read_write"),
@@ -109,10 +112,12 @@ class Paths:
         segment: Segment,
         rays: int,
         lattices: Lattices,
+        guide: tuple[Buffer, int],
     ) -> None:
         """Add the `light` of the `hits` of a segment.
 
         `rays`: of a point, in this sample of the image. `lattices`: what becomes of theirs.
+        `guide`: the patches that lead other rays of points, and how many of these there are.
         """
         # Points add up what their rays met: light of surfaces, of media on the way, and the
         # lattice's where a path ends.
@@ -124,6 +129,7 @@ class Paths:
                 segment=segment.index,
                 lattices=lattices.value,
                 has_forward=int(light.forward is not None),
+                guided=guide[1],
             ),
             sky=self._cells.params(self._points, rays, 0),
             places=self._points.places,
@@ -135,6 +141,7 @@ class Paths:
             forward_light=light.forward or light.lights,
             lattice_light=light.lattices or light.lights,
             sky_cells=self._cells.buffer,
+            lit_patches=guide[0],
             paths=self.buffer,
             met=self.met,
             shares=self.calibration.shares,

@@ -22,6 +22,13 @@ class GatherSettings:
     gather_rays: int = setting(
         16, "rays of a gather point in a sample of the image", low=1, high=1024
     )
+    gather_guided: int = setting(
+        2,
+        "rays of a point beside these that are led to what lights shine on, where that is small; "
+        "0: none are, nor those of later bounces",
+        low=0,
+        high=1024,
+    )
     gather_bounces: int = setting(
         3, "bounces that they follow before the lattice is asked", low=1, high=16
     )

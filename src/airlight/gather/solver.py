@@ -6,7 +6,6 @@ between neighbours -> pixels
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -19,18 +18,17 @@ from ..lighting.kit import Kit
 from ..lighting.occlusion import Occlusion, lattice_reach
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
-from ..surface.hits import Hits
-from .air import Air, light_in
+from .air import Air
 from .albedo import Albedos
 from .batches import CellBatches, ViewBatches
 from .beams import Beams
 from .history import lit_alike
 from .mirrors import Mirrors
-from .paths import Lattices, SegmentLight
+from .segments import PathSegments
 from .settings import GatherSettings
 from .sky import SkyRays
 from .sky_cells import SkyCells
-from .trace import Segment, Trace
+from .trace import Trace
 
 
 class GatherSolver(Solver):
@@ -50,7 +48,7 @@ class GatherSolver(Solver):
         `bounces`: whether the lattices' light is on what rays meet, so that it bounces more than
         once.
         """
-        self.kit, self.settings, self._bounces = kit, settings, bounces
+        self.kit, self.settings = kit, settings
         self._lighting = HitLighting(kit, media)
         self._air = Air(kit.gpu, media, sources=sources) if media else None
         self._beams = Beams(kit.gpu, kit) if media else None
@@ -58,9 +56,11 @@ class GatherSolver(Solver):
         self._in_air: CellBatches | None = None
         self._scope, self._air_scope = kit.gpu.scope(), kit.gpu.scope()
         self._cells = SkyCells(kit.gpu)
+        self._paths = PathSegments(
+            kit, settings, self._cells, self._lighting, self._air, bounces=bounces
+        )
         is_occluded = kit.settings.ambient_occlusion
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
-        self._trace: Trace | None = None
         self._albedos: Albedos | None = None
         self._scene, self._is_changing = kit.context.scene, False
         # What smooth surfaces mirror is lit apart: images of another size.
@@ -91,7 +91,6 @@ class GatherSolver(Solver):
         if kit.area_shadows is not None:
             with commands.stage("area lights"):
                 kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
-        fields = self._gathered_air(commands, view, fields)
         # What the rays start from, and what lights the surfaces that they meet.
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, kit.meshes, view.clip_from_world)
@@ -102,17 +101,10 @@ class GatherSolver(Solver):
                     commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
                 )
             sized.points.encode(commands, view)
-        # Batches of paths: traced, lit segment by segment, added up.
+        guided = self._paths.guided(commands, sized, fields)
+        fields = self._gathered_air(commands, view, fields)
+        self._gather(commands, view, sized, number, fields, guided)
         rays = self.settings.gather_rays
-        sample = range(number * rays, (number + 1) * rays)
-        for first in range(sample.start, sample.stop, sized.batch):
-            numbers = range(first, min(first + sized.batch, sample.stop))
-            for index in self._followed(commands, sized, numbers, fields):
-                if index == 0:
-                    with commands.stage("gather lighting"):
-                        sized.sums.encode(commands, view, sized.paths, numbers, sample)
-            with commands.stage("gather lighting"):
-                sized.sums.encode_later(commands, view, sized.paths, numbers)
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
         sums = sized.sums.buffer
@@ -131,6 +123,30 @@ class GatherSolver(Solver):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
         return replace(fields, gathered=self._with_mirrors(commands, view, fields, gathered))
+
+    def _gather(
+        self,
+        commands: Commands,
+        view: View,
+        sized: ViewBatches,
+        number: int,
+        fields: Fields,
+        guided: int,
+    ) -> None:
+        """Trace and light the paths of a sample of the image, batch by batch, and add them up."""
+        # Batches of paths: traced, lit segment by segment, added up.
+        rays = self.settings.gather_rays
+        sample = range(number * rays, (number + 1) * rays)
+        for first in range(sample.start, sample.stop, sized.batch):
+            numbers = range(first, min(first + sized.batch, sample.stop))
+            for index in self._paths.followed(commands, sized, numbers, fields, guided):
+                if index == 0:
+                    with commands.stage("gather lighting"):
+                        sized.sums.encode(commands, view, sized.paths, numbers, sample)
+            with commands.stage("gather lighting"):
+                sized.sums.encode_later(commands, view, sized.paths, numbers)
+        if guided:
+            self._paths.add_guided(commands, sized, number, fields)
 
     def _with_mirrors(
         self, commands: Commands, view: View, fields: Fields, gathered: Gathered
@@ -162,96 +178,13 @@ class GatherSolver(Solver):
         given, number = fields.air, sized.number_of(view.sample, fields.air)
         met = fields if number == 0 else replace(fields, air=sized.found)
         numbers = range(view.sample * sized.rays, (view.sample + 1) * sized.rays)
-        for _ in self._followed(commands, sized, numbers, met):
+        for _ in self._paths.followed(commands, sized, numbers, met):
             pass
         with commands.stage("gather lighting"):
             scattered, sized.found = sized.sums.encode(
                 commands, sized.paths.buffer, numbers, (source, given), number
             )
         return replace(fields, scattered=scattered, air=sized.found)
-
-    def _followed(
-        self, commands: Commands, sized: ViewBatches | CellBatches, numbers: range, fields: Fields
-    ) -> Iterator[int]:
-        """Trace paths of several segments; lattices light what the last of them meets.
-
-        Yields the number of each segment once its light is in the paths; none where nobody waits.
-        """
-        assert self._trace is not None
-        rays = sized.rays
-        count = self.settings.gather_bounces if self._bounces else 1
-        hits, before = sized.hits
-        for index in range(count):
-            if not commands.is_wanted:
-                return
-            # What each ray meets, from the surface that the one before it met.
-            segment = Segment(numbers, index, self.kit.rays.raised)
-            with commands.stage("gather rays"):
-                self._trace.encode(commands, sized.points, (before, hits), segment)
-            # What media along the segment scatter into it, and how much light they let by.
-            if self._air is not None and sized.paths.air is not None:
-                way = (sized.points.places if index == 0 else before.positions, hits)
-                with commands.stage("gather air"):
-                    self._air.encode(
-                        commands,
-                        sized.points.reduced,
-                        way,
-                        segment,
-                        light_in(fields),
-                        sized.paths.air,
-                    )
-            with commands.stage("gather lighting"):
-                told = self._told(count - 1 - index, count)
-                light = self._light(commands, sized, hits, fields, told, is_last=index + 1 == count)
-                sized.paths.encode(commands, hits, light, segment, rays, told)
-            yield index
-            # The next segment starts where this one ended.
-            hits, before = before, hits
-
-    def _told(self, left: int, count: int) -> Lattices:
-        """What becomes of the lattices' light with so many segments `left` of `count`."""
-        if not self._bounces or left > 1:
-            return Lattices.UNASKED
-        if count == 1:
-            return Lattices.ADDED
-        return Lattices.TOLD if left else Lattices.LEFT
-
-    def _light(
-        self,
-        commands: Commands,
-        sized: ViewBatches | CellBatches,
-        hits: Hits,
-        fields: Fields,
-        told: Lattices,
-        *,
-        is_last: bool,
-    ) -> SegmentLight:
-        """The textures with the light of `hits`.
-
-        Of lattices all that they know, where they are asked; always that of lights that media only
-        scatter forwards, which no ray meets. What a later segment finds of a mild sky, no lattice
-        has to say.
-        """
-        layers, forward = sized.layers, fields.forward
-        cache = fields.irradiance or self.kit.no_irradiance
-        is_asked, has_sky = told is not Lattices.UNASKED, is_last or not self._cells.is_mild
-        light = self._lighting
-        if not (is_asked or has_sky or forward):
-            return SegmentLight(light.lights(commands, hits, layers, cache, fields.sky))
-        # One field, or lattices' and forward light apart, the second beside the first.
-        first = cache if is_asked else forward or self.kit.darkened(cache)
-        if has_sky and not (is_asked and forward):
-            light.encode(commands, hits, layers, first, fields.sky)
-            lit, found = layers.direct, layers.indirect
-        else:
-            lit, found = light.apart(commands, hits, layers, first, fields.sky)
-            lit = layers.direct if has_sky else lit
-        if not is_asked:
-            return SegmentLight(lit, forward=found if forward else None)
-        if forward is None:
-            return SegmentLight(lit, lattices=found)
-        along = light.also(commands, hits, layers, forward, fields.sky)
-        return SegmentLight(lit, along, found)
 
     def _gathers(self, view: View) -> bool:
         """Whether this view does. Lights by the thousand are in lattices alone, and seen there."""
@@ -267,8 +200,8 @@ class GatherSolver(Solver):
             self._albedos = Albedos(kit.gpu, list(materials.values()))
         rays = kit.rays.of_frame(commands)
         # Once something has moved, rays also meet instances.
-        if self._trace is None or self._trace.constants != rays.constants:
-            self._trace = Trace(kit.gpu, rays, self._albedos)
+        if self._paths.trace is None or self._paths.trace.constants != rays.constants:
+            self._paths.trace = Trace(kit.gpu, rays, self._albedos)
             media = self._air.media if self._air else None
             self._sky_rays = SkyRays(kit.gpu, rays, self._cells, media)
         self._lighting.shadows = kit.shadow_rays(commands)

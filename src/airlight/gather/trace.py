@@ -8,11 +8,13 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u
+from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage, texture, uniform
 from ..rays.rays import RAY_SLOTS, RayScene
 from ..surface.hits import Hits
 from .albedo import AlbedoData, Albedos
 from .cells import CellPoints
+from .guide import LightPatch
 from .points import Points
 
 AnyPoints = Points | CellPoints
@@ -58,7 +60,17 @@ class _Trace(ComputePass):
 
 
 class _Bounce(_Trace):
+    slots = (
+        *_Trace.slots,
+        storage("lit_patches", LightPatch),
+        storage("paths", "vec4f", "read_write"),
+    )
     file = "bounce.wgsl"
+
+
+class _Guided(_Trace):
+    slots = (*_Trace.slots, storage("lit_patches", LightPatch))
+    file = "guided.wgsl"
 
 
 class _FromAir(_Trace):
@@ -74,19 +86,49 @@ class Trace:
         self._first = _Trace(gpu, constants=scene.constants)
         self._next = _Bounce(gpu, constants=scene.constants)
         self._from_air = _FromAir(gpu, constants=scene.constants)
+        self._guided = _Guided(gpu, constants=scene.constants)
 
     def encode(
-        self, commands: Commands, points: AnyPoints, pair: tuple[Hits, Hits], segment: Segment
+        self,
+        commands: Commands,
+        points: AnyPoints,
+        pair: tuple[Hits, Hits],
+        segment: Segment,
+        guide: tuple[Buffer, Buffer],
     ) -> None:
         """Write what rays meet to the second of `pair`.
 
         Those of the first segment start at the points, later ones where the first of `pair` ended.
+        `guide`: the patches that lead some of the later ones, and the paths, of which each is
+        scaled by what it then counts.
         """
         before, hits = pair
         is_first = segment.index == 0
         # First segments start at points or cells, later ones where the last one met a surface.
         first = self._from_air if isinstance(points, CellPoints) else self._first
         used = first if is_first else self._next
+        start = points if is_first else before
+        lit_patches, paths = guide
+        more = {} if is_first else {"lit_patches": lit_patches, "paths": paths}
+        self._dispatch(commands, used, points, _start(start), hits, segment, more)
+
+    def encode_guided(
+        self, commands: Commands, points: Points, hits: Hits, segment: Segment, patches: Buffer
+    ) -> None:
+        """Write what rays from points towards lit `patches` meet to `hits`."""
+        more = {"lit_patches": patches}
+        self._dispatch(commands, self._guided, points, _start(points), hits, segment, more)
+
+    def _dispatch(
+        self,
+        commands: Commands,
+        used: ComputePass,
+        points: AnyPoints,
+        start: dict[str, Texture],
+        hits: Hits,
+        segment: Segment,
+        more: dict[str, Buffer],
+    ) -> None:
         used.dispatch(
             commands,
             (points.reduced[0], points.reduced[1] * len(segment.numbers)),
@@ -98,11 +140,18 @@ class Trace:
                 raised=segment.raised,
                 pad=(0, 0),
             ),
-            places=points.places if is_first else before.positions,
-            normals=points.normals if is_first else before.normal,
+            **start,
             **self._scene.bound,
             **self._albedos.bound,
+            **more,
             hit_positions=hits.positions,
             hit_normals=hits.normal,
             hit_albedos=hits.albedo,
         )
+
+
+def _start(of: AnyPoints | Hits) -> dict[str, Texture]:
+    """Where rays start, and the normals there."""
+    if isinstance(of, Hits):
+        return {"places": of.positions, "normals": of.normal}
+    return {"places": of.places, "normals": of.normals}

@@ -234,6 +234,7 @@ class LpvSolver(Solver):
             fields,
             irradiance=irradiance,
             reflected=reflected,
+            lit=self.maps.groups,
             forward=self.media.forward if self.media else None,
             scattered=light if self.is_marched else fields.scattered,
         )

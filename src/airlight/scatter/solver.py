@@ -167,7 +167,11 @@ class ScatterSolver(Solver):
         # The same light as media get from surfaces; it changes with whatever lights or blocks.
         version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
         fields = dataclasses.replace(
-            fields, irradiance=irradiance, scattered=light, reflected=ReflectedLight(light, version)
+            fields,
+            irradiance=irradiance,
+            scattered=light,
+            reflected=ReflectedLight(light, version),
+            lit=self.light.maps.groups,
         )
         if self.air is None:
             return fields

@@ -1,0 +1,28 @@
+// Rays from gather points towards what lights shine on.
+//! use gather
+//! use gather_hit
+//! use light_guide
+
+const RAISED = 2e-4;        // as in trace.wgsl
+
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
+        return;
+    }
+    let at = vec2u(id.x, id.y % params.reduced.y);
+    let place = textureLoad(places, at, 0);
+    let n = textureLoad(normals, at, 0).xyz;
+    var found = no_ray();
+    if (place.w > 0.0) {
+        let origin = place.xyz + RAISED * place.w * n;
+        let numbers = ray_numbers(at.x, at.y, params.first_ray + id.y / params.reduced.y);
+        let choice = guide_choice(origin, n, numbers.x);
+        let direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, numbers.y));
+        if (choice.total > 0.0 && is_guided(choice.found) && dot(direction, n) > 0.0) {
+            found = gather_hit(origin, direction);
+        }
+    }
+    textureStore(hit_positions, id.xy, found.position);
+    textureStore(hit_normals, id.xy, found.normal);
+    textureStore(hit_albedos, id.xy, found.albedo);
+}

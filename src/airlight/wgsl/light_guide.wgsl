@@ -1,0 +1,97 @@
+// Where lights shine on surfaces, as a few spheres around what is lit: directions towards them, and how likely each is
+// chosen. The including pass binds `lit_patches` (gather/guide.py).
+//! use guided_share
+
+const LIT_PATCHES = 16u;
+const LEAST_SINE2 = 1e-6;
+const MOST_SINE2 = 0.9;
+
+// A patch as a point of a surface sees it.
+struct PatchSight {
+    along: vec3f,
+    sine2: f32,             // of half the angle of its cone
+    height: f32,            // one minus the cosine of that
+    light: f32,             // W m^-2, about
+    found: f32,             // share of cosine-distributed rays that meet its cone, about
+    weight: f32,            // of its being chosen
+}
+
+// How patches are chosen at a point, and the one that a number chooses.
+struct GuideChoice {
+    total: f32,             // of all weights
+    found: f32,             // share of cosine-distributed rays that find the patches' light
+    chosen: PatchSight,
+    number: f32,            // uniform again
+}
+
+fn patch_sight(k: u32, place: vec3f, n: vec3f) -> PatchSight {
+    let lit = lit_patches[k];
+    let way = lit.centre - place;
+    let d2 = max(dot(way, way), 1e-20);
+    var out: PatchSight;
+    out.along = way * inverseSqrt(d2);
+    out.sine2 = lit.radius * lit.radius / d2 + LEAST_SINE2;
+    let sine = sqrt(out.sine2);
+    out.height = out.sine2 / (1.0 + sqrt(max(1.0 - out.sine2, 0.0)));
+    let cosine = saturate((dot(n, out.along) + sine) / (1.0 + sine));
+    let facing = saturate(1.0 - length(lit.normal) + sine - dot(lit.normal, out.along));
+    // A point inside of a sphere, or nearly, finds what is in it by the cosine.
+    out.light = select(0.0, lit.flux * cosine * facing / d2, out.sine2 < MOST_SINE2);
+    out.found = clamp(2.0 * out.height * cosine, 1e-7, 1.0);
+    out.weight = out.light / (1.0 + out.found / RARE);
+    return out;
+}
+
+// `number` in [0, 1) chooses.
+fn guide_choice(place: vec3f, n: vec3f, number: f32) -> GuideChoice {
+    var out: GuideChoice;
+    out.number = number;
+    var light = 0.0;
+    var noise = 0.0;
+    let count = u32(lit_patches[LIT_PATCHES].radius);
+    for (var k = 0u; k < count; k++) {
+        let seen = patch_sight(k, place, n);
+        light += seen.light;
+        noise += seen.light * seen.light / seen.found;
+        out.total += seen.weight;
+        // One of all so far, each as likely as its weight.
+        let share = seen.weight / max(out.total, 1e-30);
+        let is_chosen = out.number < share;
+        out.number = select((out.number - share) / max(1.0 - share, 1e-9), out.number / max(share, 1e-9), is_chosen);
+        if (is_chosen) {
+            out.chosen = seen;
+        }
+    }
+    out.number = saturate(out.number);
+    out.found = select(1.0, light * light / noise, noise > 0.0);
+    return out;
+}
+
+struct GuideDensity {
+    density: f32,           // sr^-1
+    found: f32,             // as in `GuideChoice`
+}
+
+// At which a direction is chosen.
+fn guide_density(place: vec3f, n: vec3f, direction: vec3f) -> GuideDensity {
+    var total = 0.0;
+    var light = 0.0;
+    var noise = 0.0;
+    var inside = 0.0;
+    let count = u32(lit_patches[LIT_PATCHES].radius);
+    for (var k = 0u; k < count; k++) {
+        let seen = patch_sight(k, place, n);
+        light += seen.light;
+        noise += seen.light * seen.light / seen.found;
+        total += seen.weight;
+        let off = cross(direction, seen.along);
+        let is_inside = dot(off, off) < seen.sine2 && dot(direction, seen.along) > 0.0;
+        inside += select(0.0, seen.weight / (6.2831853 * seen.height), is_inside);
+    }
+    return GuideDensity(inside / max(total, 1e-30), select(1.0, light * light / noise, noise > 0.0));
+}
+
+// Whether there are any patches.
+fn has_guide() -> bool {
+    return lit_patches[LIT_PATCHES].radius > 0.0;
+}
