@@ -1,5 +1,6 @@
 // Irradiance of pixels from the gather points around them that lie on about the same plane (joint bilateral
-// upsampling, Kopf2007), turned to each pixel's own normal and near occluders.
+// upsampling, Kopf2007), turned to each pixel's own normal and near occluders. Where the four points next to
+// a pixel are of other surfaces, as at the foot of a wall, the sixteen around it are asked before the lattices.
 //! use pixel_point
 //! use gather
 //! use flat_normal
@@ -24,20 +25,20 @@ struct Around {
     total: f32,
 }
 
-fn around(position: vec2f, p: vec3f, n: vec3f) -> Around {
+// Weights fall off linearly over `reach` points, 1 or 2.
+fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32) -> Around {
     let texel_m = params.texel * length(p - params.eye);
     let last = vec2i(params.reduced) - 1;
     let middle = position / f32(params.scale) - 0.5;
-    let base = floor(middle);
-    let t = middle - base;
+    let base = vec2i(floor(middle)) + 1 - reach;
     var out: Around;
     var k = 0;
     loop {
-        let corner = vec2f(f32(k & 1), f32(k >> 1u));
-        let at = clamp(vec2i(base + corner), vec2i(0), last);
+        let corner = base + vec2i(k % (2 * reach), k / (2 * reach));
+        let at = clamp(corner, vec2i(0), last);
         let place = textureLoad(places, at, 0);
         let its = textureLoad(planes, at, 0).xyz;
-        let near = mix(1.0 - t, t, corner) + 1e-3;
+        let near = max(1.0 - abs(middle - vec2f(corner)) / f32(reach), vec2f(0.0)) + 1e-3;
         let like = near.x * near.y * likeness(p, n, place.xyz, its, texel_m);
         let weight = select(0.0, like, place.w > 0.0);
         let index = u32(at.y * i32(params.reduced.x) + at.x);
@@ -48,7 +49,7 @@ fn around(position: vec2f, p: vec3f, n: vec3f) -> Around {
         out.open += weight * sums[index].open;
         out.total += weight;
         k++;
-        if (k > 3) { break; }
+        if (k >= 4 * reach * reach) { break; }
     }
     return out;
 }
@@ -91,7 +92,11 @@ fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> 
     }
     let p = pixel_point(position.xy, d);
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
-    let found = around(position.xy, p, flat_normal(vec2i(pixel), p, n));
+    let flat_n = flat_normal(vec2i(pixel), p, n);
+    var found = around(position.xy, p, flat_n, 1);
+    if (found.total < LEAST) {
+        found = around(position.xy, p, flat_n, 2);
+    }
     // Near occluders hide the sky, and send light that they reflect.
     let open = near_field_at(position.xy, 1.0 / (params.world_from_clip[2].w * d)).open;
     let tint = textureLoad(albedo, pixel, 0).rgb;

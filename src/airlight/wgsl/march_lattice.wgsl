@@ -41,6 +41,11 @@ fn lattice_begin() {
         rise, -lattice.fade_low * rise, fall, lattice.fade_high * fall);
 }
 
+// How oblique a surface of normal n, of the world, is to the cells, 0 to 1.
+fn lattice_obliqueness(n: vec3f) -> f32 {
+    return obliqueness(lattice_axes * n);
+}
+
 // lattice_weight of the only lattice, at p along its axes.
 fn weight_alone(p: vec3f) -> f32 {
     let inside = min(alone.risen + p * alone.rise, alone.fallen - p * alone.fall);

@@ -14,6 +14,7 @@ from .forward_source import FORWARD_WGSL, NO_FORWARD_WGSL
 from .half_space import NO_HALF_SPACE_WGSL, half_space_wgsl
 from .kernel import MAX_LEVELS_AT_ONCE, Variant, target_names
 
+_NO_LATTICES = "fn lattice_begin() {}\nfn lattice_obliqueness(n: vec3f) -> f32 { return 0.0; }\n"
 _NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
 
 
@@ -74,7 +75,7 @@ def _sources_wgsl(variant: Variant) -> str:
     is_reduced = variant.lattice == "reduced medium"
     if not is_reduced:
         parts.append(lattices)
-    uses = "//! use march_lattice\n" if has_lattices else "fn lattice_begin() {}\n"
+    uses = "//! use march_lattice\n" if has_lattices else _NO_LATTICES
     uses += _WEIGHT_WGSL if sources else ""
     uses += _step_share_wgsl(variant)
     return (

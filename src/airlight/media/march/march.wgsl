@@ -7,6 +7,7 @@
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> ForwardLight
 //! needs fn lattice_begin()
+//! needs fn lattice_obliqueness(n: vec3f) -> f32
 //! needs fn lattice_interval(origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f
 //! needs fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn sky_reduced_at() -> vec3f
@@ -67,6 +68,31 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
     return select(surface, sky, ray.distance >= EYE_RAY_FAR) / max(lit_scattering_here(), least);
 }
 
+// How far before a surface oblique to the cells light is read, cells: farther than any of the eight that are read
+// there can lie behind it.
+const CELLS_BEFORE = 1.5;
+// Cosines to the ray from which on a plane through neighbouring rays' ends is a surface: at an edge it is not.
+const EDGE = vec2f(0.1, 0.25);
+
+// A plane at the ends of this ray and its neighbours: its normal, towards the eye, and how far before it light is
+// to be read, m. All rays of a quad have to call it.
+struct EndPlane { point: vec3f, normal: vec3f, before: f32 }
+
+fn end_plane(eye: vec3f, ray: EyeRay, step: f32) -> EndPlane {
+    let end = ray.distance * ray.direction;
+    let across = cross(dpdx(end), dpdy(end));
+    let length_across = length(across);
+    let facing = dot(across, ray.direction) / max(length_across, 1e-20);
+    let n = across * (-sign(facing) / max(length_across, 1e-20));
+    let is_surface = select(0.0, smoothstep(EDGE.x, EDGE.y, abs(facing)), ray.distance < EYE_RAY_FAR);
+    return EndPlane(eye + end, n, CELLS_BEFORE * step * is_surface);
+}
+
+// Where light is read for a point of the ray: no nearer to an oblique plane than its cells reach.
+fn moved_before(plane: EndPlane, p: vec3f) -> vec3f {
+    return p + max(plane.before - dot(p - plane.point, plane.normal), 0.0) * plane.normal;
+}
+
 @fragment fn fragment(@builtin(position) position: vec4f) -> Marched {
     // The ray, and where it is in media.
     let texel = vec2u(position.xy);
@@ -75,6 +101,8 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
     media_copied();
     lattice_begin();
     let eye = rays.eye;
+    var plane = end_plane(eye, ray, own.step);
+    plane.before *= lattice_obliqueness(plane.normal);
     let hull = media_enter(eye, ray.direction, ray.distance);
     // Radiance and transmittance so far; of reduced media: their transmittance, the light of
     // lattices that they transmit, and what the media themselves transmit of its two bands.
@@ -104,9 +132,9 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
             let p = eye + (t + 0.5 * dt) * ray.direction;
             densities_at(p, t + 0.5 * dt);
             // A cell that a surface cuts holds the light of both of its sides: before the one that
-            // the ray ends at, light is read a cell before it.
+            // the ray ends at, light is read a cell before it, or before its plane if that is oblique.
             let read_at = min(t + 0.5 * dt, max(ray.distance - own.step, hull.x));
-            let q = eye + read_at * ray.direction;
+            let q = moved_before(plane, eye + read_at * ray.direction);
             // What media emit and scatter in it, times the mean transmittance to the eye.
             let depth = depth_here(t, dt);
             let T_step = exp(-depth);
