@@ -28,13 +28,13 @@ from .conftest import SIZE, SMALL
 FIELDS = {
     "direct": set(),
     "single": {"sky_scatter"},
-    "lpv": {"irradiance", "reflected"},
-    "lpv-march": {"irradiance", "reflected", "scattered"},
-    "lpv-sum": {"irradiance", "reflected", "scattered", "sky_scatter"},
-    "lpv-scatter": {"air", "irradiance", "reflected", "scattered", "sky_scatter"},
+    "lpv": {"irradiance", "lit", "reflected"},
+    "lpv-march": {"irradiance", "lit", "reflected", "scattered"},
+    "lpv-sum": {"irradiance", "lit", "reflected", "scattered", "sky_scatter"},
+    "lpv-scatter": {"air", "irradiance", "lit", "reflected", "scattered", "sky_scatter"},
     "pop": set(),  # its volumes depend on the eye
-    "lpv with pop": {"irradiance", "reflected", "sky_scatter"},
-    "lpv-scatter with pop": {"air", "irradiance", "reflected", "scattered", "sky_scatter"},
+    "lpv with pop": {"irradiance", "lit", "reflected", "sky_scatter"},
+    "lpv-scatter with pop": {"air", "irradiance", "lit", "reflected", "scattered", "sky_scatter"},
 }
 
 
