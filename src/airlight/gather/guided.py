@@ -20,10 +20,10 @@ from .points import Points
 from .sums import PointSums
 
 _ALL_PASSED = """
-fn passed_of(row: u32) -> vec3f { return vec3f(1.0); }
+fn passed_by_ray(row: u32) -> vec3f { return vec3f(1.0); }
 """
 _PASSED = """
-fn passed_of(row: u32) -> vec3f { return air[row + 1u].rgb; }
+fn passed_by_ray(row: u32) -> vec3f { return air[row + 1u].rgb; }
 """
 
 

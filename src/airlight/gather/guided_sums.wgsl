@@ -3,7 +3,7 @@
 //! use gather
 //! use light_guide
 //! use tone
-//! needs fn passed_of(row: u32) -> vec3f
+//! needs fn passed_by_ray(row: u32) -> vec3f
 
 const RAISED = 2e-4;        // as in trace.wgsl
 
@@ -23,7 +23,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
             let direction = normalize(hit.xyz - origin);
             let density = guide_density(origin, n, direction).density;
             let share = sky_share(dot(direction, n), density, params.rays, params.guided);
-            let passed = passed_of(2u * (texel.y * params.reduced.x + texel.x));
+            let passed = passed_by_ray(2u * (texel.y * params.reduced.x + texel.x));
             let found = share * passed * textureLoad(direct_light, texel, 0).rgb;
             sum += found;
             flux += luminance(found) * flux_along(n, direction);

@@ -73,14 +73,30 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
 const CELLS_BEFORE = 1.5;
 // Cosines to the ray from which on a plane through neighbouring rays' ends is a surface: at an edge it is not.
 const EDGE = vec2f(0.1, 0.25);
+const LEAST_JUMP = 1e-3;  // of the distance: smaller differences of neighbours are one
 
 // A plane at the ends of this ray and its neighbours: its normal, towards the eye, and how far before it light is
-// to be read, m. All rays of a quad have to call it.
+// to be read, m.
 struct EndPlane { point: vec3f, normal: vec3f, before: f32 }
 
-fn end_plane(eye: vec3f, ray: EyeRay, step: f32) -> EndPlane {
+// From the end of a ray to those of its neighbours along `axis`: more to the one that ends at the more similar
+// distance, alike where they are, so that an image does not depend on how it is turned.
+fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
+    let below = max(texel - axis, vec2i(0));
+    let above = min(texel + axis, vec2i(textureDimensions(picked)) - 1);
+    let before = picked_ray(rays, vec2u(below), textureLoad(picked, below, 0).xy);
+    let after = picked_ray(rays, vec2u(above), textureLoad(picked, above, 0).xy);
+    let jumps = abs(vec2f(before.distance, after.distance) / ray.distance - 1.0) + LEAST_JUMP;
+    let shares = vec2f(jumps.y * jumps.y, jumps.x * jumps.x) / dot(jumps, jumps);
     let end = ray.distance * ray.direction;
-    let across = cross(dpdx(end), dpdy(end));
+    let forth = after.distance * after.direction - end;
+    let back = end - before.distance * before.direction;
+    return select(mix(back, forth, shares.y), back + forth, all(below == texel) || all(above == texel));
+}
+
+fn end_plane(eye: vec3f, texel: vec2i, ray: EyeRay, step: f32) -> EndPlane {
+    let end = ray.distance * ray.direction;
+    let across = cross(to_neighbours(texel, vec2i(1, 0), ray), to_neighbours(texel, vec2i(0, 1), ray));
     let length_across = length(across);
     let facing = dot(across, ray.direction) / max(length_across, 1e-20);
     let n = across * (-sign(facing) / max(length_across, 1e-20));
@@ -101,7 +117,7 @@ fn moved_before(plane: EndPlane, p: vec3f) -> vec3f {
     media_copied();
     lattice_begin();
     let eye = rays.eye;
-    var plane = end_plane(eye, ray, own.step);
+    var plane = end_plane(eye, vec2i(texel), ray, own.step);
     plane.before *= lattice_obliqueness(plane.normal);
     let hull = media_enter(eye, ray.direction, ray.distance);
     // Radiance and transmittance so far; of reduced media: their transmittance, the light of
