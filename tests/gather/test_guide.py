@@ -5,6 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from airlight.gather.guide import LightPatch
+from airlight.gpu.memory import Buffer, buffer_of
+from airlight.gpu.slots import storage
+from airlight.maths.light_guide import PATCHES, guide_density
+from airlight.maths.sampling import fibonacci_sphere
 from airlight.rendering import render
 from airlight.scene import Camera, Material, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.shapes import box
@@ -47,3 +52,44 @@ def test_where_light_is_wide_nothing_is_guided():
     """A point light in the middle lights all walls: the image is the same to the bit."""
     light = PointLight((0.0, 0.0, 0.0), (10.0,) * 3)
     np.testing.assert_array_equal(indirect(light, 1, 2), indirect(light, 1, 0))
+
+
+DENSITY = """
+//! use light_guide
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
+    if (id.x >= arrayLength(&result)) { return; }
+    let found = guide_density(vec3f(0.5, 0.0, -0.5), vec3f(0.0, 1.0, 0.0), asked[id.x].xyz);
+    result[id.x] = vec4f(found.density, found.found, 0.0, 0.0);
+}
+"""
+
+
+def test_rays_are_guided_as_densely_as_the_twin_says(gpu, kernel, commands):
+    rng = np.random.default_rng(5)
+    rows = rng.normal(size=(PATCHES + 1, 8))
+    rows[:, 3], rows[:, 7] = rng.uniform(0.05, 1.0, PATCHES + 1), 1.0 + rng.random(PATCHES + 1)
+    rows[:, 4:7] /= 2.0 * np.linalg.norm(rows[:, 4:7], axis=1, keepdims=True)
+    rows[PATCHES] = [0.0, 0.0, 0.0, PATCHES, 0.0, 0.0, 0.0, 0.0]
+    directions = fibonacci_sphere(4000)
+    slots = (
+        storage("lit_patches", LightPatch),
+        storage("asked", "vec4f"),
+        storage("result", "vec4f", "read_write"),
+    )
+    asked = np.column_stack([directions, np.zeros(4000)]).astype(np.float32)
+    result = Buffer(gpu, "result", asked.nbytes)
+    kernel(DENSITY, slots).dispatch(
+        commands,
+        (4000,),
+        lit_patches=buffer_of(gpu, "patches", rows.astype(np.float32)),
+        asked=buffer_of(gpu, "asked", asked),
+        result=result,
+    )
+    commands.submit()
+    got = result.read().reshape(-1, 4)
+    want, found = guide_density(rows[:PATCHES], (0.5, 0.0, -0.5), (0.0, 1.0, 0.0), directions)
+    assert want.max() > 0.0
+    np.testing.assert_allclose(got[:, 1], found, rtol=1e-4)
+    # At a cone's very edge single precision may say otherwise.
+    off = np.abs(got[:, 0] - want) > 1e-3 * want + 1e-5
+    assert off.mean() < 2e-3

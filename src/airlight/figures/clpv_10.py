@@ -23,7 +23,7 @@ FULL_CHANGE = 0.05  # relative change that gets the brightest colour
 
 def draw(request: Request) -> Drawn:
     """One bounce without occlusion, as the paper's; ours; and how much moves beyond the sun."""
-    # The paper's settings and ours, under the same moving sun.
+    # The paper's settings and ours, under the same moving directional light.
     scene = from_here(atrium(), (-1.6, 1.55, 0.5), (1.5, 1.0, 2.6))
     modes: dict[str, dict[str, bool]] = {
         "one bounce, no occlusion": {"occlusion": False, "bounces": False},
@@ -68,7 +68,7 @@ def _told(light: Any, jumps: F32) -> dict[str, float]:
 def turning(request: Request, scene: Scene, settings: dict[str, Any]) -> list[Image]:
     """Images while the sun turns; the same pixels see the same surfaces in each."""
     with renderer(request, scene, settings) as made:
-        # The sun alone moves, in steps of one angle.
+        # The directional light alone moves, in steps of one angle.
         images = [made.frame(lights=moved(scene.lights, step)) for step in range(STEPS)]
     return [image for image in images if image is not None]
 

@@ -35,7 +35,7 @@ class Profile:
 
 def leaving(radius_m: float, sigma_s: float, g: float, photons: int, seed: int = 0) -> Profile:
     """Scattered light of a lamp of 1 W/sr, air of albedo 1 and scattering `sigma_s` per metre."""
-    # Photons leave the lamp in all directions, and fly until all have left the ball.
+    # Photons leave the light in all directions, and fly until all have left the ball.
     rng = np.random.default_rng(seed)
     way = _isotropic(rng, photons)
     place = np.zeros((photons, 3))
@@ -45,7 +45,7 @@ def leaving(radius_m: float, sigma_s: float, g: float, photons: int, seed: int =
         place = place + way * (rng.standard_exponential(len(way)) / sigma_s)[:, None]
         gone = np.einsum("ni,ni->n", place, place) > radius_m**2
 
-        # Photons that were never scattered are the lamp itself, not its light in the air.
+        # Photons that were never scattered are the light itself, not what the medium scatters.
         if order:
             impact = np.linalg.norm(np.cross(place[gone], way[gone]), axis=1)
             counts += np.histogram(impact, RINGS, (0.0, radius_m))[0]

@@ -11,7 +11,6 @@
 const ADDED = 1u;
 const TOLD = 2u;
 const LEFT = 3u;
-const RAISED = 2e-4;        // as in trace.wgsl
 
 // The light that media scatter into a segment, and their transmittance.
 struct Air {
@@ -49,7 +48,7 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     let at = vec2u(texel.x, texel.y % sky.reduced.y);
     let place = textureLoad(places, at, 0);
     let n = textureLoad(normals, at, 0).xyz;
-    let origin = place.xyz + RAISED * place.w * n;
+    let origin = ray_start(place, n);
     let direction = normalize(hit.xyz - origin);
     let guide = guide_density(origin, n, direction);
     let share = sky_share(dot(direction, n), guide.density, sky.rays, params.guided);

@@ -3,8 +3,6 @@
 //! use gather_hit
 //! use light_guide
 
-const RAISED = 2e-4;        // as in trace.wgsl
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
         return;
@@ -14,7 +12,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
     let n = textureLoad(normals, at, 0).xyz;
     var found = no_ray();
     if (place.w > 0.0) {
-        let origin = place.xyz + RAISED * place.w * n;
+        let origin = ray_start(place, n);
         let numbers = ray_numbers(at.x, at.y, params.first_ray + id.y / params.reduced.y);
         let choice = guide_choice(origin, n, numbers.x);
         let direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, numbers.y));

@@ -5,15 +5,13 @@
 //! use tone
 //! needs fn passed_by_ray(row: u32) -> vec3f
 
-const RAISED = 2e-4;        // as in trace.wgsl
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.reduced)) {
         return;
     }
     let place = textureLoad(places, id.xy, 0);
     let n = textureLoad(normals, id.xy, 0).xyz;
-    let origin = place.xyz + RAISED * place.w * n;
+    let origin = ray_start(place, n);
     var sum = vec3f(0.0);
     var flux = vec3f(0.0);
     for (var k = 0u; k < params.guided; k++) {

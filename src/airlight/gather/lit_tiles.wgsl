@@ -5,7 +5,7 @@
 //! use tone
 
 const TRIED = 8u;           // points of the image
-const RAISED = 1e-3;        // of the distance to a point: where rays start above a lit surface
+const ABOVE = 1e-3;        // of the distance to a point: where rays start above a lit surface
 
 // Even bits of a Morton code.
 fn even_bits(code: u32) -> u32 {
@@ -29,8 +29,8 @@ fn seen_by_points(seed: u32, start: vec3f, n: vec3f, spread: f32) -> f32 {
         let along = way * inverseSqrt(d2);
         let cosines = max(dot(n, along), 0.0) * max(-dot(facing, along), 0.0);
         if (place.w > 0.0 && cosines > 0.0) {
-            let raised = RAISED * sqrt(d2);
-            if (!any_hit(start + raised * n, along, 0.0, sqrt(d2) * (1.0 - 4.0 * RAISED))) {
+            let raised = ABOVE * sqrt(d2);
+            if (!any_hit(start + raised * n, along, 0.0, sqrt(d2) * (1.0 - 4.0 * ABOVE))) {
                 sum += cosines / (d2 + spread);
             }
         }

@@ -6,8 +6,6 @@
 //! use flat_normal
 //! use ggx_sampling
 
-const RAISED = 2e-4;        // of the distance to the eye: where rays start above their surface
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.batch)) {
         return;
@@ -33,7 +31,7 @@ const RAISED = 2e-4;        // of the distance to the eye: where rays start abov
             var direction = frame * mirrored;
             let flat = flat_normal(vec2i(pixel), p, n);
             direction -= 2.0 * min(dot(direction, flat), 0.0) * flat;
-            start = vec4f(p + RAISED * length(away) * n, 1.0);
+            start = vec4f(ray_start(vec4f(p, length(away)), n), 1.0);
             hit = gather_hit(start.xyz, direction);
         }
     }

@@ -5,7 +5,6 @@
 //! use ggx_sampling
 //! use specular_cosine
 
-const RAISED = 2e-4;        // as in mirror_rays.wgsl
 const AROUND = 16u;         // pixels that are asked
 const TURN = 2.3999632;     // rad, the golden angle
 const SHARP = 0.003;        // of alpha: smoother surfaces show their own rays alone
@@ -30,7 +29,7 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
     let alpha = max(facing.w * facing.w, 0.002);
     let away = params.eye - p;
     let v = normalize(away);
-    let origin = p + RAISED * length(away) * n;
+    let origin = ray_start(vec4f(p, length(away)), n);
     // How likely it went there, and how much its light is for this pixel.
     let sent = select(ray.xyz, normalize(ray.xyz - origin), ray.w == MET);
     let density = mirrored_density(saturate(dot(n, normalize(sent + v))), max(dot(n, v), 1e-4), alpha);
@@ -54,7 +53,7 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
         let r = reflector(base.rgb, base.a, facing.w, textureLoad(emission, id.xy, 0).a);
         let away = params.eye - p;
         let n = normalize(facing.xyz);
-        let own = Asking(p + RAISED * length(away) * n, n, normalize(away), r.alpha,
+        let own = Asking(ray_start(vec4f(p, length(away)), n), n, normalize(away), r.alpha,
             4.0 * params.texel * length(away));
         var whole = 0.0;
         let count = select(AROUND, 1u, r.alpha < SHARP);

@@ -6,7 +6,6 @@
 //! needs fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f
 
 const FARTHEST = 1e30;      // m
-const RAISED = 2e-4;        // as in trace.wgsl
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= sky.reduced)) {
@@ -17,7 +16,7 @@ const RAISED = 2e-4;        // as in trace.wgsl
     if (place.w <= 0.0) {
         return;
     }
-    let origin = place.xyz + RAISED * place.w * n;
+    let origin = ray_start(place, n);
     var sum = vec3f(0.0);
     var flux = vec3f(0.0);
     var squares = 0.0;

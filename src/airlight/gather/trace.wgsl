@@ -2,8 +2,6 @@
 //! use gather
 //! use gather_hit
 
-const RAISED = 2e-4;        // of the distance to the eye: where rays start above their surface
-
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
         return;
@@ -15,7 +13,7 @@ const RAISED = 2e-4;        // of the distance to the eye: where rays start abov
     if (place.w > 0.0) {
         let ray = params.first_ray + id.y / params.reduced.y;
         let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));
-        found = gather_hit(place.xyz + RAISED * place.w * n, direction);
+        found = gather_hit(ray_start(place, n), direction);
     }
     textureStore(hit_positions, id.xy, found.position);
     textureStore(hit_normals, id.xy, found.normal);

@@ -1,6 +1,6 @@
 """Rays towards what lights shine on: directions within cones, and how many rays go there.
 
-Twin of `wgsl/guided_share.wgsl`. What a ray counts, whichever way its direction was chosen, is
+Twin of `wgsl/guided_share.wgsl` and `wgsl/light_guide.wgsl`. What a ray counts, whichever way its direction was chosen, is
 `maths.gather.sky_share`: the same balance heuristic (Veach1995).
 """
 
@@ -21,6 +21,8 @@ COMMON = 0.25
 """The share from which on none are."""
 MOST_GUIDED = 0.5
 """Of the rays of later segments, where the patches are as small as can be."""
+_LEAST_SINE2 = 1e-6
+_MOST_SINE2 = 0.9  # a point inside of a sphere, or nearly, finds what is in it by the cosine
 
 
 def cone_direction(axis: ArrayLike, height: ArrayLike, numbers: ArrayLike) -> F64:
@@ -46,3 +48,39 @@ def guided_share(found: ArrayLike) -> F64:
     """
     f = np.asarray(found, dtype=np.float64)
     return np.asarray(np.where(f < COMMON, MOST_GUIDED / (1.0 + f / RARE), 0.0))
+
+
+def guide_density(
+    patches: ArrayLike, place: ArrayLike, normal: ArrayLike, directions: ArrayLike
+) -> tuple[F64, float]:
+    """Density (...) in sr^-1 at which guided rays take unit `directions` (..., 3), and `found`.
+
+    `patches` (K, 8): spheres with centre and radius in metres, the mean normal of what is lit in
+    them, and the power in watts that it reflects. `place` (3,) metres, with unit `normal` (3,).
+    `found` is the share of cosine-distributed rays that find the patches' light: of patch k they
+    find a share f_k and leave noise of l_k^2 / f_k, where l_k is its light.
+    """
+    lit, at, n = (np.asarray(x, dtype=np.float64) for x in (patches, place, normal))
+
+    # Each patch as the point sees it: a cone, about the light that comes from it, its weight.
+    to_patch = lit[:, :3] - at
+    squared_distance = np.maximum((to_patch**2).sum(axis=1), 1e-20)
+    along = to_patch / np.sqrt(squared_distance)[:, None]
+    sine2 = lit[:, 3] ** 2 / squared_distance + _LEAST_SINE2
+    height = sine2 / (1.0 + np.sqrt(np.maximum(1.0 - sine2, 0.0)))
+    sine = np.sqrt(sine2)
+    cosine = np.clip((along @ n + sine) / (1.0 + sine), 0.0, 1.0)
+    mean_normal = lit[:, 4:7]
+    sent = 1.0 - np.linalg.norm(mean_normal, axis=1) + sine - (mean_normal * along).sum(axis=1)
+    light = lit[:, 7] * cosine * np.clip(sent, 0.0, 1.0) / squared_distance
+    light = np.where(sine2 < _MOST_SINE2, light, 0.0)
+    found = np.clip(2.0 * height * cosine, 1e-7, 1.0)
+    weight = light / (1.0 + found / RARE)
+
+    # A cone is chosen by its weight, a direction within it evenly; cones overlap.
+    cosines = np.asarray(directions, dtype=np.float64) @ along.T
+    is_inside = (1.0 - cosines**2 < sine2) & (cosines > 0.0)
+    density = (is_inside * weight / (2.0 * np.pi * height)).sum(axis=-1)
+    noise = float((light**2 / found).sum())
+    share = float(light.sum() ** 2 / noise) if noise > 0.0 else 1.0
+    return np.asarray(density / max(float(weight.sum()), 1e-30)), share

@@ -36,7 +36,7 @@ def cornell(*, light: str = "spot") -> Scene:
     panel glows: W m^-2 sr^-1 of the same intensity on its axis). No environment.
     Raises SceneError for another light.
     """
-    # A lamp under the panel; or None, and the panel itself glows.
+    # A point light under the panel; or None, and the panel itself glows.
     kinds: dict[str, Light | None] = {
         "spot": SpotLight((0.0, HEIGHT_M - 0.06, 0.0), (0.0, -1.0, 0.0), _LAMP_INTENSITY, 50, 75),
         "point": PointLight((0.0, HEIGHT_M - 0.5, 0.0), _LAMP_INTENSITY),
