@@ -17,7 +17,7 @@ MODES: dict[str, dict[str, bool]] = {
 
 def draw(request: Request) -> Drawn:
     """Whole images above, indirect light alone below."""
-    # Alike but for what stands in light's way.
+    # Alike but for what stands in light's path.
     scene = cornell() if request.quick else atrium()
     images: dict[str, Image] = {}
     numbers: dict[str, Any] = {"scene": scene.name, "modes": {}}

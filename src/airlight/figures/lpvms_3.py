@@ -21,7 +21,7 @@ def draw(request: Request) -> Drawn:
 
     The lobe is the sharpest of two bands that is nowhere negative.
     """
-    # A lobe along the way whose two bands are just not negative.
+    # A lobe along the path whose two bands are just not negative.
     way = np.array([2.0, 1.0, 0.0]) / np.sqrt(5.0)
     state = np.zeros((1, 3, 3, 3, 4))
     state[0, 1, 1, 1, 0] = 1.0

@@ -24,9 +24,9 @@ fn seen_by_points(seed: u32, start: vec3f, n: vec3f, spread: f32) -> f32 {
         let at = vec2u(hash % params.reduced.x, pcg_hash(hash) % params.reduced.y);
         let place = textureLoad(places, at, 0);
         let facing = textureLoad(normals, at, 0).xyz;
-        let way = place.xyz - start;
-        let d2 = max(dot(way, way), 1e-12);
-        let along = way * inverseSqrt(d2);
+        let offset = place.xyz - start;
+        let d2 = max(dot(offset, offset), 1e-12);
+        let along = offset * inverseSqrt(d2);
         let cosines = max(dot(n, along), 0.0) * max(-dot(facing, along), 0.0);
         if (place.w > 0.0 && cosines > 0.0) {
             let raised = ABOVE * sqrt(d2);

@@ -105,8 +105,8 @@ class PathSegments:
                 self.trace.encode(commands, sized.points, (before, hits), segment, guide)
             # What media along the segment scatter into it, and how much light they let by.
             if self._air is not None and sized.paths.air is not None:
-                way = (sized.points.places if index == 0 else before.positions, hits)
-                self._pass_air(commands, sized, way, segment, fields, sized.paths.air)
+                ends = (sized.points.places if index == 0 else before.positions, hits)
+                self._pass_air(commands, sized, ends, segment, fields, sized.paths.air)
             with commands.stage("gather lighting"):
                 told = self._told(count - 1 - index, count)
                 light = self._light(
@@ -167,7 +167,7 @@ class PathSegments:
         self,
         commands: Commands,
         sized: ViewBatches | CellBatches,
-        way: tuple[Texture, Hits],
+        ends: tuple[Texture, Hits],
         segment: Segment,
         fields: Fields,
         air: Buffer,
@@ -175,4 +175,4 @@ class PathSegments:
         """What media along a segment scatter into it, and how much light they let by."""
         assert self._air is not None
         with commands.stage("gather air"):
-            self._air.encode(commands, sized.points.reduced, way, segment, light_in(fields), air)
+            self._air.encode(commands, sized.points.reduced, ends, segment, light_in(fields), air)

@@ -1,7 +1,7 @@
 """Rays towards what lights shine on: directions within cones, and how many rays go there.
 
-Twin of `wgsl/guided_share.wgsl` and `wgsl/light_guide.wgsl`. What a ray counts, whichever way its direction was chosen, is
-`maths.gather.sky_share`: the same balance heuristic (Veach1995).
+Twin of `wgsl/guided_share.wgsl` and `wgsl/light_guide.wgsl`. What a ray counts, however its
+direction was chosen, is `maths.gather.sky_share`: the same balance heuristic (Veach1995).
 """
 
 from __future__ import annotations

@@ -26,10 +26,10 @@ struct GuideChoice {
 
 fn patch_sight(k: u32, place: vec3f, n: vec3f) -> PatchSight {
     let lit = lit_patches[k];
-    let way = lit.centre - place;
-    let d2 = max(dot(way, way), 1e-20);
+    let offset = lit.centre - place;
+    let d2 = max(dot(offset, offset), 1e-20);
     var out: PatchSight;
-    out.along = way * inverseSqrt(d2);
+    out.along = offset * inverseSqrt(d2);
     out.sine2 = lit.radius * lit.radius / d2 + LEAST_SINE2;
     let sine = sqrt(out.sine2);
     out.height = out.sine2 / (1.0 + sqrt(max(1.0 - out.sine2, 0.0)));
