@@ -11,6 +11,7 @@ import numpy as np
 
 from ..app.compare.images import heat
 from ..maths.colour import luminance
+from ..maths.transforms import triple
 from ..scene.builtin import cloud, smoke
 from ..scene.builtin.milk import BOUNDS as MILK_BOUNDS
 from ..scene.builtin.milk import knot_density
@@ -47,10 +48,10 @@ def plume(g: float = 0.9) -> Scene:
     extinction = np.add(PLUME_SCATTERING, PLUME_ABSORPTION)
     albedo = np.divide(PLUME_SCATTERING, extinction)
     made = Volume(
-        _rgb(extinction),
+        triple(extinction),
         volume.density,
         bounds=(low, high),
-        albedo=_rgb(albedo),
+        albedo=triple(albedo),
         g=(g,) * 3,
         source="plume",
     )
@@ -62,7 +63,7 @@ def white_plume(g: float, density: float = 1.0) -> Scene:
     """The same smoke without absorption; `density` thins it."""
     scene = plume(g)
     sigma = density * np.array(PLUME_SCATTERING)
-    made = dataclasses.replace(scene.volumes[0], sigma_t=_rgb(sigma), albedo=(1.0,) * 3)
+    made = dataclasses.replace(scene.volumes[0], sigma_t=triple(sigma), albedo=(1.0,) * 3)
     return dataclasses.replace(scene, volumes=(made,), name="white plume")
 
 
@@ -86,9 +87,9 @@ def milk(position: Vec3 = (1.5, 2.0, 7.0)) -> Scene:
     scale = MILK_M / (high - low).max()
     half = 0.5 * scale * (high - low)
     made = Volume(
-        _rgb(MILK_DENSER * np.array(MILK_SCATTERING)),
+        triple(MILK_DENSER * np.array(MILK_SCATTERING)),
         density,
-        bounds=(_rgb(-half), _rgb(half)),
+        bounds=(triple(-half), triple(half)),
         albedo=(0.9993,) * 3,
         g=(0.95,) * 3,
         source="milk",
@@ -263,8 +264,3 @@ def _in_blocks(image: F32) -> F32:
 def away(image: F32, other: F32) -> float:
     """Relative L2 of an image from another."""
     return float(np.linalg.norm(image - other) / max(float(np.linalg.norm(other)), 1e-30))
-
-
-def _rgb(values: Any) -> Rgb:
-    r, g, b = (float(v) for v in values)
-    return (r, g, b)

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .placement import F64, STRAIGHT, Axes, Fade, Placement, Triple, fitted, tiled, triple
+from ..maths.transforms import triple
+from .placement import F64, STRAIGHT, Axes, Fade, Placement, Triple, fitted, tiled
 
 AHEAD = 0.5
 """How far ahead of the eye a lattice's centre is, in halves of its sides."""

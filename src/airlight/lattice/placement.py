@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import SettingsError
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
 from ..maths.lattice6 import LOOKUP_SCALE
-from ..maths.transforms import box_along
+from ..maths.transforms import box_along, triple
 
 F64 = NDArray[np.float64]
 _TILE = 2  # CPU adapters propagate pairs of cells (lpv.step)
@@ -179,8 +179,3 @@ def tiled(cells: NDArray[Any]) -> tuple[int, int, int]:
     """Numbers of cells (3,) rounded up to pairs, as propagation works on them."""
     x, y, z = (int(-(-n // _TILE) * _TILE) for n in cells.tolist())
     return (x, y, z)
-
-
-def triple(v: F64) -> Triple:
-    """Three plain numbers."""
-    return (float(v[0]), float(v[1]), float(v[2]))

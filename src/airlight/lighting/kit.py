@@ -22,8 +22,8 @@ from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
 from ..lattice.lookup import LatticeTextures
 from ..lattice.nested import Nest, nested
-from ..lattice.placement import STRAIGHT, Hull, Placement, triple
-from ..maths.transforms import F64
+from ..lattice.placement import STRAIGHT, Hull, Placement
+from ..maths.transforms import F64, triple
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene

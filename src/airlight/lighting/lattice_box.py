@@ -10,8 +10,8 @@ import numpy as np
 from ..errors import SettingsError
 from ..lattice.facing import wall_axes
 from ..lattice.nested import Box, Nest, surrounded
-from ..lattice.placement import STRAIGHT, Axes, fitted, triple
-from ..maths.transforms import box_along
+from ..lattice.placement import STRAIGHT, Axes, fitted
+from ..maths.transforms import box_along, triple
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
 from ..scene.light_shapes import furnished

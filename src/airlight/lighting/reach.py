@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from ..lattice.nested import Box
-from ..lattice.placement import Triple, triple
-from ..maths.transforms import box_along
+from ..lattice.placement import Triple
+from ..maths.transforms import box_along, triple
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
 from ..scene.light_shapes import furnished

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..scene.checks import F64, Rgb
+from ..maths.transforms import triple
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -53,12 +53,7 @@ def _scaled(medium: _M) -> _M:
     left = 1.0 - albedo * unscattered
     return replace(
         medium,
-        g=_rgb(np.minimum(g, SHARPEST)),
-        sigma_t=_rgb(np.array(medium.sigma_t) * left),
-        albedo=_rgb(np.minimum(albedo * (1.0 - unscattered) / left, 1.0)),
+        g=triple(np.minimum(g, SHARPEST)),
+        sigma_t=triple(np.array(medium.sigma_t) * left),
+        albedo=triple(np.minimum(albedo * (1.0 - unscattered) / left, 1.0)),
     )
-
-
-def _rgb(values: F64) -> Rgb:
-    r, g, b = (float(v) for v in values)
-    return (r, g, b)

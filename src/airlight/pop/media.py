@@ -17,7 +17,7 @@ from ..fields import ALL_MEDIA, SOME_MEDIA, Fields, Frame, Solver
 from ..gpu.commands import Commands
 from ..lighting.kit import Kit
 from ..lighting.view import View
-from ..maths.transforms import F64
+from ..maths.transforms import F64, triple
 from ..media.gpu_media import GpuMedia
 from ..media.reduced import reduced
 from ..scene.coefficients import grouped
@@ -235,7 +235,7 @@ class EveryMedium:
         if m is None or self._box is None:
             return list(scene.volumes)
         low, high = self._box
-        bounds = (_corner(low), _corner(high)) if m.bounds is None else m.bounds
+        bounds = (triple(low), triple(high)) if m.bounds is None else m.bounds
         box = Volume(m.sigma_t, shape="box", bounds=bounds, albedo=m.albedo, g=m.g)
         return [box, *scene.volumes]
 
@@ -251,7 +251,3 @@ def _medium_box(scene: Scene) -> tuple[F64, F64] | None:
             remedy="Use technique lpv-scatter, or give the medium bounds",
         )
     return medium_box(medium, *scene.bounds, scene.camera.position)
-
-
-def _corner(point: F64) -> tuple[float, float, float]:
-    return (float(point[0]), float(point[1]), float(point[2]))

@@ -100,8 +100,8 @@ def polygon_irradiance(points: Array, normals: Array, corners: Array, radiance: 
 
 
 def _edge(a: F64, b: F64, n: F64) -> F64:
-    # The wedge's normal, as long as |a| |b| times the sine of its angle.
     """Angle between a and b (..., edges, 3) times the unit normal of their wedge, along n."""
+    # The wedge's normal, as long as |a| |b| times the sine of its angle.
     wedge = np.cross(a, b)
     sine = np.linalg.norm(wedge, axis=-1)
     angle = np.arctan2(sine, np.sum(a * b, axis=-1))

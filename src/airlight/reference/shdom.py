@@ -100,8 +100,8 @@ def solve(
 
 
 def _grouped(medium: MediumGrid, directions: F64) -> list[I64]:
-    # The axis whose layers are crossed most often leads; the signs of all three split its group.
     """Directions that cross layers of the same axis and lean to the same sides, together."""
+    # The axis whose layers are crossed most often leads; the signs of all three split its group.
     steepness = np.abs(directions) / medium.cell
     axis = np.argmax(steepness, axis=1)
     key = axis * 8 + (directions > 0.0) @ np.array([1, 2, 4])

@@ -17,7 +17,8 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.blockers import UNITS, Blockers
-from ..lattice.placement import Axes, LatticeParams, Placement, triple
+from ..lattice.placement import Axes, LatticeParams, Placement
+from ..maths.transforms import triple
 from ..scene.lights import DirectionalLight, Light
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..maths.mixtures import mixed
+from ..maths.transforms import triple
 from . import checks
 from .checks import F32, Rgb
 from .emission import Emission
@@ -73,8 +74,8 @@ def scale_density_tint(sigma: F32) -> tuple[Rgb, F32, F32 | None]:
     # A channel of nothing takes the shape of the others, so that it needs no tint.
     shares[..., top <= 0.0] = shares.max(axis=-1, keepdims=True)
     if float(np.ptp(shares, axis=-1).max()) <= _ALIKE:
-        return _rgb(top), np.ascontiguousarray(shares[..., int(np.argmax(top))]), None
-    return _rgb(top), *density_and_tint(shares)
+        return triple(top), np.ascontiguousarray(shares[..., int(np.argmax(top))]), None
+    return triple(top), *density_and_tint(shares)
 
 
 def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -154,13 +155,13 @@ def shares_by_g(volume: Volume, sigma_t: F32) -> list[tuple[Rgb, F32 | float]]:
     # As many phase functions as keep neighbours within _STEP; one where all are alike.
     pieces = max(1, int(np.ceil(float(span.max()) / _STEP - 1e-6))) if span.max() > 1e-6 else 0
     if pieces == 0:
-        return [(_rgb(low), 1.0)]
+        return [(triple(low), 1.0)]
     # Where a voxel's g is between the first and the last, in steps: hats that add up to 1.
     at = (grid - np.array(low, np.float32)) / np.maximum(span / pieces, 1e-9).astype(np.float32)
     parts: list[tuple[Rgb, F32 | float]] = []
     for k in range(pieces + 1):
         hat = np.clip(1.0 - np.abs(np.clip(at, 0.0, pieces) - k), 0.0, 1.0).astype(np.float32)
-        parts.append((_rgb(np.array(low) + span * k / pieces), hat))
+        parts.append((triple(np.array(low) + span * k / pieces), hat))
     return parts
 
 
@@ -192,9 +193,9 @@ def parts_of(volume: Volume) -> tuple[Volume, ...]:
             made.append(
                 replace(
                     plain,
-                    sigma_t=_rgb(t),
+                    sigma_t=triple(t),
                     density=np.ascontiguousarray((share / peak).reshape(shape)),
-                    albedo=_rgb(np.minimum(s / np.maximum(t, 1e-30), 1.0)),
+                    albedo=triple(np.minimum(s / np.maximum(t, 1e-30), 1.0)),
                     g=g,
                     part_of=group,
                 )
@@ -237,8 +238,3 @@ def _by_voxel(emission: Emission, density: F32) -> Emission:
 
 def _extreme(values: F32, of: Any) -> float:
     return float(of(values.min(), values.max())) if values.size else 0.0
-
-
-def _rgb(values: Any) -> Rgb:
-    r, g, b = (float(v) for v in values)
-    return (r, g, b)

@@ -293,6 +293,9 @@ def test_a_sequence_may_begin_and_end_with_empty_frames(tmp_path):
     assert scene.volumes[0].bounds == wanted.bounds
     first, second, third = (scene.at(t).volumes[0].density for t in (0.0, 1.0, 2.0))
     np.testing.assert_array_equal(second, wanted.density)
+    # What is loaded is the first moment, and it is said that nothing is seen of it.
+    np.testing.assert_array_equal(scene.volumes[0].density, first)
+    assert any("no density at all" in text for text in scene.warnings)
     for empty in (first, third):
         assert empty.shape == wanted.density.shape and not empty.any()
 

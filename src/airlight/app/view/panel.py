@@ -97,8 +97,8 @@ def shown_value(control: Control, values: Mapping[str, Any]) -> Any:
 
 
 def _parsed(control: Control, text: str) -> Any:
-    # Checked as a setting of its own, by the default's kind.
     """A value that came as text from the command line."""
+    # Checked as a setting of its own, by the default's kind.
     one = dataclasses.make_dataclass(
         "One", [(control.name, Any, dataclasses.field(default=control.default, metadata={}))]
     )

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...lattice.nested import MARGIN, Nest, faded, snapped, wanted_centre
-from ...lattice.placement import Fade, Placement, triple
-from ...maths.transforms import F64
+from ...lattice.placement import Fade, Placement
+from ...maths.transforms import F64, triple
 from .placement import MediumPlacement
 
 

@@ -16,6 +16,7 @@ from ..emission import Emission
 
 if TYPE_CHECKING:
     from ..scene import Scene
+    from ..volume import Volume
 
 
 class Density(Protocol):
@@ -46,19 +47,25 @@ class VolumeTrack:
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the volume as dense as it is."""
-        # Both grids of the moment; what stays the same object counts as unchanged.
         volumes = list(scene.volumes)
         if self.index >= len(volumes):
             raise SceneError(
                 f"the animation changes volume {self.index + 1}, but the scene has {len(volumes)}"
             )
-        density, glow = self.density.at(time_s), self.density.emission_at(time_s)
         volume = volumes[self.index]
+        volumes[self.index] = self.of(volume, time_s)
+        if volumes[self.index] is volume:
+            return scene  # what did not change need not be uploaded or solved again
+        return replace(scene, volumes=tuple(volumes))
+
+    def of(self, volume: Volume, time_s: float) -> Volume:
+        """The `volume` as dense as it is then; the very same where it is."""
+        # Both grids of the moment; what stays the same object counts as unchanged.
+        density, glow = self.density.at(time_s), self.density.emission_at(time_s)
         emission = volume.emission if glow is None else _with_grid(volume.emission, glow)
         if volume.density is density and volume.emission is emission:
-            return scene  # what did not change need not be uploaded or solved again
-        volumes[self.index] = replace(volume, density=density, emission=emission)
-        return replace(scene, volumes=tuple(volumes))
+            return volume
+        return replace(volume, density=density, emission=emission)
 
 
 def _with_grid(emission: Emission | None, grid: F32) -> Emission | None:

@@ -31,8 +31,8 @@ class Eddies:
         return _fields(self, seed)
 
     def look_up(self, table: F32, points: F32) -> F32:
-        # The cell of each point, wrapped around the box.
         """The nearest entries of a periodic (x, y, z, channel) table."""
+        # The cell of each point, wrapped around the box.
         size = np.array(self.cells, np.int32)
         scale = (size / np.array(self.box_m, np.float32)).astype(np.float32)
         cell = np.floor(points * scale).astype(np.int32) % size

@@ -257,8 +257,8 @@ def _octahedral(v: NDArray[np.signedinteger]) -> NDArray[np.signedinteger]:
 
 
 def _quaternion(v: NDArray[np.int16]) -> NDArray[np.int16]:
-    # The fourth component holds the scale, and in its lowest two bits which one is the largest.
     """Unit quaternions from their three smallest components and where the largest stands."""
+    # The fourth component holds the scale, and in its lowest two bits which one is the largest.
     scale = np.float32(2.0**-0.5) / (v[:, 3] | 3).astype(np.float32)
     three = v[:, :3].astype(np.float32) * scale[:, None]
     # Of length 1, so that the largest follows from the other three.

@@ -198,8 +198,8 @@ def _cylinder() -> Geometry:
 
 
 def _disk() -> Geometry:
-    # Rows from the centre outwards: the first has all its points at the centre.
     """Faces +Z; u from the centre outwards, v around."""
+    # Rows from the centre outwards: the first has all its points at the centre.
     around, outwards = _grid(ROUND_STEPS, 1)
     angle = 2 * np.pi * around
     positions = outwards[:, None] * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)

@@ -184,8 +184,8 @@ def _single(values: F64) -> F32:
 
 
 def _plane(direction: F64) -> F64:
-    # From the axis that the direction is least along, so that the cross product is long.
     """Two unit vectors (2, 3) across a unit direction."""
+    # From the axis that the direction is least along, so that the cross product is long.
     other = np.eye(3)[int(np.abs(direction).argmin())]
     u = np.cross(direction, other)
     u /= np.linalg.norm(u)

@@ -212,8 +212,8 @@ def _old_image(texture: Texture, placed: Charts) -> F64:
 
 
 def _interpolated(image: F64, at: F64, wrap: tuple[Wrap, Wrap]) -> F64:
-    # Texel centres lie at half numbers; the four around each point, wrapped.
     """Bilinear values (N, 4) at `at` (N, 2), whose 1 is the image's side."""
+    # Texel centres lie at half numbers; the four around each point, wrapped.
     size = np.array(image.shape[1::-1])
     place = at * size - 0.5
     corner = np.floor(place).astype(np.int64)

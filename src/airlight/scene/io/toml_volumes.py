@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
-from ..animation.density import FileSequence
+from ..animation.density import FileSequence, VolumeTrack
 from ..checks import Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
@@ -78,6 +78,9 @@ def placed_volume(
     with inside(label):
         values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
+        # The first file of a sequence may be empty; then it is not the one that was shown.
+        if shown != files[0]:
+            volume = VolumeTrack(0, sequence).of(volume, sequence.start_s)
     return volume, warnings, None if is_file else sequence
 
 
@@ -86,7 +89,8 @@ def _first_filled(
 ) -> tuple[Path, VolumeGrid]:
     """The file that says how large a volume is and where it lies, and its grid.
 
-    That is the first one that holds any density, or the first of all where none does.
+    That is the first one that holds any density, or the first of all where none does. Warnings of
+    the first of all are among the grid's.
     """
     name, channels = (values.get(key, "density") for key in _OF_FILES)
     first = density_or_first(files[0], name, channels, grids)
@@ -94,7 +98,8 @@ def _first_filled(
     for k, path in enumerate(files):
         grid = density_or_first(path, name, channels, grids) if k else first
         if grid.density.any():
-            return path, grid
+            more = tuple(text for text in first.warnings if text not in grid.warnings)
+            return path, replace(grid, warnings=(*more, *grid.warnings))
     return files[0], first
 
 
@@ -116,7 +121,7 @@ def _with_coefficients(
     if "sequence" in given:
         if "sigma_t" in made:
             raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
-        text = f"{path.name}: the colours of a sequence stay those of its first file"
+        text = f"{path.name}: the colours of a sequence stay those of this file"
         grid = replace(grid, warnings=(*grid.warnings, text))
     # Grids of extinction have the table's numbers in them already.
     if "sigma_t" in made:

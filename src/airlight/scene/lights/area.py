@@ -161,8 +161,8 @@ class AreaLight(LightType):
         return (4.0 if self.shape == "sphere" else 1.0) * math.pi * self.radius**2
 
     def controls(self) -> list[tuple[LightKey, Control]]:
-        # Controls that change nothing would only be in the way.
         """Only what its shape has, and of a surface that is not seen no reflectance."""
+        # Controls that change nothing would only be in the way.
         lacks = {*_LACKS[self.shape], *(() if self.visible else ("reflectance",))}
         return [pair for pair in super().controls() if pair[0].name not in lacks]
 
