@@ -120,6 +120,11 @@ def test_what_is_alike_is_of_a_kind() -> None:
     several = [box, dark, red, sharp, replace(dark, albedo=(0.2,) * 3)]
     assert kinds_of(several, settings) == [(0,), (1, 4), (2,), (3,)]
     assert source_count(several, settings) == 4 and source_count([box] * 6, settings) == 1
+    # A grid that is empty at first counts as it will: nothing joins it for being light.
+    empty = replace(box, shape="grid", density=np.zeros((2, 2, 2), np.float32), albedo=(0.0,) * 3)
+    assert kinds_of([*several, empty], settings) == [(0,), (1, 4, 5), (2,), (3,)]
+    far = replace(empty, albedo=(0.95, 0.0, 0.0), g=(-0.8,) * 3)
+    assert (5,) in kinds_of([*several, far], settings)
     # Of what hops all are one.
     assert len(kinds_of(several, replace(settings, scheme="split"))) == 1
 

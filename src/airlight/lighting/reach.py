@@ -55,6 +55,12 @@ class Reach:
         low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
         return triple(low), triple(high)
 
+    @cached_property
+    def box(self) -> tuple[F64, F64]:
+        """The box of what its eyes see, metres of the world."""
+        low, high = self.along(np.eye(3))
+        return np.array(low), np.array(high)
+
     def beyond(self, scene: Scene) -> Triple | None:
         """An eye that sees all that the camera of `scene` does beyond this reach; None if nothing.
 
@@ -62,7 +68,7 @@ class Reach:
         """
         if scene.medium is None:
             return None
-        low, high = map(np.array, self.along(np.eye(3)))
+        low, high = self.box
         first, last = replace(self, medium=scene.medium).for_eye(scene.camera.position)
         more = np.maximum(low - first, last - high)
         is_beyond = more > _SPARE * float(np.maximum(high - low, last - first).max())

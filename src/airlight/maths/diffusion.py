@@ -114,7 +114,7 @@ class Diffusion:
             # Onto walls goes what their boundary condition takes.
             for side, walls in enumerate((beyond, shut)):
                 total += np.where(walls, self._onto(np.ones_like(total), None, axis, side), 0.0) / h
-            # Across the border of the grid light leaves for good.
+            # Across the border of the grid leaves what its boundary condition takes.
             for side in (0, 1):
                 edge = _edge(total, axis, side)
                 edge += self.outflow(axis, side) / h

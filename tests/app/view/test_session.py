@@ -212,6 +212,10 @@ def test_a_camera_far_out_in_fog_gets_lattices_that_reach_to_it(gpu, scene_file)
         made.settle(3)
         assert session.renderer is not first
         assert session.renderer.made_for.reach.beyond(replace(scene, camera=away)) is None
+        # Back again, it stays.
+        larger, session.controls.camera = session.renderer, scene.camera
+        made.settle(3)
+        assert session.renderer is larger
     finally:
         session.close()
 

@@ -118,7 +118,11 @@ class Renderers(Document):
             self._making.begin(wanted, made)
 
     def _look_beyond(self) -> None:
-        """Lattices that end before what the camera sees of the fog are made again, larger."""
+        """Lattices that end before what the camera sees of the fog are made again, larger.
+
+        They stay so when it comes back: who goes out and in waits once. What is drawn at rest is
+        made for the camera as it is.
+        """
         if self._made is None or self._made[:-1] != structure(self.state):
             self._eye = None  # what is made now is made for the camera as it is
         elif self.renderer and self.renderer.made_for.reach:

@@ -6,6 +6,7 @@ Volumes of a kind share a grid (`merged_medium`), where means of their coefficie
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,7 +27,7 @@ def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int
     if settings.scheme != "delta-beam":
         return [tuple(range(len(volumes)))]
     rows = np.array([_features(volume) for volume in volumes])
-    held = np.array([mass_of(v) * float(np.mean(v.sigma_t)) for v in volumes])
+    held = np.array([_held(volume) for volume in volumes])
     # Equal ones first, so that few are compared.
     means, kind_of = np.unique(rows, axis=0, return_inverse=True)
     weight = np.bincount(kind_of.reshape(-1), held, len(means)) + 1e-30
@@ -58,6 +59,15 @@ def source_count(volumes: Sequence[Volume], settings: PopSettings) -> int:
     if media > MOST_ALONE:
         media = len(kinds_of(volumes, settings))
     return media * settings.grid_levels
+
+
+def _held(volume: Volume) -> float:
+    """What a volume counts: its optical cross-section, m^2; an empty grid's if it was full.
+
+    A sequence may begin empty, and its kind stays.
+    """
+    full = replace(volume, density=None, shape="box")
+    return (mass_of(volume) or mass_of(full)) * float(np.mean(volume.sigma_t))
 
 
 def _features(volume: Volume) -> F64:

@@ -266,7 +266,8 @@ def _around(direction: F64, points: F64) -> Camera:
 
 def _camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:
     # Tenths of millimetres, and more digits where all is nearer than that is fine.
-    digits = max(4, 3 - math.floor(math.log10(float(np.linalg.norm(eye - target)))))
+    apart = max(float(np.linalg.norm(eye - target)), 1e-30)
+    digits = max(4, 3 - math.floor(math.log10(apart)))
     ex, ey, ez = (round(float(v), digits) for v in eye)
     tx, ty, tz = (round(float(v), digits) for v in target)
     return Camera(position=(ex, ey, ez), target=(tx, ty, tz), fov_y_deg=fov_y_deg)

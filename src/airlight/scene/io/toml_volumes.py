@@ -65,9 +65,8 @@ def placed_volume(
     glowing = values.get("emission_grid", values.get("temperature_grid"))
     with inside(label):
         emission, grown = taken_emission(values, shown, grid)
-    grid = grown or grid
-    if grids:
-        with inside(label):
+        grid = grown or grid
+        if grids:
             values, grid = _with_coefficients(values, given, shown, grid, grids)
     sequence = file_sequence(values, files, grid.density.shape, glowing)
     warnings = grid.warnings
@@ -78,8 +77,7 @@ def placed_volume(
     with inside(label):
         values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
-        # The first file of a sequence may be empty; then it is not the one that was shown.
-        if shown != files[0]:
+        if shown != files[0]:  # a sequence may begin empty
             volume = VolumeTrack(0, sequence).of(volume, sequence.start_s)
     return volume, warnings, None if is_file else sequence
 
