@@ -256,8 +256,8 @@ def _layer(scene, name, **settings):
 def test_lights_are_left_to_their_shadow_maps_and_the_sky_is_shaded(gpu, square):
     meshes = (square((0, 0, 3), (0, 0, 3), (6, 0, 0)), square((0, 3, 0), (6, 0, 0), (0, 3, 0)))
     camera = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50)
-    local_light = Scene(meshes=meshes, camera=camera, lights=(PointLight((0, 2, 2), (5, 5, 5)),))
-    with_it, without = (_layer(local_light, "direct", ambient_occlusion=x) for x in (True, False))
+    lit = Scene(meshes=meshes, camera=camera, lights=(PointLight((0, 2, 2), (5, 5, 5)),))
+    with_it, without = (_layer(lit, "direct", ambient_occlusion=x) for x in (True, False))
     assert with_it.max() > 0.1
     np.testing.assert_array_equal(with_it, without)
     sky = Scene(meshes=meshes, camera=camera, environment=Environment(radiance=(1, 1, 1)))

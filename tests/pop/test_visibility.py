@@ -89,12 +89,12 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
     parallel_lights = parallel([(0, -1, 0), (1, 0, 0)], np.ones((2, 3)))
     sky = uniform_sky(6)
     toward = np.random.default_rng(3).standard_normal((40, 3))
-    local_lights = [
+    sky_lights = [
         DirectionalLight(tuple(d), (e,) * 3)
         for d, e in zip(toward, np.random.default_rng(4).random(40), strict=True)
     ]
     lights = (SUN, LIGHT, DirectionalLight((1, 0, 0), (1, 1, 1)))
-    rows, parts = shadow_rows(joined([parallel_lights, sky]), lights, local_lights)
+    rows, parts = shadow_rows(joined([parallel_lights, sky]), lights, sky_lights)
     assert list(rows["light"]) == [1, 3, 0, 0, 0, 0, 0, 0, 2]
     assert rows["count"].sum() == len(parts) == 40
     assert sorted(parts["layer"]) == list(range(40))
@@ -102,7 +102,7 @@ def test_every_light_of_the_sky_belongs_to_one_ordinate():
         mine = parts[row["first"] : row["first"] + row["count"]]
         assert mine["weight"].sum() == pytest.approx(1.0)
         nearest = np.argmax(
-            sky.direction @ np.array([local_lights[k].direction for k in mine["layer"]]).T, axis=0
+            sky.direction @ np.array([sky_lights[k].direction for k in mine["layer"]]).T, axis=0
         )
         assert (nearest == n).all()
 
