@@ -132,7 +132,7 @@ def test_turbidity_is_the_share_of_haze_at_550_nm():
         return float(np.interp(550.0, WAVELENGTHS_NM, Air(turbidity).extinction(columns)))
 
     assert depth(4.0) / depth(1.0) == pytest.approx(4.0, rel=0.02)  # 550 lies between wavelengths
-    # Rayleigh scattering of the whole atmosphere at 550 nm: .098 (Bodhaine1999), ours .108.
+    # Rayleigh scattering of the whole atmosphere at 550 nm: .097 (Bodhaine1999), ours .108.
     assert depth(1.0) == pytest.approx(0.1, rel=0.12)
 
 

@@ -15,7 +15,7 @@ def test_planck_radiates_as_stefan_and_boltzmann_say() -> None:
 
 @pytest.mark.parametrize(
     ("kelvin", "x", "y"),
-    # The Planckian locus, Wyszecki1982, table 3.11, and illuminant A.
+    # The Planckian locus, Wyszecki1982, and illuminant A.
     [
         (1500, 0.5857, 0.3931),
         (2000, 0.5267, 0.4133),

@@ -28,7 +28,7 @@ def test_without_absorption_all_light_comes_back():
 
 @pytest.mark.parametrize(("albedo", "cosine"), [(0.8, 1.0), (0.8, 0.5), (0.95, 0.3)])
 def test_the_reflected_light_is_chandrasekhars(albedo, cosine):
-    """Plane albedo of a half space: 1 - H(mu) sqrt(1 - albedo) (Chandrasekhar1950, section 37)."""
+    """Plane albedo of a half space: 1 - H(mu) sqrt(1 - albedo) (Chandrasekhar1950)."""
     light = plane_light(albedo, np.array([cosine]), ONE)
     expected = cosine * (1.0 - _h(albedo, cosine) * np.sqrt(1.0 - albedo))
     assert -light.flux[0] == pytest.approx(expected, rel=5e-3)

@@ -3,7 +3,7 @@
 What a lattice cannot hold of a medium without an end: far from everything, light depends on the
 depth alone. Scattering counts as isotropic; coefficients of media that scatter forwards are scaled
 by similarity before (`media.reduced`).
-Source: the integral equation of Schwarzschild and Milne (Chandrasekhar1950, section 12).
+Source: the integral equation of Schwarzschild and Milne (Chandrasekhar1950).
 """
 
 from __future__ import annotations

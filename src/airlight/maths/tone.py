@@ -94,7 +94,7 @@ ACES_EXPOSURE = 1.0 / 0.6
 def aces(radiance: ArrayLike) -> F64:
     """ACES RRT + sRGB ODT, fitted; (..., 3) exposed radiance to (..., 3) display-linear.
 
-    Source: Hill2017, the ACES fit in Baking Lab (ACES.hlsl); the exposure as in three.js.
+    Source: Hill2016, the ACES fit in Baking Lab (ACES.hlsl); the exposure as in three.js.
     """
     # Into the space of the fit, and out of it again.
     c = np.maximum(np.asarray(radiance, dtype=np.float64), 0.0) * ACES_EXPOSURE

@@ -14,7 +14,7 @@ from ..maths.colour import luminance, srgb_encode
 from ..scene.checks import F32, F64
 
 # FLIP's ACES fit, (a x^2 + b x)/(d x^2 + e x + f), and the level it exposes for
-# (Andersson2021, section 3.1).
+# (Andersson2021).
 ACES_FIT = (0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14)
 ACES_LEVEL = 0.85
 SSIM_SIGMA_PX, SSIM_RADIUS_PX = 1.5, 5

@@ -13,7 +13,7 @@ from .mitsuba_textures import Source, bitmap, color_input, rgb_of, scalar_input
 from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
 
 # Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;
-# from their indices of refraction (refractiveindex.info), as tabled by Lagarde2011.
+# from their indices of refraction (refractiveindex.info), as tabled by Lagarde2011 (but for W).
 METALS: dict[str, Rgb] = {
     "Ag": (0.972, 0.960, 0.915),
     "Al": (0.913, 0.921, 0.925),
