@@ -25,8 +25,8 @@ BOUNDS: Bounds = ((-0.75, 0.0, -0.75), (0.75, 1.125, 0.75))
 TUBE_M = 0.12
 SIGMA_S = (51.0, 64.2, 75.4)
 SIGMA_A = (0.022, 0.048, 0.28)
-"""m^-1: a fiftieth of whole milk's reduced scattering and absorption (Jensen2001), so that a tube of
-24 cm has the colours of a drop of 5 mm."""
+"""m^-1: a fiftieth of whole milk's reduced scattering and absorption (Jensen2001), so that a tube
+of 24 cm has the colours of a drop of 5 mm."""
 
 SUN_TRAVEL: Vec3 = (0.42, -0.52, 0.74)
 
