@@ -136,9 +136,10 @@ def test_a_turned_scene_is_the_same_image(judged, square, unlike, way):
         assert unlike(image, truth, layer, is_mirrored=mirrored) < limit
 
 
-def test_centimetres_are_the_same_image(judged, square):
+@pytest.mark.parametrize("scale", [100.0, 1e-5])
+def test_a_scene_of_any_size_is_the_same_image(judged, square, scale):
     scene = corner(square)
-    image = judged.image(moved(scene, np.eye(3), 100.0), SIZE)
+    image = judged.image(moved(scene, np.eye(3), scale), SIZE)
     truth = judged.image(scene, SIZE)
     for layer in ("direct", "indirect"):
         # Fixed-point sums round otherwise: measured 6e-5 (direct), .001 (indirect).
@@ -182,9 +183,12 @@ def test_a_mirrored_mesh_faces_as_before(judged, square):
     assert relative(image.layers["direct"], truth.layers["direct"]) < limit
 
 
-@pytest.mark.parametrize(("way", "scale"), [("about x", 100.0), ("x for z", 1.0)])
-def test_air_turned_and_in_centimetres_is_the_same_image(judged, square, unlike, way, scale):
-    """Also that extinction is per metre: a hundred times the size, a hundredth of the sigma."""
+@pytest.mark.parametrize(("way", "scale"), [("about x", 1e5), ("about x", 1e-5), ("x for z", 1.0)])
+def test_air_turned_and_of_any_size_is_the_same_image(judged, square, unlike, way, scale):
+    """Also that extinction is per metre: a hundred times the size, a hundredth of the sigma.
+
+    Small scenes have weak lights, whose reflected flux half floats lost.
+    """
     if way == "x for z" and not judged.is_sharp:
         pytest.skip(f"{judged.name} draws air at half resolution, which a mirror does not keep")
     scene = dataclasses.replace(corner(square), medium=AIR)

@@ -15,15 +15,15 @@ from ..gpu.layout import Struct, pack_array, u32, vec4f
 from ..gpu.memory import buffer_of
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo, grazing_albedo
-from ..scene.material import Material, Texture, Wrap
+from ..scene.material import Material, Texture
 from ..surface.materials import reflecting_share, uv_transform
+from ..surface.packed_maps import WRAP_BITS
 
 F64 = NDArray[np.float64]
 _SIDE = 64  # texels of a map at most
 _READ = 8  # pixels along a side that a texel is the mean of, at most
 MOST_GRAZING = 0.0625
 _BLACK_BACK = 16
-_WRAPS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
 
 
 class AlbedoData(Struct):
@@ -52,8 +52,8 @@ class Albedos:
                     "first": first,
                     "width": found.shape[1],
                     "height": found.shape[0],
-                    "wrap": _WRAPS[wrap[0]]
-                    | _WRAPS[wrap[1]] << 2
+                    "wrap": WRAP_BITS[wrap[0]]
+                    | WRAP_BITS[wrap[1]] << 2
                     | _BLACK_BACK * (not material.two_sided),
                 }
             )

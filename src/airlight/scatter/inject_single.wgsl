@@ -11,7 +11,7 @@
 // within it: of its samples nothing is cut off.
 fn true_reach(light: LightData, p: vec3f, cut: f32) -> f32 {
     let is_own = light.kind == LIGHT_SAMPLE && light.shape_x == 0.0;
-    return select(cut, max(length(light.position - p), 1e-6), is_own);
+    return select(cut, max(length(light.position - p), 1e-9), is_own);
 }
 
 // Mean irradiance of a local light over a box of sides `size` about p, which it is close to, and which it

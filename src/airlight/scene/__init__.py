@@ -2,7 +2,7 @@
 
 scene        all of it in one value           camera, environment
 sun_sky      a clear sky and its sun
-mesh         triangles and their transforms   material   how they reflect
+mesh         triangles and their transforms   material   how they reflect, texels of their textures
 lights       point, spot, directional, area   point_lights   thousands of them in arrays
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
 emission     light that volumes give off themselves
