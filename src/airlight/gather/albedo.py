@@ -44,6 +44,7 @@ class Albedos:
         # Maps one after the other, each at its own small size.
         for material in materials:
             found = albedo_map(material)
+            # Coordinates go by the map that the texels are made of.
             map = material.base_color_texture or material.metallic_roughness_texture
             wrap = map.wrap if map else ("repeat", "repeat")
             rows.append(
@@ -99,6 +100,7 @@ def packed(albedo: F64) -> NDArray[np.uint32]:
 
     A byte each.
     """
+    # Square roots leave dark colours more of a byte's steps.
     values = np.concatenate(
         [np.sqrt(np.clip(albedo[..., :3], 0.0, 1.0)), albedo[..., 3:] / MOST_GRAZING], axis=-1
     )
@@ -109,6 +111,7 @@ def packed(albedo: F64) -> NDArray[np.uint32]:
 def _size(map: Texture | None) -> tuple[int, int]:
     if map is None:
         return (1, 1)
+    # No more texels than a ray of a gather can tell apart.
     height, width = map.pixels.shape[:2]
     return (min(height, _SIDE), min(width, _SIDE))
 
@@ -116,6 +119,7 @@ def _size(map: Texture | None) -> tuple[int, int]:
 def reduced(map: Texture, size: tuple[int, int]) -> F64:
     """(H, W, 3): the linear means of a map over blocks of its pixels."""
     pixels = map.pixels[..., :3]
+    # Values of 8 bits become linear by a table.
     table = np.arange(256) / 255.0
     table = srgb_decode(table) if map.is_srgb else table
     for axis, count in enumerate(size):

@@ -130,6 +130,7 @@ class CellPoints:
         self, commands: Commands, view: View, placements: tuple[Placement, ...], walls: Texture
     ) -> None:
         """Take the middles of the cells of these lattices; `walls` as of their blockers."""
+        # Directions lead to a point behind the eye, so that the cell around it is seen, too.
         ahead = np.subtract(view.camera.target, view.camera.position)
         ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
         # Cells of all lattices are numbered in one row, and rays of all of them traced at once.
@@ -154,6 +155,7 @@ class CellSums:
 
     def __init__(self, gpu: Gpu, points: CellPoints, size: tuple[int, int, int]) -> None:
         """`size` in cells: of the textures that lattices share."""
+        # Light towards the eye and light that rays meet, in textures of all lattices.
         self._inscattered, self._air = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
             for name in ("gathered in-scattering", "gathered light in air")

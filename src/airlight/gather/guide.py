@@ -115,6 +115,7 @@ class LightGuide:
 
         `diagonal`, m: of the scene.
         """
+        # Without maps it is not known what lights shine on.
         drawn = [one for one in maps if one.layers]
         if not drawn:
             return False
@@ -167,4 +168,5 @@ class LightGuide:
 
 
 def _side(maps: ReflectiveShadowMaps) -> int:
+    # A power of two, since tiles lie along a Morton curve.
     return 1 << (-(-maps.resolution // TILE) - 1).bit_length()

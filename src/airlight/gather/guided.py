@@ -61,6 +61,7 @@ class GuidedRays:
     def __init__(self, gpu: Gpu, points: Points, rays: int, count: int, *, has_air: bool) -> None:
         """`rays`: of a point, by the cosine."""
         self._points, self._rays = points, rays
+        # As many rays as an image of hits has rows for.
         width, height = points.reduced
         self.count = min(count, gpu.limits["max-texture-dimension-2d"] // height)
         size = (width, height * max(1, self.count))
@@ -70,6 +71,7 @@ class GuidedRays:
 
     def encode(self, commands: Commands, light: Texture, patches: Buffer, sums: Buffer) -> None:
         """Add the `light` of lights on what they met to `sums`."""
+        # Rays by the cosine may find the same light; the balance heuristic shares it.
         self._pass.dispatch(
             commands,
             self._points.reduced,

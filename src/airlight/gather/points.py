@@ -57,6 +57,7 @@ class Points:
     def __init__(self, gpu: Gpu, size: tuple[int, int], *, is_occluded: bool) -> None:
         """For an image of `size`, pixels. `is_occluded`: near surfaces shade it."""
         self.size = size
+        # A point for each block of pixels, and blocks as small as MOST_POINTS allows.
         self.scale = reduction(size, MOST_POINTS)
         width, height = (-(-side // self.scale) for side in size)
         self.reduced = (width, height)

@@ -116,6 +116,7 @@ class DensityAtlas:
 
         Raises SceneError where a grid has another number of cells.
         """
+        # Arrays are compared by identity: another array is uploaded.
         wanted: dict[int, F32] = {}
         for box, density in zip(self._box_of, densities, strict=True):
             old = self._arrays[box].shape
@@ -140,6 +141,7 @@ class DensityAtlas:
 def _fill(texture: Texture, box: Region, density: NDArray[Any]) -> None:
     x, y, z = box.first
     texels = half_floats(density)
+    # Rays step over empty voxels where the texture holds how far those reach.
     if texture.format == "rg16float":
         texels = np.stack([texels, empty_distances(texels)], axis=-1)
     texture.write(texels, layer=z, row=y, column=x)

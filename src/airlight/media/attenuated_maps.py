@@ -71,6 +71,7 @@ class _Attenuated(ReflectiveShadowMaps):
     def __init__(
         self, gpu: Gpu, name: str, of: ReflectiveShadowMaps, attenuate: ComputePass
     ) -> None:
+        # What `of` draws is shared; the flux alone has a texture of its own.
         self.resolution, self.layers, self.views = of.resolution, of.layers, of.views
         self.block = of.block
         self.depth, self.normal = of.depth, of.normal

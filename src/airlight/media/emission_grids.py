@@ -35,6 +35,7 @@ class EmissionGrids:
         sizes = [v.emission.size if v.emission else None for v in volumes]
         boxes, size = packed([(s[2], s[1], s[0]) for s in sizes if s], gpu.limits[LIMIT])
         self.texture = Texture(gpu, "emission grids", size, "rgba16float", dimension="3d")
+        # Boxes come in the order of the volumes that have a grid.
         found = iter(boxes)
         self.places = [NO_GRID if s is None else next(found) for s in sizes]
         for volume, place in zip(volumes, self.places, strict=True):
@@ -46,6 +47,7 @@ class EmissionGrids:
         Raises SceneError where a grid comes, goes or changes in size.
         """
         changed = False
+        # Volumes are frozen: the same emission holds the same grid.
         for i, (volume, old) in enumerate(zip(volumes, self._seen, strict=True)):
             self._seen[i] = volume
             if volume.emission is old.emission:

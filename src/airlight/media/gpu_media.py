@@ -165,6 +165,7 @@ class GpuMedia:
         if not (changed or scene.lights != self._lights):
             return
         self._lights = scene.lights
+        # Lists of media on paths, then columns: both depend on where lights and media are.
         if self.paths is not None:
             with commands.stage("path lists"):
                 self.paths.encode(commands, self.table, scene.lights, self.rows)
@@ -174,6 +175,7 @@ class GpuMedia:
 
     def _take_media(self, scene: Scene, low: F64, high: F64) -> bool:
         """Bring the table and the grids up to date; returns whether anything changed."""
+        # Media are frozen: the same ones, in the same bounds and for the same eye, need nothing.
         box = (*map(float, low), *map(float, high), *scene.camera.position)
         media = (scene.medium, *scene.volumes)
         if (
@@ -194,6 +196,7 @@ class GpuMedia:
         self.rows = self._rows(scene, low, high)
         packed = np.zeros(room_for(self.count), MediumData.dtype)
         packed[: max(1, self.count)] = pack_array(MediumData, self.rows)
+        # Changes are told by rows without the tree, whose nodes move with any medium.
         plain, boxes = packed.tobytes(), np.array(packed["volume_from_world"])
         blocks = self.paths.count if self.paths else None
         packed["nodes"] = media_nodes(self.rows, len(packed), blocks)
@@ -203,6 +206,7 @@ class GpuMedia:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
         self._box, self._media = box, media
+        # Readers that lag behind ask which boxes changed since their version.
         if changed:
             self._changes.take(self.version + 1, plain, boxes, self._grid_versions())
         return changed
@@ -255,6 +259,7 @@ class GpuMedia:
         self, scene: Scene, light_count: int, towards: str, shared: Shared
     ) -> PathLists | None:
         """Lists for so many lights, once for all tables of the same media; None for few media."""
+        # Lists are for many media, as long as a texture has room for those of all lights.
         has_room = light_count * list_texels(self.count) <= self.gpu.limits[LIMIT]
         if not light_count or not has_tree(self.count) or not has_room:
             return None
@@ -279,6 +284,7 @@ class GpuMedia:
             row = medium_fields(volume, kind, matrix, shafts=shafts)
             place = self._emission.places[index] if self._emission else NO_GRID
             row |= {"emission_first": place.first, "emission_count": place.count}
+            # Its texels in the texture of all grids, and those of its columns.
             if kind == GRID:
                 region = next(grids)
                 row |= {

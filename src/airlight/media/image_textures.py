@@ -38,6 +38,7 @@ class ImageTextures:
             return Texture(self._gpu, name, size, "rgba32float", target=True, written=True)
 
         drawn = self._drawn
+        # The layers of the image.
         self.single_scatter = made("single scatter", size)
         self.multiple_scatter = made("multiple scatter", size)
         self.transmittance = made("transmittance", size)
@@ -45,6 +46,7 @@ class ImageTextures:
         self.shafts_alone = self.single_scatter
         if drawn.has_sky:
             self.shafts_alone = made("shafts", size)
+        # What is drawn along fewer rays; the sky's light always, as it is added to shafts.
         is_reduced = drawn.is_marched and self.march_rays.scale > 1
         wanted = {
             "single": drawn.has_shafts and self.shaft_rays.scale > 1,
@@ -60,6 +62,7 @@ class ImageTextures:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with rays and textures of `size`, pixels."""
+        # Both may be the same rays, which are resized once.
         for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
             rays.resize(size)
         alone = (self.shafts_alone,) if self._drawn.has_sky else ()

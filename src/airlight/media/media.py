@@ -83,6 +83,7 @@ class Media(Solver):
                 columns=sky_columns(kit.lattices.placements[0].cell, kit.shared),
                 solved=solved.media,
             )
+        # An endless medium goes on beyond all lattices, as a half-space.
         is_endless = scene.medium is not None and scene.medium.endless
         self._half_space = HalfSpace(kit.gpu) if is_endless else None
         # Versions of the shadow maps and blockers that shafts and the sky were computed with.
@@ -116,6 +117,7 @@ class Media(Solver):
             self.sky.encode(
                 commands, frame, blockers.walls, lattices.placements, shadows_changed=is_moved
             )
+        # Surfaces read the cube, media scatter the bands, where single scattering is drawn.
         sky = SkyIrradiance(self.sky.cube)
         if not self.image.has_sky:
             return replace(fields, sky=sky)
@@ -126,6 +128,7 @@ class Media(Solver):
         medium = frame.scene.medium
         if self._half_space is None or medium is None:
             return None
+        # The half-space begins at the top of the medium's box.
         box = medium_box(medium, *frame.bounds, frame.scene.camera.position)
         return self._half_space.update(
             medium,

@@ -68,6 +68,7 @@ class MediaImage:
         e = expected or Expected()
         self.gpu, self.settings = gpu, settings or MediaSettings()
         s = self.settings
+        # The media, with columns of their density towards the scene's lights.
         self.media = GpuMedia(
             gpu,
             scene,
@@ -85,6 +86,7 @@ class MediaImage:
         self.shafts: ShaftImage | None = None
         if s.shafts != "off" and lights.count and self.media.has_shafts:
             self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
+        # The sky's single scattering is drawn where that of lights may be.
         self.has_sky = e.has_sky and bool(self.media.count) and s.shafts != "off"
         wanted = e.sources or e.has_lattice or self.has_sky or self.media.has_grids
         wanted = wanted or self.media.has_emission
@@ -98,6 +100,7 @@ class MediaImage:
     def _make_compositing(self, size: tuple[int, int]) -> None:
         """Make the passes from reduced images to full ones; all in one where a device can."""
         gpu, media, has_grids = self.gpu, self.media, self.media.has_grids
+        # A pass for each step, where density grids or the device do not allow one for all.
         self._exact = Transmittance(gpu, media)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self._guided = GuidedUpsample(gpu, media) if has_grids else None
@@ -147,6 +150,7 @@ class MediaImage:
         """
         with commands.stage("air"):
             self.media.update(commands, scene, low, high)
+        # What schemes make of shadow maps: hierarchies of depth, or facets.
         if self.shafts and shadows_changed:
             with commands.stage("shadow bounds"):
                 self.shafts.prepare(commands)
@@ -168,6 +172,7 @@ class MediaImage:
         self._unfinished = None
         # One pass finishes the image if it draws all that there is.
         is_whole = is_composed and self.has_sky == (light.sky is not None)
+        # Shafts first; marching may take the same rays.
         with commands.stage("shafts"):
             self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
@@ -176,6 +181,7 @@ class MediaImage:
         with commands.stage("march"):
             if self.march_rays is not self.shaft_rays:
                 self.march_rays.encode(commands, view, frame)
+            # The full image is left to `compose` where one pass does both.
             if self._finisher and is_whole:
                 self._march_reduced(commands, light)
                 self._unfinished = lights
@@ -188,6 +194,7 @@ class MediaImage:
         """Draw single scattering of lights; `is_listed`: `compose` upsamples and redraws it."""
         assert self.shafts
         reduced, full = self.textures.target("single"), self.textures.full("single")
+        # Along reduced rays, then interpolated; pixels where that cannot be done are redrawn.
         self.shafts.encode(commands, lights, reduced)
         if not is_listed and not self.shafts.refine(commands, view, lights, reduced, full):
             self._upsampled(commands, view, "single")
@@ -195,6 +202,7 @@ class MediaImage:
     def _march(self, commands: Commands, view: View, light: MarchedLight) -> None:
         """March all fields; full-size images of them, of the sky's light and transmittance."""
         made, depth = self.textures, view.gbuffer.depth
+        # Fields along reduced rays, then at full size.
         if self.is_marched:
             self._march_reduced(commands, light)
             self._finish_march(commands, view)
@@ -229,6 +237,7 @@ class MediaImage:
         """Upsample what was marched; with the transmittance where there are density grids."""
         if self.march_rays.scale == 1:
             return
+        # Depth guides the interpolation; where there are density grids, the density does.
         if self._guided is None:
             self._upsampled(commands, view, "multiple")
             return
@@ -245,6 +254,7 @@ class MediaImage:
     def compose(self, commands: Commands, view: View) -> None:
         """Attenuate the layers of the view by the media; see `surfaces`."""
         with commands.stage("compose"):
+            # Surfaces are attenuated in the view's own layers where one pass finishes everything.
             self._is_in_view = self._unfinished is not None
             if self._unfinished is not None:
                 self._finish_all(commands, view, self._unfinished)
@@ -267,6 +277,7 @@ class MediaImage:
         """Upsample what was drawn, and attenuate surfaces, in one pass."""
         finisher, made = self._finisher, self.textures
         assert finisher
+        # That pass lists pixels to redraw, too, where shafts and marching take the same rays.
         listing: Listing | None = None
         if self.shafts and self._lists:
             redrawn, listed = self.shafts.listing(view)
@@ -294,6 +305,7 @@ class MediaImage:
     def _upsampled(self, commands: Commands, view: View, name: str) -> None:
         made = self.textures
         rays = made.rays_of(name)
+        # Along full-size rays it was drawn where it belongs.
         if rays.scale > 1:
             self._upsample.encode(
                 commands, rays, view.gbuffer.depth, made.reduced[name], made.full(name)

@@ -79,6 +79,7 @@ def medium_fields(
 
 def member_bits(rows: Sequence[int]) -> dict[str, tuple[int, ...]]:
     """Rows of media as bits of `members_low` and `members_high`; see `wgsl/members.wgsl`."""
+    # A bit for each of at most 256 media.
     words = [0] * 8
     for row in rows:
         words[row // 32] |= 1 << row % 32

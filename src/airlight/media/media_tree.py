@@ -28,6 +28,7 @@ def media_nodes(
     """
     # A walk needs no stack: a node that is missed names the node after its whole subtree.
     nodes = np.zeros((2 * count, 2, 4))
+    # Few media are taken one by one, without a tree.
     if has_tree(len(rows)):
         tree = box_tree(*_world_boxes(rows))
         nodes[:] = (_BEYOND, _BEYOND, _BEYOND, NO_NODE)

@@ -72,6 +72,7 @@ class PathLists:
         """`bounds`: about where media lie, metres; blocks are cubes if they fill them."""
         self.count = _blocks(np.subtract(bounds[1], bounds[0]))
         self._media_count = media_count
+        # A texel has bits for 128 media; the lists of lights lie behind one another along z.
         nx, ny, nz = self.count
         size = (nx * ny, nz, light_count * list_texels(media_count))
         self.texture = Texture(gpu, "path lists", size, "rgba32uint", dimension="3d", written=True)
@@ -116,6 +117,7 @@ class PathLists:
 
 def _blocks(extent: F64) -> Size:
     """How many blocks there are along each side."""
+    # A flat side counts as a thousandth of the longest.
     extent = np.maximum(extent, 1e-3 * max(float(np.max(extent)), 1e-6))
     side = np.cbrt(np.prod(extent) / BLOCKS)
     nx, ny, nz = (int(n) for n in np.clip(np.ceil(extent / side), 1, _MOST_ALONG))
@@ -123,6 +125,7 @@ def _blocks(extent: F64) -> Size:
 
 
 def _path_lights(packed: NDArray[Any]) -> NDArray[Any]:
+    # A direction towards a distant light, the position of a local one.
     is_local = packed["kind"] != DirectionalLight.kind
     found = np.zeros(len(packed), PathLight.dtype)
     found["towards"] = np.where(is_local[:, None], packed["position"], -packed["direction"])

@@ -21,6 +21,7 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
         let cell = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
         centres[k] = all.low + (vec3f(cell) + 0.5) * side;
     }
+    // A medium is loaded once and asked for by all blocks.
     for (var texel = 0u; texel < PATH_TEXELS; texel++) {
         var bits: array<vec4u, LISTS_AT_ONCE>;
         let end = min(128u * (texel + 1u), params.media);

@@ -43,6 +43,7 @@ class PixelList:
         self.gpu = gpu
         self.found = Buffer(gpu, "differing pixels", 16)
         self.groups = Buffer(gpu, "groups of them", 16, indirect=True)
+        # The arguments of a dispatch of no groups, of which x is counted up.
         self._none = Buffer(gpu, "no groups", 16)
         self._none.write(np.array([0, 1, 1, 0], np.uint32))
         self._make(size)

@@ -117,6 +117,7 @@ class SkyInMedia:
         is_once = sum(map(len, _WRITTEN.values())) <= gpu.limits[_LIMIT]
         parts = [tuple(_WRITTEN)] if is_once else [(library,) for library in _WRITTEN]
         self._passes = [_SkyInMedia(gpu, self.media, part) for part in parts]
+        # Room for all that may come: lights of a rotated sky, cells of every nested lattice.
         most = max(1, len(sky.lights), sky.maps.layers)
         self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * most)
         self._compare = comparison_sampler(gpu)
@@ -153,6 +154,7 @@ class SkyInMedia:
 
         `levels`: the lattices that share the textures, the finest first; () for the only one.
         """
+        # Where lights and shadows are the same, cells that media touched are enough.
         self.media.update(commands, _under(frame.scene, self.sky), *frame.bounds)
         table = packed_lights(tuple(self.sky.lights))
         is_lit_alike = table.tobytes() == self._lit and not shadows_changed

@@ -63,6 +63,7 @@ class PopMedia(Solver):
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
         self._solves_medium = media_of is not None
         self._scene, self._bounds = kit.context.scene, kit.context.scene.bounds
+        # The parts of a volume of varying colour are one medium.
         volumes = grouped(self._media_of(self._scene))
         _check_levels(settings, volumes)
         self._first_row = media.count - sum(map(len, volumes))
@@ -74,11 +75,13 @@ class PopMedia(Solver):
             self._surfaces = Surfaces(
                 kit.meshes, kit.lights, kit.sky, kit.rays, kit.blockers, reflected
             )
+        # Few media have a grid each, many share one with those of their kind.
         self._merged: list[MergedMedium] = []
         if len(volumes) > MOST_ALONE:
             self.solvers = self._made_of_kinds(volumes, media)
         else:
             self.solvers = self._made(volumes, media)
+        # Each meets the others once all have their grids.
         introduce(self.solvers)
 
     def _made(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> list[PopSolver]:
@@ -118,6 +121,7 @@ class PopMedia(Solver):
         paths = len(kinds) * (settings.ordinates + lights + BLOCKS * others.others)
         most = gpu.limits["max-storage-buffer-binding-size"] / (8 * paths)
         wanted = settings.grid**3 * max(1.0, len(volumes) / 2**3) / len(kinds)
+        # A kind adds up its volumes from their rows in the table of media.
         for kind in kinds:
             cells = min(wanted, _FULL * most)
             rows = [self._first_row + i for i in kind]

@@ -71,6 +71,7 @@ class PopSolver:
         solver of the next larger grid. `voxels`: the density as a filterable 3D texture, if any.
         `has_local_shafts`: as of `Emission`. Raises SceneError for parts in schemes of hops.
         """
+        # A solver given as the volume has the next larger grid; this one solves a finer grid in it.
         outer = volume if isinstance(volume, PopSolver) else None
         given = volume.medium if isinstance(volume, PopSolver) else volume
         self.settings, self._outer = settings, outer
@@ -82,6 +83,7 @@ class PopSolver:
                 f"scheme = '{settings.scheme}' knows no volume whose colour varies",
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
+        # The medium on its grid, and its ordinates; nested grids share those.
         if outer is None:
             self.medium = GridMedium.made_of(
                 gpu, given, settings.grid, voxels=voxels, others=others
@@ -90,8 +92,10 @@ class PopSolver:
         else:
             self.medium = FinerMedium(outer.medium, settings.grid_ratio)
             self._scene_ordinates = outer._scene_ordinates
+        # The light in the cells, and what of it goes towards the eye.
         self.emission = Emission(self.medium, settings, has_local_shafts=has_local_shafts)
         self.transport: Transport = self._scheme(settings.ordinates + lights)
+        # The furnace measures what the scheme gets wrong under a uniform sky.
         self._furnace: Furnace | None = None
         if is_beam and settings.furnace_correction > 0.0:
             self._furnace = Furnace(self.medium, settings, outer._furnace if outer else None)
@@ -99,6 +103,7 @@ class PopSolver:
         self._indirect: IndirectLight | None = None
         self._light_key: tuple[Any, ...] = ()
         self._view_key = b""
+        # The next finer grid takes this solver as the one around it.
         self.finer: PopSolver | None = None
         if is_beam and self.medium.level + 1 < settings.grid_levels:
             self.finer = PopSolver(
@@ -108,6 +113,7 @@ class PopSolver:
     def _scheme(self, capacity: int) -> Transport:
         """How the light of up to `capacity` ordinates spreads."""
         medium, settings, indirect = self.medium, self.settings, self.emission.indirect
+        # Grids per ordinate know neither other media nor nested grids.
         if settings.scheme != "delta-beam":
             return OrdinateGrids(
                 medium, settings, capacity, medium.mixture, indirect=indirect, takes_others=True
@@ -153,6 +159,7 @@ class PopSolver:
         if finer is None:
             return
         assert isinstance(finer.medium, FinerMedium)
+        # The finer grid stays ahead of the camera.
         camera = lit.look.camera if lit.look else None
         look = np.subtract(camera.target, camera.position) if camera else np.zeros(3)
         finer.medium.follow(lit.eye, look)
@@ -170,6 +177,7 @@ class PopSolver:
         self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None
     ) -> bool:
         """Take the light and the medium of a frame; returns whether the medium changed."""
+        # Another volume is placed again, and so is a grid that follows the camera.
         parts = (volume,) if isinstance(volume, Volume) else volume or self.medium.volumes
         is_same = [*map(id, parts)] == [*map(id, self.medium.volumes)]
         if not is_same or self._outer is not None:
@@ -180,6 +188,7 @@ class PopSolver:
             self._ordinates = self._ordinates_of(lit)
         self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
         self._local = local_lights(lit.lights) + [_VIRTUAL] * self._virtual
+        # Blocks of other media have the last rows of the ordinates.
         count = self._ordinates.count + len(self._local) + self.transport.light.blocks
         self.medium.params = self.medium.params_of(count, around=lit.around)
         return self.medium.encode(commands)
@@ -218,6 +227,7 @@ class PopSolver:
 
     def is_new_light(self, lit: Illumination) -> bool:
         """Whether the light is not that of the last frame."""
+        # Equal bytes are the same light; virtual point lights count by the versions of their maps.
         directions, power = self._ordinates.direction, self._ordinates.irradiance
         key = (directions.tobytes(), power.tobytes(), *self._local, *lit.versions)
         is_new, self._light_key = key != self._light_key, key

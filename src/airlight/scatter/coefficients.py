@@ -60,6 +60,7 @@ def _channel_rows(
     sigma_s: float, sigma_t: float, cell_size_m: float, level: int, straight: float
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     table = hops()
+    # One hop of each kind stands for all of its kind.
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]
     length_m = cell_size_m * cells
     # Of a hop and of half of it: optical depth, transmittance, track; m: how far along it is lost.
@@ -103,6 +104,7 @@ def handed_on(*, is_gamma_fixed: bool = False) -> float:
 
 def paper_gain(sigma_s: float, sigma_t: float, cell_size_m: float, share: float) -> F64:
     """What eq. 3 leaves of a state (A, B) in a cell, (4,): it scatters `share` of sigma_s."""
+    # Eq. 3: 1 - d sigma_t of the state stays, and what is scattered comes on top of A.
     distance_m = mean_hop_length() * cell_size_m
     passed = 1.0 - distance_m * sigma_t
     return np.array([passed + share * distance_m * sigma_s, passed, passed, passed])
@@ -139,6 +141,7 @@ def paper_rows(
     nothing: dict[str, Any] = {name: np.zeros(3) for name in StepCoefficients.fields}
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
+        # A cell's state is taken times the gain, then handed to all neighbours by their weights.
         gain = paper_gain(s, t, cell_size_m, share).tolist()
         moves.append(nothing | {"gain": gain, "arriving": w, "passing": 3.0 * RHO * w / cells})
         # The whole length of a hop counts in the cell that it leaves, open or stopped.

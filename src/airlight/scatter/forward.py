@@ -111,6 +111,7 @@ class ForwardLight:
     ) -> None:
         self._media, self._textures = media, textures
         self._sky_stride = _SKY_STRIDE if textures else 2 * _SKY_STRIDE
+        # Without textures it is for surfaces alone, in the cells that they read.
         is_near = textures is None
         self._lights = _Forward(gpu, media.lights, stores=not is_near, is_near=is_near)
         self._sky = _Forward(gpu, media.sky, stores=False, is_near=is_near)
@@ -133,6 +134,7 @@ class ForwardLight:
         `light_step`: cells take each so many of the lights, neighbours others. `stale`, where the
         light is not for surfaces alone: the cells that are computed.
         """
+        # Each of the sky's many lights is looked for at a few parts of a cell, and none is blurred.
         params = ForwardParams(
             light_count=lights.count,
             stride=self._sky_stride,

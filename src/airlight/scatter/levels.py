@@ -131,6 +131,7 @@ class Levels:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         finest = self.levels[0]
         finest.source = source
+        # Recorded for a schedule, its buffers and the numbers that its parameters hold.
         key = (self.schedule, source, finest.medium, finest.face_visibility, *self._tracks)
         return self._recorded.encode(commands, key, partial(self._solved, commands))
 

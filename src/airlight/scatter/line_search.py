@@ -112,6 +112,7 @@ class LineSearch:
             parts=self._parts,
             lengths=self._lengths,
         )
+        # One step of the corrected sum, from the steps of both its parts.
         self._apply.dispatch(
             commands,
             level.grid,

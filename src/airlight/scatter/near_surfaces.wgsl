@@ -6,6 +6,7 @@
     if (any(id >= params.count)) {
         return;
     }
+    // Sums of surfels lie at corners, of which there is one more than cells along each axis.
     let n = params.count + 1u;
     let low = max(id, vec3u(1u)) - 1u;
     let high = min(id + 2u, params.count);

@@ -25,6 +25,7 @@ class SkyTable:
 
     def update(self) -> None:
         """Take the lights that stand for the sky now."""
+        # The rows tell whether lights are others; without maps nobody reads them.
         table = packed_lights(tuple(self._kit.sky.lights))
         self.rows = table.tobytes()
         if self.has_any and self.rows != self._written:
@@ -36,6 +37,7 @@ class SkyTable:
 
         `walls` as `Blockers.walls`.
         """
+        # They take the slots of directional lights; those of local lights are bound and not read.
         maps = self._kit.sky.maps
         resources = {
             **self._kit.lights.bound,

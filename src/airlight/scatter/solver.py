@@ -83,6 +83,7 @@ class ScatterSolver(Solver):
 
         Raises SettingsError (scheme paper in a dense medium).
         """
+        # Lattices see the media that they solve, beams see all.
         seen = dataclasses.replace(frame, scene=self._seen(frame.scene))
         with commands.stage("air"):
             self.media.update(commands, seen)

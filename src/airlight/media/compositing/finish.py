@@ -124,6 +124,7 @@ class Finish(FullscreenPass):
 
     def _generated(self, names: list[str], *, lists: bool) -> str:
         """The WGSL that reads and writes single scattering."""
+        # Targets as a struct; single scattering comes from the sky, from shafts, both or neither.
         fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
         sky = _SKY if self._has_sky else "return vec3f(0.0);"
         shafts = _SHAFTS if self._has_sky else ""

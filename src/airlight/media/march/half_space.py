@@ -51,6 +51,7 @@ class HalfSpace:
         key = (medium, top, tuple(lights), tuple(sky), is_lattice)
         if key != self._key:
             self._key = key
+            # The sky's light by direction does not depend on the scene's lights.
             if (lit := (medium, tuple(sky))) != self._sky[0]:
                 self._sky = (lit, sky_single_scatter(medium, sky))
             # A row: mean radiance of the reduced medium, that of the sky, then directions.
@@ -78,6 +79,7 @@ def side(medium: Medium) -> int:
 
 def travels(medium: Medium) -> F64:
     """(side^2, 3): the unit directions of travel of the table."""
+    # An isotropic phase function needs one direction, whichever.
     if side(medium) == 1:
         return np.array([[0.0, 1.0, 0.0]])
     t = np.linspace(-1.0, 1.0, SIDE)
@@ -87,12 +89,14 @@ def travels(medium: Medium) -> F64:
 
 def _metres(medium: Medium) -> F64:
     """(ROWS,): the distance of each row below the top."""
+    # Rows are closest at the top, where light changes most.
     share = np.linspace(0.0, _LAST, ROWS)
     return share / (1.0 - share) / max(*medium.sigma_t, 1e-30)
 
 
 def _from_above(lights: Sequence[Light], channel: int) -> tuple[F64, F64]:
     """The directional lights that reach a half space."""
+    # Light from below or along the top never enters.
     directions, irradiances = directional(lights, channel)
     is_down = directions[:, 1] < -1e-3
     return directions[is_down], irradiances[is_down]
@@ -115,6 +119,7 @@ def sky_single_scatter(medium: Medium, sky: Sequence[Light]) -> F64:
 
 def fluence(medium: Medium, lights: Sequence[Light], *, is_reduced: bool) -> F64:
     """(ROWS, 3), W m^-2: unscattered light, attenuated by the medium or by the reduced one."""
+    # Beer-Lambert down to each row, along slanted paths.
     metres, made = _metres(medium), np.zeros((ROWS, 3))
     for c in range(3):
         directions, irradiances = _from_above(lights, c)

@@ -104,6 +104,7 @@ def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
 
 def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     """Of those, the ones of media and fields, which passes over rays of their own have, too."""
+    # The media, then textures of solvers with grids of their own.
     made = [uniform("march", MarchParams), *media.medium_slots]
     if variant.sources:
         made += [storage("sources", SourceData), sampler("source_linear")]
@@ -131,6 +132,7 @@ def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
 
 def target_names(variant: Variant) -> list[str]:
     """The targets of the kernel, in their order."""
+    # The sky's light is a target of its own: it counts as single scattering.
     light = ["scattered", *["skylit"] * variant.has_sky]
     return {
         "light and transmittance": [*light, "passed"],
@@ -141,6 +143,7 @@ def target_names(variant: Variant) -> list[str]:
 
 def at_once(variant: Variant, most: int) -> tuple[Variant, ...]:
     """One kernel, or two that share its targets where a pass may have but `most`."""
+    # Two kernels march every ray twice, so one is taken where it fits.
     if len(target_names(variant)) <= most or variant.writes != "light and transmittance":
         return (variant,)
     return replace(variant, writes="light"), replace(variant, writes="transmittance")

@@ -32,6 +32,7 @@ def _targets_wgsl(variant: Variant) -> str:
 
 def generated(variant: Variant) -> str:
     """The WGSL before the kernel."""
+    # A library for each field that there is, a twin that returns nothing for the others.
     lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_TWO_BANDS
     beams = FORWARD_WGSL if variant.has_forward else NO_FORWARD_WGSL
     half_space = NO_HALF_SPACE_WGSL
@@ -90,6 +91,7 @@ def _sources_wgsl(variant: Variant) -> str:
 
 def _source_wgsl(i: int, fading: tuple[bool, ...]) -> str:
     """The light of one source; nested grids add their shares of what finer ones leave."""
+    # The finest of nested grids has all light to give, each next one what those left.
     is_finer, is_next = any(fading[i : i + 1]), i > 0 and any(fading[i - 1 : i])
     begin = "    left = 1.0;\n" if is_finer and not is_next else ""
     share = f"        let share = left * source_share({i}u, uvw{i});\n        left -= share;\n"
@@ -134,6 +136,7 @@ fn source_share(i: u32, uvw: vec3f) -> f32 {
 
 def _step_share_wgsl(variant: Variant) -> str:
     """`step_share`: steps are as long as the cells of the finest source, or lattice, there."""
+    # Without nested grids one length suits all steps, but for those of a lattice's levels.
     has_lattices = variant.has_lattice or variant.has_sky
     if not any(variant.fading) or has_lattices:
         share = "march_step_share(p)" if has_lattices and not variant.sources else "1.0"
@@ -153,6 +156,7 @@ def _step_share_wgsl(variant: Variant) -> str:
 def _lattice_wgsl(variant: Variant) -> str:
     """`lattice_emission`, `lattice_two_bands`, and how many lattices fade into each other."""
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
+    # Means that the reduced media scatter, and two bands for what media themselves transmit.
     if variant.lattice == "reduced medium":
         two_bands = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_two_bands")
         return count + _isotropic_wgsl("lattice") + two_bands
@@ -170,6 +174,7 @@ def _sky_wgsl(variant: Variant) -> str:
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
             "fn sky_reduced_at() -> vec3f { return vec3f(0.0); }\n"
         )
+    # Beyond the lattices an endless medium has light of the sky of its own.
     half_space = " + half_space_skylit(p, travel)" if variant.half_space_side else ""
     reduced = "vec3f(0.0)"
     if variant.is_reduced_medium:
@@ -244,6 +249,7 @@ fn sky_reduced_here() -> vec3f {
 def _isotropic_wgsl(name: str, scattering: str = "reduced_sigma_s_of") -> str:
     """The same for isotropic phase functions, or light that has been through them: of the means of
     three channels. `scattering`: the coefficient of a medium."""
+    # The mean is scattered into all directions alike; beyond the lattices there is none.
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"

@@ -143,6 +143,7 @@ class March:
             )
 
     def _pass(self, variant: Variant) -> _March:
+        # A kernel is compiled when its fields are there for the first time.
         if variant not in self._passes:
             self._passes[variant] = _March(self.gpu, self._media, variant)
         return self._passes[variant]
@@ -181,6 +182,7 @@ class March:
         return values
 
     def _fused_rows(self) -> Buffer:
+        # Phase functions are tabulated for the mean cosines that the media have.
         key = tuple(tuple(row["g"]) for row in self._media.rows)
         if self._fused is None or key != self._fused_of:
             self._fused_of, rows = key, fused_rows(self._media.rows)

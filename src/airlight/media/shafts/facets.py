@@ -76,6 +76,7 @@ class FacetTrees:
 
     def __init__(self, gpu: Gpu, maps: ShadowMaps, tolerance: float) -> None:
         self.maps, self.tolerance = maps, tolerance
+        # A tree over the smallest power of two that holds the map.
         self.side = 1 << (max(2, maps.depth.size[0]) - 1).bit_length()
         self.top = self.side.bit_length() - 1
         layers = max(1, maps.layers)

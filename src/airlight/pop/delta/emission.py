@@ -95,6 +95,7 @@ class Emission:
         gpu, mixture = medium.gpu, medium.mixture
         self.has_local_shafts = has_local_shafts
         self._medium, self._correction = medium, settings.furnace_correction
+        # The radiance of cells, and the same on cells half as wide, which is marched.
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
         )
@@ -115,6 +116,7 @@ class Emission:
         self._refined = Buffer(gpu, "furnace corrections and indirect light", 2 * nbytes)
         self.corrections = BufferPart(self._refined, 0, 16 * medium.cells)
         self.indirect = BufferPart(self._refined, nbytes, 16 * medium.cells)
+        # Diffuse light towards the eye is computed first, for the frame and for the furnace alike.
         self._outgoing = Outgoing(medium)
         self._emission = _Emission(gpu, mixture, has_blocks=True)
         self._furnace = _Furnace(gpu, mixture, has_blocks=False)
@@ -165,6 +167,7 @@ class Emission:
 
         `light` and `diffuse` are those of that medium.
         """
+        # The steps of the frame's emission; what differs from radiance 1 is corrected.
         self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._furnace.dispatch(
             commands,
@@ -189,6 +192,7 @@ def bound_by_view(
     table: OrdinateTable, eye: F64, correction: float, *, has_local_shafts: bool = False
 ) -> dict[str, Any]:
     """The ordinates and the eye, by slot name."""
+    # The correction is a map in the sky's frame, which rotates with the environment.
     sky = table.correction
     view = ViewParams(
         eye=eye,

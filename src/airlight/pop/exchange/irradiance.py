@@ -86,6 +86,7 @@ class InterMediumLight:
     def __init__(self, receiver: GridMedium, mixture: Mixture) -> None:
         gpu = receiver.gpu
         self._receiver = receiver
+        # Five vec4 per block: power, net flux along x, y and z, optical depth.
         self._blocks = Buffer(gpu, "blocks of other media", 16 * 5 * mixture.blocks)
         self._gather = _Blocks(gpu, mixture)
         self._irradiance = _Irradiance(gpu, mixture.media - 1)

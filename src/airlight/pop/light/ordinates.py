@@ -61,9 +61,11 @@ class SceneOrdinates:
         `importance` (h, w) by direction towards the map, before it is rotated.
         """
         parts = []
+        # A directional light is an ordinate of its own.
         distant = [light for light in lights if isinstance(light, DirectionalLight)]
         if distant:
             parts.append(parallel([x.direction for x in distant], [x.irradiance for x in distant]))
+        # The environment's are computed again where it or the importance for the view changed.
         if environment is not self._environment or importance is not self._importance:
             self._environment, self._importance = environment, importance
             self._sky = self._of_sky(environment)

@@ -32,6 +32,7 @@ class SkyCorrection:
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
+        # A factor of 1 for every direction, until there is a sky.
         self.texture = self._made(np.ones((1, 1, 3)))
         self.sampler = Sampler(
             gpu,
@@ -81,6 +82,7 @@ class SkyCorrection:
         """The map convolved with the phase function: the same for every choice of ordinates."""
         known = self._exact
         if known is None or known[0] is not radiance or known[1] != g:
+            # The convolution sums over texels, and wants at least ROWS rows of them.
             repeats = -(-ROWS // len(radiance))
             wide = radiance.repeat(repeats, axis=0).repeat(repeats, axis=1)
             known = self._exact = radiance, g, convolved(wide, g)

@@ -120,6 +120,7 @@ class VirtualLights:
         gpu = medium.gpu
         self._medium, self._from = medium, reflected
         self._kind = Kind.VIRTUAL_GRID if in_grids else Kind.VIRTUAL
+        # The running sum over tiles finds a light's tile, a sum over the tile's texels the light.
         self._tiles_of = [_side(maps) ** 2 * maps.layers for maps in reflected.maps]
         self._tiles = Buffer(gpu, "tiles of maps", 4 * max(1, sum(self._tiles_of)))
         # Lattice coordinates of each virtual point light.
@@ -181,7 +182,6 @@ class VirtualLights:
         # Texels count by what they send into the sphere around the whole medium, of which a finer
         # grid holds a part.
         whole = self._medium.whole.placement
-        # The ball around the whole medium: virtual point lights are chosen by what they send there.
         half = 0.5 * whole.extent
         centre = whole.world_from_medium[:3, :3] @ half + whole.world_from_medium[:3, 3]
         to_world = self._medium.placement.world_from_medium
