@@ -65,8 +65,7 @@ class Air:
     def __init__(self, gpu: Gpu, media: GpuMedia, *, sources: int = 0) -> None:
         """`sources`: the most textures of emission there will be."""
         self._gpu, self.media = gpu, media
-        # Marching's tables of sources and lattices, which rays of a gather read by a kernel of
-        # their own.
+        # Tables of sources and lattices as marching has them; another kernel reads them here.
         self._fields = March(gpu, media, sources=sources)
         self._passes: dict[Variant, _Air] = {}
 

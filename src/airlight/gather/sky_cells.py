@@ -1,4 +1,4 @@
-"""The environment for rays that leave the scene: cells of uniform radiance, and how bright each is."""
+"""The environment for rays that leave the scene: cells of uniform radiance, chosen by power."""
 
 from __future__ import annotations
 

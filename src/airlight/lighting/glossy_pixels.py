@@ -22,6 +22,7 @@ _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
 def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
     """Whether a device lets a list hold all pixels of an image."""
+    # Two vec4u for each pixel.
     limits = ("max-buffer-size", "max-storage-buffer-binding-size")
     return _ENTRY_BYTES * size[0] * size[1] <= min(gpu.limits[name] for name in limits)
 
@@ -54,6 +55,7 @@ class GlossyPixels:
 
     def empty(self, commands: Commands, size: tuple[int, int]) -> dict[str, Any]:
         """An empty list for an image of `size`, pixels, by the slot names of `Lighting`."""
+        # A list has room for all pixels of the image.
         nbytes = _ENTRY_BYTES * size[0] * size[1]
         if self._listed is None or self._listed.nbytes != nbytes:
             if self._listed is not None:

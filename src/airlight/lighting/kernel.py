@@ -211,6 +211,7 @@ def lights_kernel(
 
     `shadows`: the constants of `ShadowRays`, where rays look for them.
     """
+    # Another part draws them, into the texture that this one reads.
     if part not in ("whole", "lights"):
         return Kernel(_LIT + _NO_LIGHTS, {"HAS_LIGHTS": 0.0}, {})
     is_box = attenuation is not None and attenuation.is_one_box

@@ -98,8 +98,7 @@ def lighting_slots(
     is_traced: bool = False,
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
-    # What one part has lit, the next reads; what it does not read is not bound.
-    # Whatever a part reads: of surfaces always, of lights or lattices as it has them.
+    # What one part has lit, the next reads; a part binds what it reads, and nothing else.
     is_after = part in ("lattices", "rest", "gathered")
     has_lattices = part not in ("lights", "gathered")
     gathered = GATHERED + MIRRORED * (gloss == "traced") if part == "gathered" else ()

@@ -79,8 +79,10 @@ class Translucent:
         """The views to draw before `view`, whose depth is drawn: one for each layer."""
         gbuffer = self.view.gbuffer
         assert isinstance(gbuffer, PeeledGBuffer)
+        # No pixel has more layers than there are translucent triangles.
         draws = scene.translucent(view.clip_from_world)
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) // 3
+        # Nothing of this image is there yet.
         self._started, self._is_passed = set(), False
         self.view.follow(view)
         gbuffer.begin(view.gbuffer.depth, view.eye)
@@ -110,6 +112,7 @@ class Translucent:
 
     def finish(self, commands: Commands, images: Mapping[str, Texture]) -> dict[str, Texture]:
         """The `images` of what is solid, as they are seen through all layers."""
+        # Without any layer the image is what is solid.
         if not self._is_passed:
             return dict(images)
         for name, image in images.items():

@@ -53,6 +53,7 @@ class View:
     ) -> None:
         """Look through `camera`, the image moved by `jitter_px`; it is the still's `sample`."""
         self.sample, self.camera = sample, camera
+        # Unlit surfaces are as bright as brings them out unchanged at this exposure.
         stops = self.metered_stops if camera.exposure_stops is None else camera.exposure_stops
         self.gbuffer.unlit_radiance = 2.0**-stops
         aim = (camera, jitter_px, self.size)

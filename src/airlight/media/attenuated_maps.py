@@ -1,6 +1,6 @@
 """Reflective shadow maps attenuated by participating media.
 
-The maps themselves know no media; a copy of their flux that does is recomputed in every frame.
+The maps themselves know no media; a copy of their flux does, which their users bring up to date.
 Elek2014 section 6 samples the maps by such attenuated flux.
 """
 

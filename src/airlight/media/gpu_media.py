@@ -27,7 +27,6 @@ from ..scene.lights import Light
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .atlas import LIMIT
 from .density_grids import ColumnPlan, density_atlas, light_columns
 from .detail import detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, glows, has_emission
@@ -54,7 +53,6 @@ from .media_slots import (
     emission_slots,
     emission_wgsl,
     has_tree,
-    list_texels,
     medium_slots,
     medium_wgsl,
     path_list_reads,
@@ -63,7 +61,7 @@ from .media_slots import (
     room_for,
 )
 from .media_tree import media_nodes
-from .path_lists import PathLists
+from .path_lists import path_lists
 
 _OWN_COLUMNS = ColumnPlan()
 MAX_MEDIA = 256
@@ -129,7 +127,7 @@ class GpuMedia:
         # A pass that needs no columns binds none, whatever lights the scene has.
         read = grids if light_count else 0
         self.columns = light_columns(gpu, volumes, light_count, columns, shared) if read else None
-        self.paths = self._path_lists(scene, light_count, columns.towards, shared)
+        self.paths = path_lists(gpu, scene.bounds, self._kinds, light_count, columns, shared)
         self.slots, self.wgsl = self._towards_lights(scene, read, light_count)
         self._lights: tuple[Light, ...] | None = None  # that columns were last asked for
 
@@ -254,17 +252,6 @@ class GpuMedia:
         wgsl += path_list_wgsl(self.count, has_lists=self.paths is not None)
         wgsl += path_list_reads(has_lists=self.paths is not None)
         return slots + (path_list_slots() if self.paths else ()), wgsl
-
-    def _path_lists(
-        self, scene: Scene, light_count: int, towards: str, shared: Shared
-    ) -> PathLists | None:
-        """Lists for so many lights, once for all tables of the same media; None for few media."""
-        # Lists are for many media, as long as a texture has room for those of all lights.
-        has_room = light_count * list_texels(self.count) <= self.gpu.limits[LIMIT]
-        if not light_count or not has_tree(self.count) or not has_room:
-            return None
-        key = ("path lists", self._kinds, light_count, towards)
-        return shared.once(key, lambda: PathLists(self.gpu, scene.bounds, self.count, light_count))
 
     def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
         # The scene's own medium comes first, then its volumes in their order.

@@ -1,4 +1,4 @@
-"""The textures of an image of media: its layers, and the reduced images that they are made of.
+"""What an image of media is asked for, and its textures: layers, reduced images for them.
 
 single          shafts of lights, reduced as `shaft_rays`     -> shafts_alone
 sky             the sky's single scattering, as `march_rays`  -> single_scatter, with shafts
@@ -8,11 +8,31 @@ transmittance   along marched rays, through density grids     -> transmittance
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
+from ..gpu.shared import Shared
+from ..scene.medium import Medium
+from ..scene.volume import Volume
 from .rays import Rays
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
+
+    `solved`: volumes whose sources bring their single scattering, of local lights unless
+    `has_local_shafts`; see `GpuMedia`. `shared`: where density grids are kept.
+    """
+
+    sources: int = 0
+    has_lattice: bool = False
+    has_sky: bool = False
+    solved: Sequence[Medium | Volume] = ()
+    has_local_shafts: bool = False
+    shared: Shared | None = None
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,10 @@ from ..scene.medium import Medium, medium_box
 from ..scene.volume import Volume
 from .density_grids import sky_columns
 from .gpu_media import GpuMedia
+from .image_textures import Expected
 from .march.half_space import HalfSpace
 from .march.marched_light import MarchedLight
-from .media_image import Expected, MediaImage
+from .media_image import MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia
 

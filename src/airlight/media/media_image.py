@@ -6,19 +6,15 @@ reduced images -> upsampled and composed with surfaces, in one pass where a devi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..gpu.shared import Shared
 from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..maths.transforms import F64
-from ..scene.medium import Medium
 from ..scene.scene import Scene
-from ..scene.volume import Volume
 from .compositing.compose import Compose
 from .compositing.finish import Finish, Listing, MediaLayers, Reduced, can_finish
 from .compositing.guided import GuidedUpsample
@@ -26,7 +22,7 @@ from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
 from .density_grids import ColumnPlan
 from .gpu_media import GpuMedia
-from .image_textures import Drawn, ImageTextures
+from .image_textures import Drawn, Expected, ImageTextures
 from .march.march import March, MarchTargets, Steps
 from .march.marched_light import MarchedLight
 from .rays import RESOLUTIONS, Rays
@@ -34,22 +30,6 @@ from .settings import MediaSettings
 from .shafts.image import ShaftImage
 
 _NOTHING = MarchedLight()
-
-
-@dataclass(frozen=True)
-class Expected:
-    """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
-
-    `solved`: volumes whose sources bring their single scattering, of local lights unless
-    `has_local_shafts`; see `GpuMedia`. `shared`: where density grids are kept.
-    """
-
-    sources: int = 0
-    has_lattice: bool = False
-    has_sky: bool = False
-    solved: Sequence[Medium | Volume] = ()
-    has_local_shafts: bool = False
-    shared: Shared | None = None
 
 
 class MediaImage:

@@ -20,12 +20,14 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
+from ..gpu.shared import Shared
 from ..gpu.slots import image, storage, uniform
 from ..maths.transforms import F64
 from ..scene.lights import DirectionalLight, Light
 from ..surface.light_table import packed_lights
-from .atlas import Size
-from .media_slots import MediumData, list_texels, path_list_wgsl, tree_wgsl
+from .atlas import LIMIT, Size
+from .density_grids import ColumnPlan
+from .media_slots import MediumData, has_tree, list_texels, path_list_wgsl, tree_wgsl
 
 BLOCKS = 1024
 """In all, about; more make shorter lists, which take longer to make."""
@@ -113,6 +115,26 @@ class PathLists:
     def bound(self) -> dict[str, Texture]:
         """By slot name."""
         return {"path_lists": self.texture}
+
+
+def path_lists(
+    gpu: Gpu,
+    bounds: tuple[F64, F64],
+    kinds: tuple[int, ...],
+    light_count: int,
+    columns: ColumnPlan,
+    shared: Shared,
+) -> PathLists | None:
+    """Lists for so many lights, once for all tables of the same media; None for few media.
+
+    `kinds` of the media, as `media_rows` has them; `columns` say whose lights they are.
+    """
+    # A texture has room for the lists of so many lights.
+    has_room = light_count * list_texels(len(kinds)) <= gpu.limits[LIMIT]
+    if not light_count or not has_tree(len(kinds)) or not has_room:
+        return None
+    key = ("path lists", kinds, light_count, columns.towards)
+    return shared.once(key, lambda: PathLists(gpu, bounds, len(kinds), light_count))
 
 
 def _blocks(extent: F64) -> Size:

@@ -154,7 +154,6 @@ class SkyInMedia:
 
         `levels`: the lattices that share the textures, the finest first; () for the only one.
         """
-        # Where lights and shadows are the same, cells that media touched are enough.
         self.media.update(commands, _under(frame.scene, self.sky), *frame.bounds)
         table = packed_lights(tuple(self.sky.lights))
         is_lit_alike = table.tobytes() == self._lit and not shadows_changed

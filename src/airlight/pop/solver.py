@@ -26,10 +26,8 @@ from ..maths.ordinates import Ordinates
 from ..maths.transforms import F64
 from ..scene.lights import PointLight
 from ..scene.volume import Volume
-from .delta.beams import DeltaBeams
 from .delta.emission import Emission
 from .furnace import Furnace
-from .grids.scheme import OrdinateGrids
 from .indirect import IndirectLight
 from .light.illumination import Illumination
 from .light.importance import ViewImportance
@@ -37,6 +35,7 @@ from .light.ordinates import SceneOrdinates, local_lights
 from .medium.finer_medium import FinerMedium
 from .medium.grid_medium import NO_OTHERS, GridMedium
 from .medium.mixture import MediaCount
+from .schemes import scheme_of
 from .settings import PopSettings
 from .transport import Transport
 
@@ -53,6 +52,7 @@ class PopSolver:
 
     Settings = PopSettings
     medium: GridMedium
+    transport: Transport
 
     def __init__(
         self,
@@ -94,7 +94,8 @@ class PopSolver:
             self._scene_ordinates = outer._scene_ordinates
         # The light in the cells, and what of it goes towards the eye.
         self.emission = Emission(self.medium, settings, has_local_shafts=has_local_shafts)
-        self.transport: Transport = self._scheme(settings.ordinates + lights)
+        around, capacity = outer.transport if outer else None, settings.ordinates + lights
+        self.transport = scheme_of(self.emission, settings, capacity, around)
         # The furnace measures what the scheme gets wrong under a uniform sky.
         self._furnace: Furnace | None = None
         if is_beam and settings.furnace_correction > 0.0:
@@ -103,32 +104,11 @@ class PopSolver:
         self._indirect: IndirectLight | None = None
         self._light_key: tuple[Any, ...] = ()
         self._view_key = b""
-        # The next finer grid takes this solver as the one around it.
         self.finer: PopSolver | None = None
         if is_beam and self.medium.level + 1 < settings.grid_levels:
             self.finer = PopSolver(
                 gpu, self, settings, lights=lights, has_local_shafts=has_local_shafts
             )
-
-    def _scheme(self, capacity: int) -> Transport:
-        """How the light of up to `capacity` ordinates spreads."""
-        medium, settings, indirect = self.medium, self.settings, self.emission.indirect
-        # Grids per ordinate know neither other media nor nested grids.
-        if settings.scheme != "delta-beam":
-            return OrdinateGrids(
-                medium, settings, capacity, medium.mixture, indirect=indirect, takes_others=True
-            )
-        outer = self._outer.transport if self._outer else None
-        assert outer is None or isinstance(outer, DeltaBeams)
-        return DeltaBeams(
-            medium,
-            settings,
-            capacity,
-            medium.mixture,
-            indirect=indirect,
-            takes_others=True,
-            outer=outer,
-        )
 
     def encode(
         self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None = None

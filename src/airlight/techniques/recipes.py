@@ -74,6 +74,7 @@ def _gathering(
     """The final gather, through `media`, of `sources` textures of light, where settings want it."""
     scene = kit.context.scene
     has_media = scene.medium is not None or bool(scene.volumes)
+    # Rays cannot go through media that nobody has brought to the device.
     if settings.gather == "off" or (has_media and media is None):
         return []
     from ..gather.solver import GatherSolver
@@ -155,9 +156,9 @@ def _is_gathered(context: Context, settings: LpvScatterSettings) -> bool:
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     """Principal-ordinates propagation in every medium (Elek2014); surfaces gather in stills.
 
-    Each light, and each part of the environment, is a principal ordinate: a grid aligned with its
-    direction, through which its radiance propagates and is scattered. The ordinates' radiance is
-    summed on a grid of the medium and marched as a source.
+    Each light, and each part of the environment, is a principal ordinate. Its light is attenuated
+    on its path, and what it loses diffuses; or, as in the paper, it goes from cell to cell in a
+    grid of its own direction. What all send towards the eye is marched from the medium's grid.
     """
     from ..media.media import Media, Solved
     from ..pop.delta_scaling import DeltaScaling

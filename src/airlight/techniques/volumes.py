@@ -103,6 +103,7 @@ class LatticeVolumes:
     def block(self, commands: Commands, level: int, geometry: int) -> None:
         """Update the blocked faces of a lattice, where volumes or walls changed."""
         part = self._solver.cascades[level]
+        # Other faces are closed where the lattice moved, or volumes or walls changed.
         made = (geometry, replace(part.placement, fade=None), self._media.version)
         if made != self._blocked_versions[level]:
             self._blocked_versions[level] = made
@@ -169,6 +170,7 @@ class _Level:
 
 def _reduced_isotropic(scene: Scene) -> Scene:
     """The scene's volumes reduced to isotropic ones, per steradian: the lattice is in W sr^-1."""
+    # The lattice holds intensity, W sr^-1, so that isotropic scattering is over 4 pi.
     volumes = []
     for volume in scene.volumes:
         isotropic = reduced(volume)

@@ -94,7 +94,7 @@ class Emission:
         """`has_local_shafts`: what local lights scatter once is drawn by shafts, left out here."""
         gpu, mixture = medium.gpu, medium.mixture
         self.has_local_shafts = has_local_shafts
-        self._medium, self._correction = medium, settings.furnace_correction
+        self.medium, self._correction = medium, settings.furnace_correction
         # The radiance of cells, and the same on cells half as wide, which is marched.
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
@@ -134,7 +134,7 @@ class Emission:
         self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._emission.dispatch(
             commands,
-            (self._medium.cells,),
+            (self.medium.cells,),
             params=params,
             **bound_by_view(
                 light.table, eye, self._correction, has_local_shafts=self.has_local_shafts
@@ -171,7 +171,7 @@ class Emission:
         self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._furnace.dispatch(
             commands,
-            (self._medium.cells,),
+            (self.medium.cells,),
             params=params,
             **bound_by_view(light.table, eye, 0.0),
             **self._bound(light, diffuse),
@@ -184,7 +184,7 @@ class Emission:
             "passed": light.passed,
             **light.mixture.beam_bound,
             "diffuse": diffuse.diffuse,
-            "reach": self._medium.density.reach,
+            "reach": self.medium.density.reach,
         }
 
 
