@@ -16,7 +16,5 @@
         let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));
         found = gather_hit(ray_start(place, n), direction);
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

@@ -41,8 +41,8 @@ from .media_rows import (
     gridded,
     has_detail,
     kind_of,
-    kinds_of,
     medium_fields,
+    row_kinds,
     unit_from_box,
     voxel_m,
 )
@@ -95,7 +95,7 @@ class GpuMedia:
         self._solved_shafts = SHAFTS_OF_LOCAL if has_local_shafts else NO_SHAFTS
         self._is_own_solved = any(scene.medium is s for s in solved)
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
-        self._kinds = kinds_of(scene)
+        self._kinds = row_kinds(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
         if self.count > MAX_MEDIA:
             raise SceneError(
@@ -183,7 +183,7 @@ class GpuMedia:
         ):
             return False
         # Kernels are made for these kinds of media.
-        if kinds_of(scene) != self._kinds or has_emission(scene) > self.has_emission:
+        if row_kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.
         changed = False

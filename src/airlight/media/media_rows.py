@@ -36,7 +36,7 @@ def gridded(scene: Scene) -> list[Volume]:
     return [v for v in scene.volumes if v.density is not None]
 
 
-def kinds_of(scene: Scene) -> tuple[int, ...]:
+def row_kinds(scene: Scene) -> tuple[int, ...]:
     """The kinds of all media, in the order of their rows."""
     own = () if scene.medium is None else (BOX,)
     return (*own, *(kind_of(volume) for volume in scene.volumes))

@@ -11,6 +11,8 @@ Source: ours. differs: Billeter2012 knows isotropic media only.
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -150,11 +152,8 @@ class ForwardLight:
             commands,
             cells.placement.count,
             params=params,
-            lattice=cells.placement.params(),
-            face_visibility=cells.blockers.face_visibility,
-            base=base,
             forward=self.sky,
-            **({"near": near} if near else {}),
+            **_bound(cells, base, near),
             **(stale.bound if stale else {}),
             **lights.bound,
             **self._media.sky.bound,
@@ -174,7 +173,7 @@ class ForwardLight:
         `near`: of light for surfaces alone, the cells that they read (`near_surfaces`).
         """
         # Each light's forward light in all cells, for marching, and the sum of all for surfaces.
-        textures, visibility = self._textures, cells.blockers.face_visibility
+        textures = self._textures
         params = ForwardParams.of(
             light_count=lights.count,
             # Many lights are samples of few with extent.
@@ -191,15 +190,24 @@ class ForwardLight:
             commands,
             cells.placement.count,
             params=params,
-            lattice=cells.placement.params(),
-            face_visibility=visibility,
-            base=base,
             forward=self.all,
-            **({"near": near} if near else {}),
+            **_bound(cells, base, near),
             **({"unblurred": textures.unblurred} if textures else {}),
             **lights.bound,
             **self._media.lights.bound,
         )
         # Marching takes the blurred light where beams have spread over more than a cell.
         if textures and lights.count:
-            textures.encode_blur(commands, cells.placement, lights.count, visibility)
+            textures.encode_blur(
+                commands, cells.placement, lights.count, cells.blockers.face_visibility
+            )
+
+
+def _bound(cells: LatticeCells | Level, base: Buffer, near: Buffer | None) -> dict[str, Any]:
+    """What the light of the sky and that of lights are both computed from."""
+    return {
+        "lattice": cells.placement.params(),
+        "face_visibility": cells.blockers.face_visibility,
+        "base": base,
+        **({"near": near} if near else {}),
+    }

@@ -43,7 +43,7 @@ class SourceData(Struct):
 
     uvw_from_world = mat4x4f()
     scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
-    medium = i32("-1 absolute; times sigma_s of: -2 all media, -3 members, else this one")
+    medium = i32("of `fields.Source`: a row of the media, or which of them")
     parts = u32("media from it on that are one volume's")
     steps = f32("length of a step in it, in steps of the finest source")
     members_low = vec4u("bits of media, see wgsl/members.wgsl")

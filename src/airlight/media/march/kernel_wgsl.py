@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+from ...fields import ABSOLUTE, ALL_MEDIA, SOME_MEDIA
 from .forward_source import FORWARD_WGSL, NO_FORWARD_WGSL
 from .half_space import NO_HALF_SPACE_WGSL, half_space_wgsl
 from .kernel import MAX_LEVELS_AT_ONCE, Variant, target_names
@@ -105,22 +106,11 @@ def _source_wgsl(i: int, fading: tuple[bool, ...]) -> str:
     )
 
 
-_WEIGHT_WGSL = """
-//! use members
-// The scattering coefficient that a source leaves out.
-fn weight_of_source(i: u32) -> vec3f {
-    if (sources[i].medium != -3) {
-        return source_weight(sources[i].medium, sources[i].parts);
-    }
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        if (is_member(ray_medium(k), sources[i].members_low, sources[i].members_high)) {
-            sum += media_density_here[k] * sigma_s_of(ray_medium(k));
-        }
-    }
-    return sum;
-}
+_WEIGHT_WGSL = f"""
+//! use source_weight
+const ABSOLUTE = {ABSOLUTE};
+const ALL_MEDIA = {ALL_MEDIA};
+const SOME_MEDIA = {SOME_MEDIA};
 """
 
 _FADING_WGSL = """
