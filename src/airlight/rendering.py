@@ -218,8 +218,9 @@ class Renderer(DeviceLifetime):
     def stats(self) -> dict[str, Any]:
         """The values of --stats that the renderer knows.
 
-        Times as `FrameTimes` has them; the first image counts from the renderer's creation. Raises
-        DeviceError where it is closed.
+        `frame_ms` and `python_ms` are medians of the frames after the first, which compiles
+        shaders; None before there is a second. `first_image_s` counts from the renderer's creation.
+        Raises DeviceError where it is closed.
         """
         self._check_open()
         return {

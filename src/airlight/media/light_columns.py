@@ -228,17 +228,18 @@ def _paths(
     from_world = np.array([row["volume_from_world"] for row in rows], np.float64)
     is_local = lights["kind"] != DirectionalLight.kind
     # Towards the light from anywhere, or from the middle of the box.
-    ways = np.einsum("gij,lj->gli", from_world[:, :3, :3], -lights["direction"].astype(np.float64))
+    back = np.einsum("gij,lj->gli", from_world[:, :3, :3], -lights["direction"].astype(np.float64))
     places = np.einsum("gij,lj->gli", from_world[:, :3, :3], lights["position"].astype(np.float64))
     places += from_world[:, None, :3, 3]
-    towards = np.where(is_local[:, None], places - 0.5, ways)
-    # Slabs lie across the axis that paths go along most. Beside a local light they go both ways.
+    towards = np.where(is_local[:, None], places - 0.5, back)
+    # Slabs lie across the axis that paths go along most. Beside a local light they go along
+    # it in both directions.
     axis = np.abs(towards).argmax(axis=-1)
     most = np.take_along_axis(towards, axis[..., None], axis=-1)[..., 0]
     is_cut = ~is_local | (np.abs(most) > 0.5)
     thickness = np.array([[slab_planes(n) for n in count] for count in counts], np.float64)
     packed = np.zeros(axis.shape, ColumnPath.dtype)
-    packed["towards"] = np.where(is_local[:, None], places, ways)
+    packed["towards"] = np.where(is_local[:, None], places, back)
     packed["is_local"] = is_local
     packed["facing"] = np.eye(3)[axis] * (np.sign(most) * is_cut)[..., None]
     packed["thickness"] = np.take_along_axis(thickness, axis, axis=1)
