@@ -48,6 +48,7 @@ class Presenter:
     def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
         # A scope of its own, so that all memory goes back at once.
         self.size, self.gpu = size, gpu.scope()
+        # In the order in which an image goes through them.
         self._combine, self._meter = Combine(self.gpu, size), Meter(self.gpu)
         self._tone, self._show = Tone(self.gpu, size), Show(self.gpu, format)
         self._is_metered_before = False

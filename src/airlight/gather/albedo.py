@@ -58,6 +58,7 @@ class Albedos:
                     | _BLACK_BACK * (not material.two_sided),
                 }
             )
+            # The texels of all materials lie in one buffer, where the rows find them.
             texels.append(packed(found).ravel())
             first += found.shape[0] * found.shape[1]
         self.rows = buffer_of(gpu, "albedo maps", pack_array(AlbedoData, rows))

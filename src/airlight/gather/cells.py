@@ -113,6 +113,7 @@ class CellPoints:
 
     def __init__(self, gpu: Gpu, cells: int, media: GpuMedia) -> None:
         """For so many `cells`, of all lattices together, in `media`."""
+        # Cells are points of an image, so that their rays are traced like those of pixels.
         self.reduced = (_WIDTH, -(-cells // _WIDTH))
         self.places = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
         self.normals, self.cosines = (

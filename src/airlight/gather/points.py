@@ -91,6 +91,7 @@ class Points:
 
     def encode(self, commands: Commands, view: View) -> None:
         """Choose a pixel of each block; the view's G-buffer and its occlusion are drawn."""
+        # With its normal goes how much of the hemisphere the near field leaves open.
         self._pass.dispatch(
             commands,
             self.reduced,

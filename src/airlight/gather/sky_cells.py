@@ -41,6 +41,7 @@ class SkyCells:
     """
 
     def __init__(self, gpu: Gpu) -> None:
+        # Until there is a sky, all of it is alike.
         self._gpu = gpu.scope()
         self._shown: Environment | None = None
         self._size = (1, 1)

@@ -106,9 +106,11 @@ class GatherSolver(Solver):
                     commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
                 )
             sized.points.encode(commands, view)
+        # Lit patches and the light in the air are found before the paths that ask for them.
         guided = self._paths.guided(commands, sized, fields)
         fields = self._gathered_air(commands, view, fields)
         self._gather(commands, view, sized, number, fields, guided)
+        # Towards the sky go rays of their own, chosen by its cells.
         rays = self.settings.gather_rays
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
@@ -148,8 +150,10 @@ class GatherSolver(Solver):
                 if index == 0:
                     with commands.stage("gather lighting"):
                         sized.sums.encode(commands, view, sized.paths, numbers, sample)
+            # What later segments found counts once per batch.
             with commands.stage("gather lighting"):
                 sized.sums.encode_later(commands, view, sized.paths, numbers)
+        # Rays towards lit patches share with the others what both may find.
         if guided:
             self._paths.add_guided(commands, sized, number, fields)
 

@@ -130,6 +130,7 @@ class Trace:
         segment: Segment,
         more: dict[str, Buffer],
     ) -> None:
+        # The rays of a batch lie one below the other: a row of points for each number.
         used.dispatch(
             commands,
             (points.reduced[0], points.reduced[1] * len(segment.numbers)),

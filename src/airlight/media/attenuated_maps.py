@@ -36,6 +36,7 @@ class _Attenuate(ComputePass):
     file = "attenuated_maps.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        # Lights of the scene: through media by their columns towards the light.
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
             storage("views", LightViewData),
@@ -54,6 +55,7 @@ class _AttenuateSky(ComputePass):
     file = "attenuated_maps_sky.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        # The sky's maps are parallel: along each of them media are marched, without columns.
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
             storage("views", LightViewData),
@@ -76,6 +78,7 @@ class _Attenuated(ReflectiveShadowMaps):
         self.block = of.block
         self.depth, self.normal = of.depth, of.normal
         self._from, self._attenuate = of, attenuate
+        # A map without layers still has a texture, because slots want one.
         size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)
         self.flux = Texture(gpu, name, size, "rgba16float", dimension="2d-array", written=True)
 

@@ -32,6 +32,7 @@ class EmissionGrids:
         Raises SceneError where the grids do not fit into one texture.
         """
         self._seen: list[Volume] = list(volumes)
+        # Grids lie side by side in one texture; a volume without one has no place in it.
         sizes = [v.emission.size if v.emission else None for v in volumes]
         boxes, size = packed([(s[2], s[1], s[0]) for s in sizes if s], gpu.limits[LIMIT])
         self.texture = Texture(gpu, "emission grids", size, "rgba16float", dimension="3d")
@@ -53,6 +54,7 @@ class EmissionGrids:
             if volume.emission is old.emission:
                 continue
             have, had = (v.emission.size if v.emission else None for v in (volume, old))
+            # A grid keeps its place in the texture, which was as large as the grid.
             if have != had:
                 raise SceneError(
                     "a volume's emission got a grid, lost it, or its grid changed in size",
@@ -94,5 +96,6 @@ def brightest_emission(of: Medium | Volume) -> Rgb:
         return of.emission
     if of.emission is None:
         return (0.0, 0.0, 0.0)
+    # Glow is proportional to the grid's values, of which the peak is the largest.
     r, g, b = (c * of.emission.peak for c in of.emission.radiance)
     return (r, g, b)

@@ -160,6 +160,7 @@ class GpuMedia:
         """
         changed = self._take_media(scene, low, high)
         self.version += int(changed)
+        # Columns and lists of paths depend on media and lights alone.
         if not (changed or scene.lights != self._lights):
             return
         self._lights = scene.lights
@@ -227,6 +228,7 @@ class GpuMedia:
     def medium_bound(self) -> dict[str, Any]:
         """The resources of `wgsl/media.wgsl` alone."""
         bound: dict[str, Any] = {"media": self.table}
+        # What the scene lacks has no slot either: grids, glowing grids, noise.
         if self.atlas is not None:
             bound |= {"media_linear": self._linear, "media_densities": self.atlas.texture}
         if self._emission is not None:

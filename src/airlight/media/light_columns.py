@@ -118,6 +118,7 @@ class LightColumns:
         """`volumes`: whose grids the `atlas` holds."""
         self.atlas = atlas
         self._linear = linear_sampler(gpu, "light columns")
+        # Some planes across each light's direction come first, then all texels between them.
         self._planes = _Planes(gpu, generated=_CONSTANTS)
         self._columns = _Columns(gpu, generated=_CONSTANTS)
         # Four lights a texel, and a slab of texels for every four.
@@ -135,6 +136,7 @@ class LightColumns:
         self._listed = Buffer(gpu, "columns to find", 4 * len(slabs))
         self._plane_texels = max(_largest_plane(slab) for slab in slabs)
         bytes_each = 4 * (SLABS - 1) * max(1, light_count) * self._plane_texels
+        # As many grids at once as fit the scratch buffer and one dispatch.
         deepest = max(slab[2] for slab in slabs) * groups
         most = min(_SCRATCH_BYTES // bytes_each, _MOST_GROUPS // deepest, len(slabs))
         self._at_once = max(1, most)
@@ -160,6 +162,7 @@ class LightColumns:
             (placed, grid.tobytes(), version)
             for grid, version in zip(grids, self.atlas.versions, strict=True)
         ]
+        # What was found of equal rows, lights and voxels is right still.
         stale = [i for i, (a, b) in enumerate(zip(wanted, self._found, strict=True)) if a != b]
         if not stale or not lights:
             return
@@ -173,6 +176,7 @@ class LightColumns:
 
     def _row(self, row: dict[str, Any], columns: Region) -> dict[str, Any]:
         from_world: F64 = np.asarray(row["volume_from_world"], np.float64)
+        # Columns are followed in the box's own space, 0 to 1 on each axis, and add up metres.
         return {
             "world_from_box": np.linalg.inv(from_world),
             "count": columns.count,
@@ -236,6 +240,7 @@ def _paths(
     # it in both directions.
     axis = np.abs(towards).argmax(axis=-1)
     most = np.take_along_axis(towards, axis[..., None], axis=-1)[..., 0]
+    # A light that lies in the box has slabs on both of its sides, and faces none.
     is_cut = ~is_local | (np.abs(most) > 0.5)
     thickness = np.array([[slab_planes(n) for n in count] for count in counts], np.float64)
     packed = np.zeros(axis.shape, ColumnPath.dtype)

@@ -64,6 +64,7 @@ class Media(Solver):
         self.kit, self.has_multiple = kit, has_multiple
         scene, sky = kit.context.scene, kit.sky
         has_sky = has_sky and bool(sky.lights and sky.maps.layers)
+        # What draws along eye rays, with the table of all media.
         self.image = MediaImage(
             kit.gpu,
             scene,

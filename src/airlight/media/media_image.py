@@ -205,6 +205,7 @@ class MediaImage:
         if light.lattice is None and light.sky is None:
             light = replace(light, half_space=None)
         made = self.textures
+        # Of homogeneous media transmittance has a closed form; with grids it is marched, too.
         targets = MarchTargets(
             made.target("multiple"),
             made.target("transmittance") if self.media.has_grids else None,

@@ -54,6 +54,7 @@ def medium_fields(
     of: Medium | Volume, kind: int, volume_from_world: F64, *, shafts: int
 ) -> dict[str, Any]:
     """A row without grids; `shafts`: which lights' single scattering they draw."""
+    # No grid, no glow by voxels, no noise: those that have some write over it.
     return {
         "volume_from_world": volume_from_world,
         "sigma_t": of.sigma_t,

@@ -97,6 +97,7 @@ def _tree_nodes(count: int) -> int:
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
     """The slots of the table of media, of the density grids, and of their noise."""
     slots: list[Slot] = [storage("media", MediumData)]
+    # Without grids nothing is sampled: some devices bind few textures.
     if grids:
         slots += [sampler("media_linear"), texture("media_densities", "3d")]
     if has_detail:

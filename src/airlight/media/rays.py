@@ -79,6 +79,7 @@ class Rays:
             reduced=self.reduced,
             frame=frame,
         )
+        # Which pixel of its block each ray goes through.
         self._pass.draw(
             commands,
             (self.picked,),

@@ -100,6 +100,7 @@ class StaleCells:
         self.is_listed = boxes is not None
         if boxes is None:
             return
+        # What changed lies in these boxes, where it was and where it is.
         if len(boxes):
             self._boxes.write(_touched(boxes))
         # The list begins with its length, which cells count up as they enter.

@@ -144,6 +144,7 @@ class PopMedia(Solver):
         volumes = self._media_of(scene)
         if not self._merged:
             return grouped(volumes)
+        # Those of a kind are one medium, with the means of what they are in this frame.
         return [
             (medium.volume_of([volumes[i - self._first_row] for i in medium.rows]),)
             for medium in self._merged
@@ -207,6 +208,7 @@ class PopMedia(Solver):
 
 def _check_levels(settings: PopSettings, volumes: list[tuple[Volume, ...]]) -> None:
     """Raises SettingsError where nested grids are asked for and cannot be had."""
+    # Nested grids hand on the diffuse light of one medium; hops and other media have no part in it.
     if settings.grid_levels == 1 or not volumes:
         return
     name = f"grid_levels = {settings.grid_levels}"
@@ -237,6 +239,7 @@ class EveryMedium:
         m = scene.medium
         if m is None or self._box is None:
             return list(scene.volumes)
+        # What fills the scene is a volume like the others, in the box that it had at first.
         low, high = self._box
         bounds = (triple(low), triple(high)) if m.bounds is None else m.bounds
         box = Volume(m.sigma_t, shape="box", bounds=bounds, albedo=m.albedo, g=m.g)

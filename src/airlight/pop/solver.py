@@ -102,8 +102,10 @@ class PopSolver:
             self._furnace = Furnace(self.medium, settings, outer._furnace if outer else None)
         self._importance = ViewImportance() if settings.importance == "view" else None
         self._indirect: IndirectLight | None = None
+        # What was solved and drawn last: where the keys are equal nothing is encoded.
         self._light_key: tuple[Any, ...] = ()
         self._view_key = b""
+        # A finer grid takes the light of this one at its border.
         self.finer: PopSolver | None = None
         if is_beam and self.medium.level + 1 < settings.grid_levels:
             self.finer = PopSolver(
@@ -232,6 +234,7 @@ class PopSolver:
         self, commands: Commands, lit: Illumination, *, is_new_medium: bool, is_new_light: bool
     ) -> None:
         """Fill `emission` for the eye, where anything changed."""
+        # What is scattered towards the eye changes with it, even where all light stays.
         is_new_view = is_new_medium or lit.eye.tobytes() != self._view_key
         if not (is_new_view or is_new_light):
             return

@@ -107,9 +107,11 @@ class LatticeCells:
     def take_walls(self, commands: Commands, levels: Levels) -> bool:
         """Update the walls and hand them to `levels`; whether they changed."""
         version = self.blockers.version
+        # Walls that stay as they were are in all levels already.
         if version == self._walls_version:
             return False
         self._walls_version = version
+        # Without `occlusion` every hop is open.
         if self._settings.occlusion:
             self._reflectances.encode(
                 commands, self.placement.count, self.blockers.faces, self._reflectance

@@ -48,6 +48,7 @@ def step_rows(
     `sigma_s`, `sigma_t` (3,) m^-1. On a coarse `level` light is deposited where the finer walk
     would have. `persistence` is maths.lattice26.persistence of the finest lattice.
     """
+    # M moves light on, T adds up its track in the cell; both by channel.
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
         move, track = _channel_rows(float(s), float(t), cell_size_m, level, persistence / RHO)
@@ -112,6 +113,7 @@ def paper_gain(sigma_s: float, sigma_t: float, cell_size_m: float, share: float)
 
 def check_depth(sigma_t: Sequence[float], cell_size_m: float) -> None:
     """Raise SettingsError where lambda = d sigma_t >= 1, beyond which eq. 3 is unstable."""
+    # In mean free paths of the channel that is attenuated most.
     depth = mean_hop_length() * cell_size_m * max(sigma_t)
     if depth >= 1.0:
         raise SettingsError(
@@ -133,6 +135,7 @@ def paper_rows(
     Raises SettingsError where lambda = d sigma_t >= 1, beyond which eq. 3 is unstable.
     """
     check_depth(sigma_t, cell_size_m)
+    # One hop stands for all of its kind: through a face, an edge, a corner.
     distance_m = mean_hop_length() * cell_size_m
     table = hops()
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]

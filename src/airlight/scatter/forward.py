@@ -89,6 +89,7 @@ _KEEP = """fn store_light(id: vec3u, i: u32, light: vec4f) {
 
 
 def _generated(stores: bool, is_near: bool) -> str:
+    # Where it is for surfaces alone, cells that none of them reads are left out.
     cells = "near[cell] != 0u" if is_near else "true"
     return (
         f"const FOR_SURFACES = {str(is_near).lower()};\n"

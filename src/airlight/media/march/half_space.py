@@ -33,8 +33,10 @@ class HalfSpace:
     """The table of the endless medium of one scene."""
 
     def __init__(self, gpu: Gpu) -> None:
+        # A row for each depth: two means, then radiance by direction.
         self._table = Buffer(gpu, "half space", ROWS * (2 + SIDE**2) * 16)
         self._key: object = None
+        # The sky's part is kept apart: it stays as it is while other lights change.
         self._sky: tuple[object, F64] = (None, np.zeros(0))
         self._light = HalfSpaceLight(self._table, 1, 0.0, 1.0)
 

@@ -116,10 +116,12 @@ def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
             storage("lattices", LatticeParams),
             sampler("linear_clamp"),
         ]
+        # A lattice has its radiance by channel, and the walls that no lookup reads through.
         colours = ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
+    # Means or a third band, as the form of reading wants them.
     names += ["lattice_mean"] * (variant.lattice in MEAN_FORMS)
     names += ["sky_mean"] * (variant.sky == "mean")
     names += ["sky_third"] * (variant.sky == "three bands")

@@ -21,6 +21,7 @@ _NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return
 
 def _targets_wgsl(variant: Variant) -> str:
     """The struct of them, made of radiance (a: how far the ray goes), the sky's, transmittance."""
+    # The loop sums all; what has no target is left out by the compiler.
     names = target_names(variant)
     values = {"scattered": "scattered", "skylit": "vec4f(sky, 1.0)", "passed": "vec4f(T, 1.0)"}
     fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
@@ -74,9 +75,11 @@ def _sources_wgsl(variant: Variant) -> str:
         lattices = "    sum += lattice_emission(p, travel);\n"
     if variant.has_lattice and variant.half_space_side:
         lattices += "    sum += half_space_emission(p, travel);\n"
+    # What the reduced medium scatters reaches the eye through it, so it is summed apart.
     is_reduced = variant.lattice == "reduced medium"
     if not is_reduced:
         parts.append(lattices)
+    # Libraries of what is there alone, because each costs time to compile.
     uses = "//! use march_lattice\n" if has_lattices else _NO_LATTICES
     uses += _WEIGHT_WGSL if sources else ""
     uses += _step_share_wgsl(variant)
@@ -132,6 +135,7 @@ def _step_share_wgsl(variant: Variant) -> str:
         share = "march_step_share(p)" if has_lattices and not variant.sources else "1.0"
         fading = _FADING_WGSL if any(variant.fading) else ""
         return f"{fading}fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
+    # The finest grid around a point says how long its step may be, outside of all the coarsest.
     return (
         f"{_FADING_WGSL}fn step_share(p: vec3f) -> f32 {{\n    var share = 1e9;\n"
         f"    var longest = 1.0;\n    for (var i = 0u; i < {variant.sources}u; i++) {{\n"
@@ -205,6 +209,7 @@ def _emission_wgsl(name: str) -> str:
         for c in ("red", "green", "blue")
     )
     before = ""
+    # The sky may have a third band, and leaves means for what the reduced medium scatters.
     if name == "sky":
         samples += "    let third = sky_third_at(along);\n"
         samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"

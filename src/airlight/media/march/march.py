@@ -158,6 +158,7 @@ class March:
             values |= {"sources": self._table, "source_linear": self._linear}
             values |= {f"source{i}": s.texture for i, s in enumerate(sources)}
         lattices = [x for x in (lattice, sky) if x is not None]
+        # Sky and lattice have the same nested levels, so either fills the table.
         for one in lattices:
             values |= {"lattices": self._levels(one.levels), "linear_clamp": self._linear}
             values |= one.bound
@@ -166,6 +167,7 @@ class March:
             own = {f"lattice_{c}": sky.bound[f"sky_{c}"] for c in ("red", "green", "blue")}
             values = {**own, **values}
         forward = lattice.forward if lattice else None
+        # Unscattered light by lights, sharp and blurred, and the phase functions that scatter it.
         if forward is not None:
             values |= {
                 "forward_table": forward.table,
@@ -192,6 +194,7 @@ class March:
         return self._fused
 
     def _levels(self, levels: tuple[Placement, ...]) -> Buffer:
+        # Another number of nested levels needs another table.
         if self._lattices is None or self._lattices.count != len(levels):
             if self._lattices is not None:
                 self._lattices.buffer.release()
@@ -216,6 +219,7 @@ class March:
                 for s in sources
             ],
         )
+        # Sources that stay as they were are not uploaded again.
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()
             self._table.write(packed)
@@ -233,6 +237,7 @@ def march_params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
 
     `cell`: m, the shortest of all that is marched; infinite where nothing is.
     """
+    # What there is not counts nothing, and is one long step.
     lattice, sky, far = light.lattice, light.sky, light.half_space
     forward = lattice.forward if lattice else None
     return MarchParams(

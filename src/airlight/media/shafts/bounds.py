@@ -69,6 +69,7 @@ class DepthBounds:
         """Compute all levels from the maps."""
         if not self.maps.layers:
             return
+        # The map itself is level 0; the levels above it are recorded once, and replayed.
         self._copy(commands)
         self._recorded.encode(commands, (self.buffer,), partial(self._make_levels, commands))
 

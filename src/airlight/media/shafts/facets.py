@@ -106,6 +106,7 @@ class FacetTrees:
         """Compute the trees and their triangles from the maps."""
         if not self.maps.layers:
             return
+        # The same resources for all levels, which read what the ones before wrote.
         levels = [self.params(level) for level in range(1, self.top + 1)]
         shared = {"shadows": self.maps.depth, "facets": self.planes}
         # Planes from the leaves up, where one is near enough to all below it.

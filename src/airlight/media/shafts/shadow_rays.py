@@ -61,6 +61,7 @@ class ShadowRays:
     def bound(self, rays: Rays, lights: Lights) -> dict[str, Any]:
         """The resources of such a pass, by slot name."""
         parallel, local = self._parallel, self._local
+        # Maps of both kinds of lights have sizes of their own, and levels over them (Chen2011).
         shafts = ShaftParams(
             max_nodes=self._max_nodes,
             parallel_resolution=parallel.maps.depth.size[0],

@@ -102,6 +102,7 @@ class DeltaBeams:
 
     def _write_virtual_grids(self, virtual: int) -> None:
         """Place a grid for each of the last `virtual` ordinates."""
+        # Grids of virtual lights alone; their light is added to what the beams leave.
         table = self.light.table
         if self._virtual_grids is None:
             self._virtual_grids = GridPropagation(

@@ -148,6 +148,7 @@ class Diffuse:
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Buffer) -> None:
         """Compute the operator of a medium, whose number of ordinates does not matter."""
+        # Links between cells depend on the medium alone, and serve every light.
         self._system.dispatch(
             commands,
             (self.cells,),

@@ -141,6 +141,7 @@ class InterMediumLight:
             uvw_from_sender=receiver.placement.uvw_from_world @ to_world,
             first_row=table.count - receiver.mixture.blocks + BLOCKS * index,
             first=BLOCKS * index,
+            # In the unit of the receiver's table; 0 while the sender has no light.
             scale=sender.scattered.scale / table.scale if is_lit else 0.0,
         )
         self._gather.dispatch(

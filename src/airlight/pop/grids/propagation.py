@@ -76,6 +76,7 @@ class GridPropagation:
 
 
 def _require_room(gpu: Gpu, side: int, most: int) -> None:
+    # The states of all grids lie in one buffer, whose size devices limit.
     needed, limit = chain_bytes(side, most), gpu.limits["max-storage-buffer-binding-size"]
     if needed > limit:
         raise DeviceError(

@@ -59,6 +59,7 @@ class ViewImportance:
     """Importance of the sky of one medium, cached by medium and view."""
 
     def __init__(self) -> None:
+        # Maps are kept with what they were found for: a medium, and a view of it.
         self._key: tuple[Any, ...] = ()
         self._view_key: tuple[Any, ...] = ()
         self._map = np.ones(_SHAPE)

@@ -62,6 +62,7 @@ class SkyCorrection:
         c, s = np.cos(angle), np.sin(angle)
         map_from_world = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
         self.sky_from_medium[:3, :3] = map_from_world @ placement.world_from_medium[:3, :3]
+        # Another sky, other ordinates or another phase function need another correction.
         key = (sky.radiance, sky.ordinates, g, prefilter)
         if len(key) == len(self._key) and all(
             a is b or (isinstance(a, tuple | bool) and a == b)

@@ -170,6 +170,7 @@ def shadow_rows(
     owner, layer, weight = _shared(of_sky, directions, weights)
     counts = np.bincount(owner, minlength=len(of_sky))
     part = rows[len(distant) : ordinates.count]
+    # Each ordinate has a run of shares, whose weights add up to 1.
     part["count"] = counts
     part["first"] = np.cumsum(counts) - counts
     shares = np.zeros(len(layer), SkyViewData.dtype)

@@ -76,6 +76,7 @@ class Mixture:
     def write(self, parts: Sequence[PlacedVolume], *, is_white: bool = False) -> None:
         """Upload the media as they are, the own parts first; without absorption if `is_white`."""
         packed = pack_array(MixedData, [_row(parts[0], part) for part in parts])
+        # In the furnace nothing is absorbed, and radiance 1 comes back everywhere.
         if is_white:
             packed["albedo"] = 1.0
         if packed.tobytes() != self._written:

@@ -185,6 +185,7 @@ class VirtualLights:
         half = 0.5 * whole.extent
         centre = whole.world_from_medium[:3, :3] @ half + whole.world_from_medium[:3, 3]
         to_world = self._medium.placement.world_from_medium
+        # The sums of all maps' tiles lie in one row, map after map.
         firsts = np.cumsum([0, *self._tiles_of])
         return [
             (
