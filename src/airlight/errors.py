@@ -19,6 +19,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
+# NumPy's words, with the memory that was wanted.
 _WANTED = re.compile(r"Unable to allocate (\S+ \S+) for an array")
 
 LONGEST_LINE = 1500

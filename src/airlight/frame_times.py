@@ -6,6 +6,7 @@ import statistics
 from collections.abc import Sequence
 from time import perf_counter
 
+# Frames that medians are taken of.
 _MOST_TIMES = 256
 
 

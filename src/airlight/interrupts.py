@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
+# A shell's number for what Ctrl-C ended: 128 + SIGINT.
 INTERRUPTED = 130
 _AGAIN_S = 0.05
 

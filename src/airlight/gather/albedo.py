@@ -22,6 +22,7 @@ F64 = NDArray[np.float64]
 _SIDE = 64  # texels of a map at most
 _READ = 8  # pixels along a side that a texel is the mean of, at most
 MOST_GRAZING = 0.0625
+# Bits of a row: how its coordinates repeat, and whether its back is black.
 _BLACK_BACK = 16
 _WRAPS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
 

@@ -27,6 +27,7 @@ from ..lattice.placement import LatticeParams, Placement
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
 
+# Texels in a row of the images whose points are cells.
 _WIDTH = 1024
 CellLight = tuple[LatticeSource, AirLight]
 """Light that is scattered towards the eye, and what rays meet."""

@@ -19,6 +19,7 @@ from .guide import LightPatch
 from .points import Points
 from .sums import PointSums
 
+# What air lets by and adds along a ray, where there is any.
 _ALL_PASSED = """
 fn passed_by_ray(row: u32) -> vec3f { return vec3f(1.0); }
 """

@@ -50,6 +50,7 @@ class SegmentLight(NamedTuple):
     lattices: Texture | None = None
 
 
+# What media add along a segment, and what they let by; row and row + 1 of a buffer.
 _NO_AIR = """
 fn air_of(row: u32) -> Air { return Air(vec3f(0.0), 0.0, vec3f(1.0)); }
 """

@@ -16,6 +16,7 @@ from .points import Points
 from .sky_cells import SkyCells, SkyParams
 from .sums import PointSums, Sums
 
+# The share of the sky's light that media let by.
 _ALL_PASSED = """
 fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f { return vec3f(1.0); }
 """

@@ -16,6 +16,7 @@ from ..gpu.slots import Slot, image, storage
 from .kernel import LatticeLight
 from .slots import LATTICE_SLOTS, SURFACE_SLOTS
 
+# Two vec4: what the pixel has, where it is, and how much it mirrors.
 _ENTRY_BYTES = 32
 _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 

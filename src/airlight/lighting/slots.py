@@ -54,6 +54,7 @@ class LightingParams(Struct):
 NO_SUNS = {"sun_radiance": (0.0, 0.0, 0.0), "map_sun_colour": (0.0, 0.0, 0.0)}
 """Of `LightingParams`, where what is seen must not have the suns that are lights."""
 
+# By what it is for: surfaces, lights, panes, lattices, the list of glossy pixels.
 SURFACE_SLOTS = (
     uniform("params", LightingParams),
     PIXELS.slot,
@@ -78,6 +79,7 @@ LATTICE_SLOTS = (
     *BLOCKER_SLOTS,
     sampler("linear_clamp"),
 )
+# Glossy pixels, whose number atomics count.
 _LISTS = (
     storage("found", "atomic<u32>", "read_write"),
     storage("listed", "vec4u", "read_write"),

@@ -23,6 +23,7 @@ TEXELS = 64
 VOXELS = 16
 """Voxels of the grid after which the noise repeats."""
 _CELLS = 8  # the coarsest noise: two voxels
+# Any: noise has to be the same in each image.
 _SEED = 23
 
 

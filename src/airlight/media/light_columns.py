@@ -40,6 +40,7 @@ THINNEST = 2
 """Planes of texels in one of them, at least."""
 RUN = 16
 """Texels along z that an invocation finds: a CPU adapter loads what they share lane by lane."""
+# At most: the planes that are held at once, workgroups along a side of a dispatch.
 _SCRATCH_BYTES = 16 << 20
 _MOST_GROUPS = 65535
 _PLACED = ("kind", "position", "direction")  # of a light, all that columns depend on

@@ -12,6 +12,7 @@ from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, uniform
 
+# A pixel, and the sky's light that its shafts are added to: four words.
 _ENTRY_BYTES = 16
 
 

@@ -39,6 +39,7 @@ from .schemes import scheme_of
 from .settings import PopSettings
 from .transport import Transport
 
+# A row for each virtual light, which the device fills in.
 _VIRTUAL = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 

@@ -19,6 +19,7 @@ from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
 from ..maths.medium import mean_transmittance
 from ..maths.transforms import F64
 
+# Red, green and blue, each with a medium of its own.
 CHANNELS = 3
 _FIRST = (0, 6, 18)  # one hop of each kind
 

@@ -78,6 +78,7 @@ class _Forward(ComputePass):
 
 
 _SLANT_MEDIA = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
+# Light by light it is kept for marching, which the sum for surfaces does without.
 _DROP = """fn store_light(id: vec3u, i: u32, light: vec4f) {}
 """
 _KEEP = """fn store_light(id: vec3u, i: u32, light: vec4f) {

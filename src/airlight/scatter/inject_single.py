@@ -31,6 +31,7 @@ class SingleParams(Struct):
     is_listed = u32("1: into cells of the list alone")
 
 
+# Fluence is kept where the light in cells is read, added to other light's or alone.
 _DROP = "fn keep_light(cell: u32, fluence: vec3f) {}\n"
 _KEEP = """
 fn keep_light(cell: u32, fluence: vec3f) {

@@ -28,6 +28,7 @@ from ..scene.volume import Volume
 _MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates stores each
 _MOST_MERGED = 16  # volumes on one grid, beyond which it costs more than the lattice
 _ALIKE = 0.1  # of albedo and g, and of the ratios of extinctions
+# Of the room's cross section, from which on a volume's shade on surfaces counts.
 _SHADED_SHARE = 0.05
 
 

@@ -20,6 +20,7 @@ from ..rays import RayParams, Rays
 
 _TARGETS = ("direct", "indirect", "multiple", "transmittance")
 _BYTES = 16  # of a pixel of one target
+# Two targets hold the surfaces: transmittance multiplies their colours, their alpha stays.
 _FEATURE = "float32-blendable"
 _KEPT = {"src_factor": "zero", "dst_factor": "one", "operation": "add"}
 _TIMES = {"src_factor": "zero", "dst_factor": "src", "operation": "add"}
@@ -31,6 +32,7 @@ struct Once {
     most: vec3f,
 }
 """
+# Parts of the fragment, with and without the sky and shafts.
 _SKY = "return reduced_texel(skylit, texel).rgb;"
 _SHAFTS = "(*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);"
 _ADD_SHAFTS = """

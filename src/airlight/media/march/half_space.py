@@ -23,6 +23,7 @@ from ...maths.transforms import F64
 from ...scene.lights import DirectionalLight, Light
 from ...scene.medium import Medium
 
+# Depths below the medium's top that the table has.
 ROWS = 64
 SIDE = 17
 """Directions along each side of the square of an octahedron, those on its borders included."""

@@ -15,6 +15,7 @@ from .forward_source import FORWARD_WGSL, NO_FORWARD_WGSL
 from .half_space import NO_HALF_SPACE_WGSL, half_space_wgsl
 from .kernel import MAX_LEVELS_AT_ONCE, Variant, target_names
 
+# What stands in where there is no lattice, or its two bands are not read.
 _NO_LATTICES = "fn lattice_begin() {}\nfn lattice_obliqueness(n: vec3f) -> f32 { return 0.0; }\n"
 _NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
 

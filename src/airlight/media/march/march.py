@@ -41,7 +41,6 @@ from .kernel import (
 from .kernel_wgsl import generated
 from .marched_light import MarchedLight, variant_of
 
-MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
 _LIMIT = "max-color-attachment-bytes-per-sample"
 

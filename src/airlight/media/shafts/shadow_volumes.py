@@ -33,6 +33,7 @@ from ..rays import RayParams, Rays
 from .facets import TREE_SLOTS, Draw, FacetTrees
 from .shadow_rays import lit_interval_wgsl
 
+# Light before faces and behind them is added with a sign, in full floats.
 FEATURE = "float32-blendable"
 _ADDED = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
 

@@ -28,6 +28,7 @@ class StepParams(Struct):
     step = u32()
 
 
+# What several steps of the solve bind; sums are over a workgroup's cells.
 _params = uniform("params", MediumParams)
 _density, _links = storage("density", "f32"), storage("links", "vec4f")
 _walls = storage("walls", "u32")

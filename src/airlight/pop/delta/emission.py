@@ -39,6 +39,7 @@ class _OfBeams(ComputePass):
         super().__init__(gpu, generated=mixture.beam_wgsl(has_blocks=has_blocks))
 
 
+# What the frame's emission and the furnace's corrections both read.
 _read: tuple[Slot, ...] = (
     uniform("params", MediumParams),
     uniform("view", ViewParams),

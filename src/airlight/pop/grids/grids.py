@@ -29,6 +29,7 @@ from ..settings import PopSettings
 FAR = 2.0
 """A local light so many half diagonals from the middle of a medium gets a parallel grid: seen from
 there, the cells of a shell are wider than the medium."""
+# Of sums that atomics add up, so that their bits do not depend on the order.
 FIXED_POINT_BITS = 30
 GROUP = 64
 """Cells of a workgroup."""

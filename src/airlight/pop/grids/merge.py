@@ -15,6 +15,7 @@ from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 from .grids import GridData, GridParams, Grids
 
+# Of both passes: shells are added to cells by atomics, parallel grids are read.
 _grids = (
     uniform("params", MediumParams),
     uniform("hops", GridParams),

@@ -19,6 +19,7 @@ from .grids import GROUP, GridData, GridParams, Grids, grid_capacity
 
 _PARTS = 3  # vec4 per cell of a state (ahead, side, behind) and of what is gathered
 
+# Of both passes: the medium, and the grids of its ordinates.
 _common = (
     uniform("params", MediumParams),
     uniform("hops", GridParams),

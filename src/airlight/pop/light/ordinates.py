@@ -23,12 +23,14 @@ from ...surface.sky import environment_map
 from .sky_correction import SkyLight
 from .table import LocalLight
 
+# A sky of radiance 1 everywhere; its number of texels does not matter.
 _UNIFORM = np.ones((2, 4, 3))
 MAKERS: dict[str, Callable[[F64, int], Ordinates]] = {
     "partition": partition,
     "importance": importance_sampled,
 }
 """By the names of the setting: how an environment map becomes ordinates."""
+# The same makers where an importance says which directions the camera sees.
 _FOR_VIEW = {"partition": view_partition, "importance": view_samples}
 
 

@@ -29,6 +29,7 @@ from .reflected import ReflectedLights
 
 TILE = 16
 """Texels along a side of what is summed at once."""
+# Invocations that scan the sums of tiles.
 _SCAN_GROUP = 256
 
 _CONSTANTS = f"const TILE = {TILE}u;\nconst PI = 3.14159265;\n"
@@ -64,6 +65,7 @@ class VirtualVisibilityParams(Struct):
     first_row = u32()
 
 
+# The reflective shadow maps, which are summed by tiles and drawn from.
 _maps = (
     uniform("params", VirtualParams),
     storage("views", LightViewData),
