@@ -27,6 +27,7 @@ class FrameTimes:
         """Take the moments of a frame, seconds of `perf_counter`."""
         if self.first_image_s is None:
             self.first_image_s = done - self._began_s
+        # The first frame is kept, as the only one that compiled shaders.
         for stored, spent_s in ((self.frame_ms, done - begin), (self.python_ms, encoded - begin)):
             del stored[1:-_MOST_TIMES]
             stored.append(spent_s * 1e3)

@@ -81,6 +81,7 @@ class Renderer(DeviceLifetime):
         self._make()
 
     def _open(self) -> Gpu:
+        # All that the renderer makes is given back with a scope of its own.
         gpu = open_gpu(self._wanted[2]).scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the image")
         gpu.memory.forget_peak()

@@ -97,6 +97,7 @@ class LightGuide:
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self._scope = gpu.scope()
+        # Compiled for what rays meet in the scene, and again where that is other.
         self._pass: _Tiles | None = None
         self._constants: dict[str, float] = {}
         self._patches = _Patches(gpu)

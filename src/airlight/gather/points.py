@@ -116,6 +116,7 @@ def pixel_m(world_from_clip: F64, height: int) -> float:
 
 def reduction(size: tuple[int, int], most: int) -> int:
     """Pixels along a side of the smallest blocks of which an image of `size` has at most `most`."""
+    # Blocks grow until the image has few enough of them.
     scale = 1
     while (-(-size[0] // scale)) * (-(-size[1] // scale)) > most:
         scale += 1

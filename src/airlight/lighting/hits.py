@@ -82,6 +82,7 @@ class HitLighting:
         sky: SkyIrradiance,
     ) -> tuple[Texture, Texture]:
         """The textures with what lights and emitters give `hits`, and what `irradiance` does."""
+        # Lights first, then what lattices add to them.
         values = self._bound(commands, hits, irradiance, sky)
         self._draw(commands, "lights", (layers.lit,), values, irradiance)
         self._draw(commands, "rest", layers.targets, values | {"lit": layers.lit}, irradiance)

@@ -239,5 +239,6 @@ def _transmittance_wgsl(attenuation: Attenuation | None) -> str:
     """What the media bind, and `light_transmittance`, which `direct_light` asks for."""
     if attenuation is None:
         return _NO_ATTENUATION
+    # The coefficients of a single box come with the triangle, not from a table in each fragment.
     by = _ATTENUATED_BY_ONE_BOX if attenuation.is_one_box else _ATTENUATED_BY_MEDIA
     return attenuation.wgsl + by

@@ -82,6 +82,7 @@ class OcclusionLayers:
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int = SCALE) -> None:
         """For an image of `size`, pixels. `scale`: pixels along a texel's side."""
         self.size, self.scale = size, scale
+        # The near field is found for blocks of pixels, and interpolated.
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True, written=True)

@@ -58,6 +58,7 @@ class Translucent:
     def __init__(self, gpu: Gpu, size: tuple[int, int], most: int) -> None:
         """`most` layers are drawn; surfaces behind them, before solid ones, are left out."""
         self.gpu, self._most, self._sized = gpu, most, gpu.scope()
+        # By what they draw, compiled when an image first needs them.
         self._under_passes: dict[tuple[str, ...], _Under] = {}
         self._passed_passes: dict[bool, _Passed] = {}
         self._make(size)

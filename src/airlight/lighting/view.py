@@ -72,6 +72,7 @@ class View:
 
     def follow(self, other: View) -> None:
         """Look where `other`, of the same size, looks."""
+        # The same camera and jitter, so that pixels of both views match.
         self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
         self._aimed, self.jitter_px, self.eye = other._aimed, other.jitter_px, other.eye
         self.gbuffer.unlit_radiance = other.gbuffer.unlit_radiance
@@ -82,5 +83,6 @@ class View:
         """Draw images of `size`, pixels, from here on."""
         self.size = size
         self.gbuffer.resize(size)
+        # Layers of the former size are given back together.
         self._sized.release()
         self._make_layers()

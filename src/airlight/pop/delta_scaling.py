@@ -43,6 +43,7 @@ class DeltaScaling:
     def _of(self, volume: Volume) -> Volume:
         if max(volume.g) <= SHARPEST:
             return volume
+        # A volume is scaled once, so that it is the same one in each frame.
         made = (scaled for known, scaled in self._made if known is volume)
         return next(made, None) or _scaled(volume)
 

@@ -178,6 +178,7 @@ class PopSolver:
 
     def _ordinates_of(self, lit: Illumination) -> Ordinates:
         """Those of the frame; nested grids share them."""
+        # Nested grids of one medium share its ordinates.
         if self._outer is not None:
             return self._outer._ordinates
         importance = self._importance_of(lit)

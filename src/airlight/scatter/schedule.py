@@ -47,6 +47,7 @@ class Schedule:
         """The cells of each level's lattice."""
         counts = [count]
         for _ in self.before[1:]:
+            # A coarse cell stands for eight; at odd ends it reaches beyond them.
             x, y, z = counts[-1]
             counts.append((-(-x // 2), -(-y // 2), -(-z // 2)))
         return counts

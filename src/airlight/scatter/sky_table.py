@@ -14,6 +14,7 @@ class SkyTable:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
+        # As large as the sky's lights may ever be many, so that passes keep their buffer.
         self.capacity = max(1, sky_capacity(kit))
         self.buffer = Buffer(kit.gpu, "sky lights", LightData.dtype.itemsize * self.capacity)
         self.rows = self._written = b""

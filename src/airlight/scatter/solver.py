@@ -196,6 +196,7 @@ class ScatterSolver(Solver):
             "levels": len(levels.levels),
             "cycles": levels.schedule.cycles,
         }
+        # Iterations and levels are those of the largest lattice.
         if len(placements) > 1:
             found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in placements]
         return found

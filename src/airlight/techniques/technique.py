@@ -130,6 +130,7 @@ class Technique:
     def stats(self) -> dict[str, Any]:
         """The values of --stats; where two solvers have the same key, the first one's counts."""
         found = self.kit.stats
+        # What earlier solvers say stands, where later ones say it too.
         for solver in reversed(self.solvers):
             found |= solver.stats
         return {"chosen": self.name, **found}

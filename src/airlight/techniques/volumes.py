@@ -78,6 +78,7 @@ class LatticeVolumes:
         """Update the volumes on the device."""
         with commands.stage("air"):
             self._media.update(commands, frame.scene, *frame.bounds)
+            # The lattice's light is isotropic, so reduced media stand for those that are not.
             self.isotropic.update(commands, _reduced_isotropic(frame.scene), *frame.bounds)
         if self.beams is not None:
             self.beams.encode(commands, frame)

@@ -101,6 +101,7 @@ class SceneOrdinates:
 
     def _of_uniform(self, environment: Environment) -> Ordinates | None:
         """Those of a uniform sky, which are those of the furnace correction: its error vanishes."""
+        # The ordinates of radiance 1 serve every uniform sky.
         uniform = uniform_sky(self.count)
         light = np.asarray(environment.radiance) * environment.scale
         self.sky = uniform_light(uniform)

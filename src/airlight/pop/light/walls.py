@@ -131,6 +131,7 @@ class Walls:
 
     def _clear(self, walls: Buffer) -> bool:
         """Open all faces; returns whether any was closed."""
+        # Without surfaces no face is closed, which is written once.
         was_clear, self._is_clear = self._is_clear, True
         if not was_clear:
             walls.write(np.zeros(2 * self._medium.cells, np.uint32))

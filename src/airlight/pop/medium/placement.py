@@ -148,6 +148,7 @@ def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
     """The width of the medium in the box of a volume."""
     probed = probed_density(volume)
     cell = placement.extent / np.array(probed.shape[::-1])
+    # Weighted by itself: empty voxels say nothing of the medium.
     mean = float((probed**2).sum() / max(float(probed.sum()), 1e-30))
     return Width(largest_diffusivity(probed, cell), mean, float(probed.mean()))
 
