@@ -7,5 +7,6 @@
         return;
     }
     let index = cell_in(n, id);
+    // The correction of each channel has a length of its own.
     corrected[index] = stepped[index] + lengths[id.z / n.z] * answer[index];
 }

@@ -7,5 +7,6 @@
         return;
     }
     let index = cell_in(n, id);
+    // source + scale (stepped - source).
     rescaled[index] = mix(source[index], stepped[index], scales[id.z / n.z]);
 }
