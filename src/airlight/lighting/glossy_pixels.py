@@ -23,7 +23,6 @@ _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
 def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
     """Whether a device lets a list hold all pixels of an image."""
-    # Two vec4u for each pixel.
     limits = ("max-buffer-size", "max-storage-buffer-binding-size")
     return _ENTRY_BYTES * size[0] * size[1] <= min(gpu.limits[name] for name in limits)
 

@@ -156,7 +156,6 @@ class SkyInMedia:
         `levels`: the lattices that share the textures, the finest first; () for the only one.
         """
         self.media.update(commands, _under(frame.scene, self.sky), *frame.bounds)
-        # Where the lights are as they were, cells change only through media that did.
         table = packed_lights(tuple(self.sky.lights))
         is_lit_alike = table.tobytes() == self._lit and not shadows_changed
         touched = self.media.touched_since(self._media_version) if is_lit_alike else None

@@ -103,10 +103,8 @@ class PopSolver:
             self._furnace = Furnace(self.medium, settings, outer._furnace if outer else None)
         self._importance = ViewImportance() if settings.importance == "view" else None
         self._indirect: IndirectLight | None = None
-        # What was solved and drawn last: where the keys are equal nothing is encoded.
         self._light_key: tuple[Any, ...] = ()
         self._view_key = b""
-        # A finer grid takes the light of this one at its border.
         self.finer: PopSolver | None = None
         if is_beam and self.medium.level + 1 < settings.grid_levels:
             self.finer = PopSolver(
