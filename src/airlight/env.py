@@ -66,6 +66,7 @@ def cache_folder(environment: Mapping[str, str] = os.environ, platform: str = sy
 
 def _system_caches(environment: Mapping[str, str], platform: str) -> Path:
     """airlight's folder where the system keeps caches."""
+    # Each system has a folder for what may be deleted.
     if platform == "darwin":
         return Path.home() / "Library" / "Caches" / "airlight"
     if platform == "win32":

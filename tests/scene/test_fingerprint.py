@@ -42,6 +42,18 @@ def test_equal_scenes_have_one_fingerprint():
     assert fingerprint(replace(scene, warnings=("said",))) == fingerprint(scene)
 
 
+def test_fields_may_be_left_out():
+    """Wherever they stand; those that no image depends on always are."""
+    scene = make_scene()
+    other = replace(
+        scene, settings={}, meshes=(replace(scene.meshes[0], name="another"),), warnings=("said",)
+    )
+    assert fingerprint(other, without=("settings",)) != fingerprint(scene, without=("settings",))
+    left_out = ("settings", "name")
+    assert fingerprint(other, without=left_out) == fingerprint(scene, without=left_out)
+    assert fingerprint(scene, without=left_out) != fingerprint(scene)
+
+
 def changed(scene, kind):
     texels = np.ones((4, 8, 3), np.float32)
     texels[2, 5, 1] = 1.0 + 1e-6

@@ -38,7 +38,5 @@
             found = gather_hit(origin, direction);
         }
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

@@ -39,6 +39,7 @@ class Far:
 
     def encode(self, commands: Commands, view: View) -> None:
         """Find it; the view's points are known."""
+        # One workgroup, one length for the whole image.
         self._pass.dispatch(
             commands,
             (64,),

@@ -160,6 +160,7 @@ fn put_together(sums: PointSums) -> PointSums {
     let falloff = params.falloff * sqrt(1.0 + own.sums.frames);
     let texel_m = params.texel * max(own.place.w, 1e-9) * f32(params.stride);
     let last = vec2i(params.reduced) - 1;
+    // 25 neighbours, of which each kind of light has weights of its own.
     var sum: Shared;
     var k = 0;
     loop {

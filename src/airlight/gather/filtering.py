@@ -50,6 +50,7 @@ class Filtering:
         """`rays`: of a point."""
         self._points, self._rays = points, rays
         self._filter = _Filter(gpu)
+        # Each pass reads what the one before has written.
         self._between = [new_sums(gpu, f"filtered sums {i}", points) for i in range(len(STRIDES))]
 
     def encode(self, commands: Commands, view: View, sums: Buffer, sky_rays: int) -> Buffer:

@@ -97,6 +97,7 @@ class LightGuide:
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self._scope = gpu.scope()
+        # Compiled for what rays meet in the scene, and again where that is other.
         self._pass: _Tiles | None = None
         self._constants: dict[str, float] = {}
         self._patches = _Patches(gpu)
@@ -115,6 +116,7 @@ class LightGuide:
 
         `diagonal`, m: of the scene.
         """
+        # Without maps it is not known what lights shine on.
         drawn = [one for one in maps if one.layers]
         if not drawn:
             return False
@@ -167,4 +169,5 @@ class LightGuide:
 
 
 def _side(maps: ReflectiveShadowMaps) -> int:
+    # A power of two, since tiles lie along a Morton curve.
     return 1 << (-(-maps.resolution // TILE) - 1).bit_length()

@@ -12,6 +12,7 @@
     let n = textureLoad(normals, at, 0).xyz;
     var found = no_ray();
     if (place.w > 0.0) {
+        // A patch by what it sends, then a direction within the cone of its sphere.
         let origin = ray_start(place, n);
         let numbers = ray_numbers(at.x, at.y, params.first_ray + id.y / params.reduced.y);
         let choice = guide_choice(origin, n, numbers.x);
@@ -20,7 +21,5 @@
             found = gather_hit(origin, direction);
         }
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

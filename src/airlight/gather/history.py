@@ -69,6 +69,7 @@ class History:
     def __init__(self, gpu: Gpu, points: Points, most: int) -> None:
         """`most`: frames before one that count for it."""
         self._points, self._most, self._pass = points, most, _Reproject(gpu)
+        # Two sets of sums and places: of the frame before, and of this one.
         self._kept = [
             (
                 new_sums(gpu, f"sums of frames {i}", points),
@@ -88,6 +89,7 @@ class History:
         points = self._points
         # Two sets of buffers: one is read, the other written, and then they change places.
         before, after = self._kept[self.number % 2], self._kept[1 - self.number % 2]
+        # The first frame finds nothing before it.
         is_first = self._before is None
         self._pass.dispatch(
             commands,
@@ -118,6 +120,7 @@ class History:
 
 def lit_alike(one: Scene, other: Scene) -> bool:
     """Whether what lights two scenes' surfaces is the same; parts of frames that rest are."""
+    # All that lights surfaces; the camera does not.
     single = ("environment", "medium")
     several = ("lights", "light_groups", "meshes", "volumes")
     pairs = [(getattr(one, name), getattr(other, name)) for name in single]

@@ -57,6 +57,7 @@ class Points:
     def __init__(self, gpu: Gpu, size: tuple[int, int], *, is_occluded: bool) -> None:
         """For an image of `size`, pixels. `is_occluded`: near surfaces shade it."""
         self.size = size
+        # A point for each block of pixels, and blocks as small as MOST_POINTS allows.
         self.scale = reduction(size, MOST_POINTS)
         width, height = (-(-side // self.scale) for side in size)
         self.reduced = (width, height)
@@ -90,6 +91,7 @@ class Points:
 
     def encode(self, commands: Commands, view: View) -> None:
         """Choose a pixel of each block; the view's G-buffer and its occlusion are drawn."""
+        # With its normal goes how much of the hemisphere the near field leaves open.
         self._pass.dispatch(
             commands,
             self.reduced,
@@ -114,6 +116,7 @@ def pixel_m(world_from_clip: F64, height: int) -> float:
 
 def reduction(size: tuple[int, int], most: int) -> int:
     """Pixels along a side of the smallest blocks of which an image of `size` has at most `most`."""
+    # Blocks grow until the image has few enough of them.
     scale = 1
     while (-(-size[0] // scale)) * (-(-size[1] // scale)) > most:
         scale += 1

@@ -50,6 +50,7 @@ class Upsampling:
             is_one_lattice=kit.lattices.table.count == 1,
         )
         self._pass = _Upsample(gpu, constants=light.constants, firsts=LATTICES_FIRST)
+        # Light of surfaces and of the sky apart, since near occluders send some of the first.
         irradiance, sky = (
             Texture(gpu, label, points.size, "rgba16float", target=True, written=True)
             for label in ("gathered irradiance", "gathered sky")

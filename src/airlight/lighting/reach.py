@@ -113,6 +113,7 @@ class MadeFor:
 
     def showing(self, scene: Scene) -> MadeFor:
         """What resources have to be made for to show `scene`: the very same where they fit it."""
+        # Another scene asks for other resources, an eye beyond the reach for larger lattices.
         if not drawn_alike(scene, self.first):
             return MadeFor(scene, follows_eye=self.follows_eye)
         eye = self.reach.beyond(scene) if self.reach else None
@@ -124,6 +125,7 @@ def reach_of(scene: Scene) -> Reach | None:
 
     The far light of an endless medium is in a table of its own (`media.half_space`).
     """
+    # A medium without extinction is not seen.
     medium = scene.medium
     if medium is None or medium.endless or not any(medium.sigma_t):
         return None

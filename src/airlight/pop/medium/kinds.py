@@ -6,7 +6,7 @@ Volumes of a kind share a grid (`merged_medium`), where means of their coefficie
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,7 +19,28 @@ from .merging import mass_of
 _ALIKE = 0.1  # of the ratios of extinctions, of albedo and g
 
 
-def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int, ...]]:
+@dataclass(frozen=True)
+class GridPlan:
+    """Which grids volumes are solved on.
+
+    volumes  each in its parts
+    kinds    of the parts, those that share a grid; none where each volume has its own
+    sources  how many grids are marched
+    """
+
+    volumes: list[tuple[Volume, ...]]
+    kinds: list[tuple[int, ...]]
+    sources: int
+
+
+def grid_plan(parts: Sequence[Volume], settings: PopSettings) -> GridPlan:
+    """Few volumes have a grid each, more than MOST_ALONE share those of their kinds."""
+    volumes = grouped(parts)
+    kinds = sorted_by_kind(parts, settings) if len(volumes) > MOST_ALONE else []
+    return GridPlan(volumes, kinds, (len(kinds) or len(volumes)) * settings.grid_levels)
+
+
+def sorted_by_kind(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int, ...]]:
     """The indices of the volumes of each kind, at most MOST_ALONE kinds, each in order.
 
     Light that hops from cell to cell knows one medium only, so there all are one kind.
@@ -51,14 +72,6 @@ def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int
         members[a] += members.pop(b)
         means, weight = np.delete(means, b, axis=0), np.delete(weight, b)
     return sorted(tuple(sorted(int(i) for i in kind)) for kind in members)
-
-
-def source_count(volumes: Sequence[Volume], settings: PopSettings) -> int:
-    """How many grids are marched for these volumes."""
-    media = len(grouped(volumes))
-    if media > MOST_ALONE:
-        media = len(kinds_of(volumes, settings))
-    return media * settings.grid_levels
 
 
 def _held(volume: Volume) -> float:

@@ -92,7 +92,8 @@ MESH = Table(
             "file",
             checks.text,
             "path",
-            "a mesh file: OBJ, glTF, GLB, PLY or STL; Draco: airlight[gltf]",
+            "a mesh file: OBJ, glTF, GLB, PLY, STL or USD; Draco: airlight[gltf], USD: "
+            "airlight[usd]",
         ),
         Key(
             "shape",
