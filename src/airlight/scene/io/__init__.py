@@ -68,8 +68,10 @@ def load(
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`.
 
-    Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
-    `variant` names one of a glTF file's material variants; other files say so themselves.
+    Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
+    metres its unit is; of a glTF file `variant` names one of its material variants. Scene files say
+    so themselves, and grids of NetCDF and zarr which way is up. Coefficients of a grid are per
+    metre of the world, whatever the scale.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
     True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
@@ -113,27 +115,32 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
 def model_keys(
     path: str, *, up: str = "y", scale: float = 1.0, variant: str | None = None
 ) -> dict[str, Any]:
-    """What is asked for beside the file, by the names of a [[mesh]]'s keys, checked.
+    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked.
 
-    Raises SceneError where it is no mesh file.
+    Raises SceneError where it is no file that has them.
     """
+    from .toml_media_tables import VOLUME
+    from .toml_tables import MESH
+
     given = {"up": up, "scale": scale, "variant": variant}
     usual = {"up": "y", "scale": 1.0, "variant": None}
     # An option left as it is by default says nothing, and is allowed for every file.
     asked = {name: value for name, value in given.items() if value != usual[name]}
-    if asked and Path(path).suffix.lower() not in MESH_SUFFIXES:
+    suffix = Path(path).suffix.lower()
+    # Variants are of mesh files; how a file lies and how large it is, of grids as well.
+    is_grid = suffix in VOLUME_SUFFIXES
+    suffixes = MESH_SUFFIXES if "variant" in asked else (*MESH_SUFFIXES, *VOLUME_SUFFIXES)
+    if asked and suffix not in suffixes:
+        kinds = "mesh files" if "variant" in asked else "mesh files and density grids"
         raise SceneError(
-            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for mesh files "
-            f"({', '.join(MESH_SUFFIXES)})",
+            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for {kinds} "
+            f"({', '.join(suffixes)})",
             where=path,
-            remedy="In a scene file, each [[mesh]] has keys of these names.",
+            remedy="In a scene file, each [[mesh]] and each [[volume]] has keys of its own.",
         )
-    from .toml_tables import MESH
-
-    # The checks of a [[mesh]]'s keys hold here too, with their messages.
-    return {
-        key.name: key.check(asked[key.name], key.name) for key in MESH.keys if key.name in asked
-    }
+    # The checks of their keys hold here too, with their messages.
+    keys = (VOLUME if is_grid else MESH).keys
+    return {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
@@ -158,7 +165,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 
-        scene = load_volume_scene(file)
+        scene = load_volume_scene(file, model)
     else:
         # Keys of placement, as a [[mesh]] would have them.
         scene = load_meshes(file, model.get("variant"))

@@ -7,7 +7,6 @@ axis and metersPerUnit. What moves stands as it does at the first time.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -239,10 +238,7 @@ class _Reader:
         if not resolved or not Path(resolved).is_file():
             self.warnings.append(f"'{prim.GetPath()}': its file is missing")
             return
-        volume, told = grid_volume(read_volume(resolved, str(grid or name)), Path(resolved))
-        # Extinction is per unit of the file, which is `scale` metres in the world.
-        scale = float(np.cbrt(abs(np.linalg.det(world[:3, :3])))) or 1.0
-        r, g, b = (c / scale for c in volume.sigma_t)
-        matrix = world @ volume.world_from_volume
-        self._volumes.append(replace(volume, sigma_t=(r, g, b), world_from_volume=matrix))
+        read = read_volume(resolved, str(grid or name))
+        volume, told = grid_volume(read, Path(resolved), world)
+        self._volumes.append(volume)
         self.warnings += told
