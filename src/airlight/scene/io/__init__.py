@@ -14,7 +14,8 @@ gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt:
                  gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
-usd, usd_*       OpenUSD, by an extra: its stage -> meshes, materials, lights
+usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume; usd_losses
+                 says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
                  _serialized), _materials, _textures, _emitters, _lights, _media, _camera
 polygons, normals   faces of many corners cut into triangles; normals of what has none

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
-from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap
+from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap, specular_of
 from .gltf_buffers import Buffers, uri_bytes, uri_file
 from .gltf_json import Item
 from .gltf_uv import ImageUse, UvFrame, image_use, shared_frame
@@ -244,11 +244,9 @@ class Materials:
 
 def _specular(extensions: Item) -> float:
     """Scale of the dielectric reflectance 0.04, from KHR_materials_ior and _specular."""
-    # Fresnel's reflectance at normal incidence, 0.04 for an index of 1.5.
     ior = extensions.child("KHR_materials_ior").number("ior", 1.5)
-    reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2 if ior > 0.0 else 1.0
     factor = extensions.child("KHR_materials_specular").number("specularFactor", 1.0)
-    return _unit(factor * reflectance / 0.04)
+    return _unit(factor * specular_of(ior))
 
 
 def _unit(value: float) -> float:

@@ -16,7 +16,7 @@ from ..volume import IDENTITY, Volume
 from .coefficient_files import colours_of
 from .dense_grid import Optics
 from .emission_files import on_one_grid
-from .volumes import NOWHERE, VolumeGrid, grid_names, read_values, read_volume
+from .volumes import NOWHERE, GridValues, VolumeGrid, grid_names, read_values, read_volume
 
 DEPTH = 6.0
 """Optical depth through the denser parts, of the coefficient that is chosen for a bare grid."""
@@ -26,7 +26,8 @@ FLAME = 20.0
 HOTTEST_K = 1900.0
 """What temperatures end at that are in no kelvin: a flame of wood."""
 ORANGE = (1.0, 0.25, 0.02)
-_FLAMES = ("temperature", "flame", "flames", "heat", "fire")
+FLAMES = ("temperature", "flame", "flames", "heat", "fire")
+"""Names of grids of what glows."""
 _COOLEST_K = 600.0
 
 
@@ -98,21 +99,31 @@ def _with_emission(
     Its brightest path is as bright as FLAME; temperatures in units of their own end at HOTTEST_K.
     """
     # Where the units say that it is a cloud, temperatures are those of its air.
-    name = None if grid.optics else next((n for n in grid_names(file) if n in _FLAMES), None)
+    name = None if grid.optics else next((n for n in grid_names(file) if n in FLAMES), None)
     if name is None:
         return grid, None, ()
-    grown, values = on_one_grid(grid, read_values(file, name))
-    if values.ndim != 3 or not float(values.max()) > 0.0:
-        return grid, None, (f"{file.name}: its grid '{name}' is no fire that is seen",)
+    return fire(grid, read_values(file, name), name, file.name, world_from_file)
+
+
+def fire(
+    grid: VolumeGrid, values: GridValues, name: str, label: str, world_from_file: F64 = IDENTITY
+) -> tuple[VolumeGrid, Emission | None, tuple[str, ...]]:
+    """The grid on a box that holds the flames or temperatures `values`, and what they emit.
+
+    `name` is what they are called, "temperature" or another; `label` stands in what is told.
+    """
+    grown, found_values = on_one_grid(grid, values)
+    if found_values.ndim != 3 or not float(found_values.max()) > 0.0:
+        return grid, None, (f"{label}: its grid '{name}' is no fire that is seen",)
     # Temperatures in kelvin are taken as they are, others end at HOTTEST_K.
     scale = 1.0
     # Each kind of grid: kelvin, or flames of a colour in proportion to the values.
     if name == "temperature":
-        hottest = float(values.max())
+        hottest = float(found_values.max())
         scale = 1.0 if _COOLEST_K < hottest <= 1e4 else HOTTEST_K / hottest
-        found = Emission(temperature=values, temperature_scale=scale)
+        found = Emission(temperature=found_values, temperature_scale=scale)
     else:
-        found = Emission(ORANGE, np.maximum(values, 0.0))
+        found = Emission(ORANGE, np.maximum(found_values, 0.0))
     assert found.values is not None
     longest_m = float(_sides_m(grown.bounds, world_from_file @ grown.world_from_volume).max())
     # So bright that a tenth of the box's longest side, at its peak, sends FLAME.
@@ -120,7 +131,7 @@ def _with_emission(
     r, g, b = (float(f"{c * strength:.3g}") for c in found.radiance)
     keys = f'{"temperature" if name == "temperature" else "emission"}_grid = "{name}"'
     keys += f" with temperature_scale = {scale:g}" if scale != 1.0 else ""
-    text = f"{file.name} has flames: {keys}, emission = {max(r, g, b):g} were chosen"
+    text = f"{label} has flames: {keys}, emission = {max(r, g, b):g} were chosen"
     return grown, replace(found, radiance=(r, g, b)), (text,)
 
 
