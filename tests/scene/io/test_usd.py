@@ -425,7 +425,7 @@ def prim(kind: str, name: str, body: str, more: str = "") -> str:
             "what moves stands as at the first time: '/World/s' radius",
         ),
         (
-            prim("Xform", "x", "double3 xformOp:translate.timeSamples = {1: (0, 0, 0), 5: (1, 0, 0)}"
+            prim("Xform", "x", "double3 xformOp:translate.timeSamples = {1: (0,0,0), 5: (1, 0, 0)}"
                  '; uniform token[] xformOpOrder = ["xformOp:translate"]'),
             "'/World/x' xformOp:translate",
         ),
