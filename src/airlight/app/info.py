@@ -73,7 +73,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "emissive_materials": sum(material.is_emissive for material in materials),
         "textures": len(textures),
         "texture_bytes": sum(texture.pixels.nbytes for texture in textures),
-        "bounds_m": [np.round(low, 6).tolist(), np.round(high, 6).tolist()],
+        "bounds_m": [(np.round(corner, 6) + 0.0).tolist() for corner in (low, high)],
         "lights": [_light_facts(light) for light in scene.lights],
         "surfaces_that_light": _emitter_facts(scene),
         "environment": None if sky is None else sky.source or f"radiance {list(sky.radiance)}",
@@ -121,7 +121,7 @@ def grid_facts(scene: Scene) -> dict[str, Any]:
     return {
         "kind": "density grid",
         "size_zyx": list(volume.density.shape),
-        "bounds_m": [np.round(low, 6).tolist(), np.round(high, 6).tolist()],
+        "bounds_m": [(np.round(corner, 6) + 0.0).tolist() for corner in (low, high)],
         "density": {
             "lowest": float(volume.density.min()),
             "mean": float(volume.density.mean(dtype=np.float64)),

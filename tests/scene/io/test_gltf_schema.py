@@ -100,7 +100,8 @@ def test_the_same_doubt_about_many_objects_is_told_once(draft: Any) -> None:
 def test_what_glTF_allows_is_no_doubt(draft: Any) -> None:
     """Extras of any kind, names, and every key of the tables."""
     free = {"extras": {"anything": {"roughnessFactor": 7}}, "name": "a"}
-    said = worn(draft, {**free, PBR: {"roughnessFactor": 1, **free}, "emissiveFactor": [9, 0, 0]})
+    said = worn(draft, {**free, PBR: {"roughnessFactor": 1, **free}, "emissiveFactor": [9, 0, 0],
+                         "doubleSided": None, "alphaMode": None})  # fmt: skip
     assert said == []
 
 

@@ -208,7 +208,7 @@ def _doubts(document: Item) -> Iterator[tuple[Any, str]]:
                     yield (kind, key), f"{item.place}: the attribute '{key}' is unknown"
             elif key not in keys and key not in _COMMON:
                 yield (kind, key), _unknown(item, key, keys)
-            elif key in keys:
+            elif key in keys and item.has(key):
                 rule = keys[key]
                 if rule.of:
                     pending += [(e, rule.of, _OBJECTS.get(rule.of, {})) for e in _each(item, key)]
