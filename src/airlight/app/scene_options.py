@@ -23,15 +23,15 @@ def scene_options() -> Decorator:
 
 
 def model_options() -> Decorator:
-    """--up, --scale and --variant of a mesh file; the command gets `model`, {name: value}, of what
-    was given."""
+    """--up, --scale and --variant of a model; the command gets `model`, {name: value}, of what was
+    given."""
     return together(
         click.option(
             "--up",
             type=click.Choice(["y", "z"]),
             callback=_model,
             expose_value=False,
-            help="Of a mesh file: the axis that points upwards.  [default: y]",
+            help="Of a mesh file or grid: the axis that points upwards.  [default: y]",
         ),
         click.option(
             "--scale",
@@ -39,7 +39,8 @@ def model_options() -> Decorator:
             metavar="METRES",
             callback=_model,
             expose_value=False,
-            help="Of a mesh file: how long its unit is, .001 for millimetres.  [default: 1]",
+            help="Of a mesh file or grid: how long its unit is, .001 for millimetres; a grid's "
+            "coefficients stay per metre.  [default: 1]",
         ),
         click.option(
             "--variant",

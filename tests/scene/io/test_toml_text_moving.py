@@ -47,6 +47,7 @@ VALUES: dict[str, object] = {  # by "table.key", else by the key; others by thei
     "detail": 0.25,
     "up": [0, 0.6, 0.8],
     "mesh.up": "z",
+    "volume.up": "z",
     "scale": 1.75,
     "fps": 12.5,
     "start_s": 0.125,

@@ -9,11 +9,13 @@ toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml
                  toml_text* write, as toml_syntax spells; toml_page prints the reference
 light_groups     thousands of point lights in an .npz file
 gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give
-                 values; _nodes, _mesh, _material, _uv, _variants, _deform and _animation the scene;
-                 _extensions and _losses say what is not read; gltf_write, _write_material write
+                 values; _nodes, _camera, _mesh, _material, _uv, _variants, _deform and _animation
+                 the scene; _extensions, _losses and _schema say what is not read, or impossible;
+                 gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
-usd, usd_*       OpenUSD, by an extra: its stage -> meshes, materials, lights
+usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume; usd_losses
+                 says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
                  _serialized), _materials, _textures, _emitters, _lights, _media, _camera
 polygons, normals   faces of many corners cut into triangles; normals of what has none
@@ -68,8 +70,10 @@ def load(
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`.
 
-    Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
-    `variant` names one of a glTF file's material variants; other files say so themselves.
+    Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
+    metres its unit is; of a glTF file `variant` names one of its material variants. Scene files say
+    so themselves, and grids of NetCDF and zarr which way is up. Coefficients of a grid are per
+    metre of the world, whatever the scale.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
     True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
@@ -113,27 +117,32 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
 def model_keys(
     path: str, *, up: str = "y", scale: float = 1.0, variant: str | None = None
 ) -> dict[str, Any]:
-    """What is asked for beside the file, by the names of a [[mesh]]'s keys, checked.
+    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked.
 
-    Raises SceneError where it is no mesh file.
+    Raises SceneError where it is no file that has them.
     """
+    from .toml_media_tables import VOLUME
+    from .toml_tables import MESH
+
     given = {"up": up, "scale": scale, "variant": variant}
     usual = {"up": "y", "scale": 1.0, "variant": None}
     # An option left as it is by default says nothing, and is allowed for every file.
     asked = {name: value for name, value in given.items() if value != usual[name]}
-    if asked and Path(path).suffix.lower() not in MESH_SUFFIXES:
+    suffix = Path(path).suffix.lower()
+    # Variants are of mesh files; how a file lies and how large it is, of grids as well.
+    is_grid = suffix in VOLUME_SUFFIXES
+    suffixes = MESH_SUFFIXES if "variant" in asked else (*MESH_SUFFIXES, *VOLUME_SUFFIXES)
+    if asked and suffix not in suffixes:
+        kinds = "mesh files" if "variant" in asked else "mesh files and density grids"
         raise SceneError(
-            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for mesh files "
-            f"({', '.join(MESH_SUFFIXES)})",
+            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for {kinds} "
+            f"({', '.join(suffixes)})",
             where=path,
-            remedy="In a scene file, each [[mesh]] has keys of these names.",
+            remedy="In a scene file, each [[mesh]] and each [[volume]] has keys of its own.",
         )
-    from .toml_tables import MESH
-
-    # The checks of a [[mesh]]'s keys hold here too, with their messages.
-    return {
-        key.name: key.check(asked[key.name], key.name) for key in MESH.keys if key.name in asked
-    }
+    # The checks of their keys hold here too, with their messages.
+    keys = (VOLUME if is_grid else MESH).keys
+    return {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
@@ -158,7 +167,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 
-        scene = load_volume_scene(file)
+        scene = load_volume_scene(file, model)
     else:
         # Keys of placement, as a [[mesh]] would have them.
         scene = load_meshes(file, model.get("variant"))

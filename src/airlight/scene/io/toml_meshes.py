@@ -59,7 +59,7 @@ def placed(
 
     Raises SceneError where matrix stands beside other transforms.
     """
-    upright = _UPRIGHT[values.get("up", "y")]
+    upright = upright_from_file(values)
     matrix = world_from_mesh(values, label) @ upright
     tracks = mesh_tracks(scene, values, keys, matrix, upright, label)
     return replace(_moved(scene, matrix), animation=Animation(tracks) if tracks else None)
@@ -76,6 +76,11 @@ def existing_file(path: Path, written: str, label: str) -> Path:
             f"{label}: file '{written}' {what}",
             remedy="Paths are relative to the scene file.",
         ) from None
+
+
+def upright_from_file(values: Mapping[str, Any]) -> F64:
+    """(4, 4): the turn that the key `up` asks for, before anything else."""
+    return _UPRIGHT[values.get("up", "y")]
 
 
 def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:

@@ -12,7 +12,7 @@ from ..lights import TYPES
 from ..material import SIDES
 from .toml_keys import ANIMATION, BETWEEN, CLIP_KEYS
 from .toml_media_tables import MEDIUM, VOLUME
-from .toml_schema import COLOUR, PLACEMENT, Table, fraction, unit_rgb
+from .toml_schema import COLOUR, PLACEMENT, UP, Table, fraction, unit_rgb
 from .toml_sky_keys import SKY
 
 _POSITION = Key("position", checks.vec3, "vector", "where it is", "m", required=True)
@@ -71,16 +71,6 @@ CAMERA = Table(
     ),
 )
 
-MODEL_KEYS = (
-    Key(
-        "up",
-        one_of("y", "z"),
-        '"y" or "z"',
-        "which axis of the file points upwards; it is turned before anything else",
-        default='"y"',
-    ),
-    Key("variant", checks.text, "text", "by name, one of a glTF file's material variants"),
-)
 MESH = Table(
     "mesh",
     "Triangles: a file's, or a shape's. A file's own lights come along, moved with it; its camera "
@@ -101,7 +91,8 @@ MESH = Table(
             '"box", "sphere", "plane" or "quad"',
             "instead of a file: 1 m across, centred at the origin; quad and plane face +Y",
         ),
-        *MODEL_KEYS,
+        UP,
+        Key("variant", checks.text, "text", "by name, one of a glTF file's material variants"),
         *PLACEMENT,
         Key("base_color", unit_rgb, COLOUR, "linear reflectance", default="the file's, or 0.8"),
         Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),

@@ -110,11 +110,10 @@ def _original(
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     # Of another file, a table that names it.
-    if path.suffix.lower() in MESH_SUFFIXES:
-        placed = {name: model[name] for name in model if name not in ("sun", "ground")}
-        return {"mesh": [{"file": _relative(path, folder), **placed}]}, []
-    if path.suffix.lower() in VOLUME_SUFFIXES:
-        return {"volume": [{"file": _relative(path, folder)}]}, []
+    placed = {name: model[name] for name in model if name not in ("sun", "ground")}
+    for name, suffixes in (("mesh", MESH_SUFFIXES), ("volume", VOLUME_SUFFIXES)):
+        if path.suffix.lower() in suffixes:
+            return {name: [{"file": _relative(path, folder), **placed}]}, []
     return {}, [_NO_MESHES.format(source=source)]
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...errors import SceneError
 from ..animation.density import FileSequence, VolumeTrack
-from ..checks import Rgb
+from ..checks import F64, Bounds, Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
 from .coefficient_files import NAMES, density_or_first, read_coefficients, taken_grids
@@ -17,9 +20,9 @@ from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
 from .toml_media_tables import VOLUME
-from .toml_meshes import existing_file, world_from_mesh
+from .toml_meshes import existing_file, upright_from_file, world_from_mesh
 from .toml_schema import check_table, inside
-from .volumes import NOWHERE, VolumeGrid, is_grid_file
+from .volumes import NOWHERE, UPRIGHT_SUFFIXES, VolumeGrid, is_grid_file
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
 _OF_FILES = ("grid", "channels")
@@ -42,8 +45,9 @@ def placed_volume(
             if key.name in values:
                 raise SceneError(f"{label}: {key.name} belongs to a sequence")
     matrix = world_from_mesh(values, label)
+    turn = {"up": values.pop("up", "y")}
     values = {name: value for name, value in values.items() if name not in _PLACING}
-    if "shape" in values:
+    if "shape" in values:  # which a turn by a right angle leaves as it is
         for name in (
             *(name for name in _OF_FILES if name in values),
             *(f"{n}_grid" for n in grids),
@@ -69,17 +73,43 @@ def placed_volume(
         if grids:
             values, grid = _with_coefficients(values, given, shown, grid, grids)
     sequence = file_sequence(values, files, grid.density.shape, glowing)
-    warnings = grid.warnings
-    if "bounds" in values:
-        warnings = tuple(text for text in warnings if NOWHERE not in text)
-    else:
-        matrix = matrix @ grid.world_from_volume
+    upright, told = upright_from_grid(turn, files[0])
+    values, warnings = _in_its_box(values, grid, matrix @ upright, upright)
     with inside(label):
-        values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
         if shown != files[0]:  # a sequence may begin empty
             volume = VolumeTrack(0, sequence).of(volume, sequence.start_s)
-    return volume, warnings, None if is_file else sequence
+    return volume, (*told, *warnings), None if is_file else sequence
+
+
+def upright_from_grid(values: Mapping[str, Any], file: Path) -> tuple[F64, tuple[str, ...]]:
+    """(4, 4): the turn that the key `up` asks for of the grid in `file`.
+
+    Where the file's axes say which way is up, there is none, which a text tells.
+    """
+    if values.get("up", "y") != "y" and file.suffix.lower() in UPRIGHT_SUFFIXES:
+        return np.eye(4), (f"{file.name}: up is left out: its own axes say which is up",)
+    return upright_from_file(values), ()
+
+
+def _in_its_box(
+    values: dict[str, Any], grid: VolumeGrid, matrix: F64, upright: F64
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The values with the box and the matrix of a grid that `matrix` moves, and what is said."""
+    if "bounds" not in values:
+        placed = matrix @ grid.world_from_volume
+        return {**values, "bounds": grid.bounds, "world_from_volume": placed}, grid.warnings
+    # The box is the world's, so that it holds once the grid is upright.
+    box = _before(values["bounds"], upright)
+    told = tuple(text for text in grid.warnings if NOWHERE not in text)
+    return {**values, "bounds": box, "world_from_volume": matrix}, told
+
+
+def _before(box: Bounds, turn: F64) -> Bounds:
+    """The box that a turn by right angles makes `box`."""
+    corners = np.array(box) @ turn[:3, :3]  # the inverse, as of rows
+    (x, y, z), (u, v, w) = corners.min(axis=0), corners.max(axis=0)
+    return (float(x), float(y), float(z)), (float(u), float(v), float(w))
 
 
 def _first_filled(

@@ -20,6 +20,8 @@ from .ledger import note_read
 
 _MOST_LAYERS = 4096
 _MOST_TEXTS, _LONGEST_TEXT = 20, 300
+_DURING = re.compile(r" \(\w+ing [^()]*<0x[0-9a-f]+>\)$")
+"""Of what the library says, during which work of its own."""
 _CLIPS = ("clips", "clipSets")
 
 
@@ -36,6 +38,7 @@ def told_by_usd() -> Iterator[Callable[[], list[str]]]:
 
     def told() -> list[str]:
         found = [d.commentary.split("\n")[0] for d in delegate.TakeUncoalescedDiagnostics()]
+        found = [_DURING.sub("", text) for text in found]
         return [text[:_LONGEST_TEXT] for text in found[:_MOST_TEXTS]]
 
     yield told
@@ -151,6 +154,9 @@ def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
         return ""
     written = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
     resolved = str(Ar.GetResolver().Resolve(written))
+    # Programs on Windows write backslashes, which lead nowhere elsewhere.
+    if not resolved and "\\" in asset:
+        return resolved_asset(layer, asset.replace("\\", "/"), folder)
     if resolved:
         # What does not resolve is checked as well: the library may look for it elsewhere.
         placed_inside(resolved, folder, asset)

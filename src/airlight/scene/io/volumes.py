@@ -31,6 +31,9 @@ LONGEST_SIDE = 2048
 NOWHERE = "does not say where it is"
 """In the warning of a file without a box."""
 
+UPRIGHT_SUFFIXES = (".nc", ".nc4", ZARR)
+"""Of files whose own axes say which way is up: their grids are read with +Y up."""
+
 _CHANNELS = {"density": 0, "r": 0, "g": 1, "b": 2, "a": 3}
 _VOL_HEADER = struct.Struct("<3sBiiiii6f")
 _VOL_FLOAT32 = 1
