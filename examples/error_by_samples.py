@@ -16,7 +16,7 @@ import airlight as al
 SCENE = "builtin:cornell"
 SIZE = (96, 54)
 SAMPLES = (1, 4, 16)
-PATHS = 256  # of the path tracer, for a pixel
+PATHS = 1024  # of the path tracer, for a pixel
 
 scene = al.load(SCENE)
 stills = {samples: al.render(scene, size=SIZE, samples=samples) for samples in SAMPLES}

@@ -27,7 +27,8 @@ _MIXING |= {"g kg-1": 1e-3, "g/kg": 1e-3, "g kg**-1": 1e-3}
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6}
 _LENGTHS |= {"microns": 1e-6, "micrometer": 1e-6, "micrometre": 1e-6, "micrometers": 1e-6}
 _LENGTHS |= {"micrometres": 1e-6, "1e-6 m": 1e-6, "10^-6 m": 1e-6}
-_RADII = ("re", "reff", "r_eff", "rel", "re_cloud", "reffc", "effective_radius", "effc")
+_RADII = ("re", "reff", "r_eff", "rel", "re_liq", "re_cloud", "reffc", "effective_radius")
+_RADII += ("effc", "eff_radius_qc")
 _LIQUID = ("qc", "ql", "qcloud", "clw", "lwc", "q_liquid", "cloud_water", "rcloud", "qn")
 
 
@@ -51,29 +52,29 @@ def radius_of(variable: Any, dataset: Any) -> Any | None:
     return None
 
 
-def as_opaque(
-    water: NDArray[Any], radius: NDArray[Any], about: Any
-) -> tuple[NDArray[Any], str | None]:
+def is_length(radius: Any) -> bool:
+    """Whether a radius is in units that are known here."""
+    return _key(radius) in _LENGTHS
+
+
+def as_opaque(water: NDArray[Any], radius: NDArray[Any], about: Any) -> NDArray[Any]:
     """Water of droplets of RADIUS_M that is as opaque as `water` in droplets of `radius`.
 
-    `about` is the radius's variable, in its units; where they are no length `water` is given back.
-    The text says which. A radius that is missing or not above 0 counts as RADIUS_M.
+    `about` is the radius's variable, which has its units. A radius that is missing or not above 0
+    counts as RADIUS_M.
     """
-    to_m = _LENGTHS.get(_key(about))
-    if to_m is None:
-        units = about.attrs.get("units", "")
-        return water, f"'{about.name}' is no radius of droplets: its units '{units}' are no length"
+    to_m = _LENGTHS[_key(about)]
     metres = np.asarray(radius, np.float64) * to_m
     is_there = np.isfinite(metres) & (metres > 0.0)
     scale = RADIUS_M / np.where(is_there, metres, RADIUS_M)
-    text = f"droplets are as large as its variable '{about.name}' says"
-    return np.asarray(water * scale, np.float32), text
+    return np.asarray(water * scale, np.float32)
 
 
-def optical(values: F32, heights_m: F64, units: str) -> tuple[F32, Optics | None]:
+def optical(values: F32, heights_m: F64, units: str, radius: str = "") -> tuple[F32, Optics | None]:
     """Values in m^-1 or kg m^-3 where the units are of extinction or water; what that means.
 
-    `values` (z, y up, x), `heights_m` of their cells.
+    `values` (z, y up, x), `heights_m` of their cells. `radius` is the name of the droplets' radius,
+    if `as_opaque` used one.
     """
     key = " ".join(units.split())
     if key in _INVERSE_M:
@@ -82,7 +83,10 @@ def optical(values: F32, heights_m: F64, units: str) -> tuple[F32, Optics | None
         )
     if key not in _CONTENT and key not in _MIXING:
         return values, None
-    text = f"its values in {units} are water in droplets of {RADIUS_M * 1e6:g} micrometres"
+    size = f"of {RADIUS_M * 1e6:g} micrometres"
+    if radius:
+        size = f"as large as '{radius}' says, counted as ones {size} that are as opaque"
+    text = f"its values in {units} are water in droplets {size}"
     # Mixing ratios times the density of air, which falls with height, are water by volume.
     if key in _CONTENT:
         water = values * np.float32(_CONTENT[key])

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...errors import AirlightError, SceneError
 from ..checks import F64
-from .cloud_water import as_opaque, optical, radius_of
+from .cloud_water import as_opaque, is_length, optical, radius_of
 from .dense_grid import DenseGrid, check_count, chosen_name
 from .files import inside, is_folder, opened, regular_file
 from .gridded import Axis, letter_of, placed
@@ -63,18 +63,13 @@ def read_xarray(path: Path, wanted: str) -> DenseGrid:
         time = _time_axis(dataset[name], lines)
         variable, number, timed = at_one_time(dataset[name], time, number, path.name)
         values, axes, told = _along_axes(variable, lines, path.name)
-        # Small droplets are more opaque; radii are used before levels are resampled.
-        radius = radius_of(dataset[name], dataset)
-        if radius is not None:
-            at = radius if time is None else radius.isel({time: number})
-            values, text = as_opaque(values, _along_axes(at, lines, path.name)[0], radius)
-            told = (*told, f"{path.name}: {text}")
+        values, sized, radius = _sized(dataset, dataset[name], time, number, values, path.name)
         made = placed(values, axes, path.name)
         units = str(dataset[name].attrs.get("units", "")).strip()
-        told = (*warned, *timed, *told, *made.warnings)
+        told = (*warned, *timed, *told, *sized, *made.warnings)
     # The units decide how values become extinction: mixing ratios need the air's density at their
     # height.
-    density, optics = optical(made.values, made.heights_m, units)
+    density, optics = optical(made.values, made.heights_m, units, radius)
     density, mended = _mended(density, path.name)
     return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics)
 
@@ -244,6 +239,25 @@ def _along_axes(
     order = [next(a for a in kept if a.letter == letter) for letter in "ZYX"]
     values = variable.transpose(*(axis.name for axis in order)).values
     return values, order, tuple(told)
+
+
+def _sized(
+    dataset: Any, water: Any, time: str | None, number: int, values: NDArray[Any], file: str
+) -> tuple[NDArray[Any], tuple[str, ...], str]:
+    """Water as opaque as in droplets of the radius that the file has, what to tell, its name.
+
+    Small droplets are more opaque; radii are used before levels are resampled.
+    """
+    radius = radius_of(water, dataset)
+    if radius is None:
+        return values, (), ""
+    name, units = str(radius.name), radius.attrs.get("units", "")
+    if not is_length(radius):
+        text = f"{file}: '{name}' is no radius of droplets: its units '{units}' are no length"
+        return values, (text,), ""
+    at = radius if time is None else radius.isel({time: number})
+    sizes, _, _ = _along_axes(at, _wrf_lines(dataset), file)
+    return as_opaque(values, sizes, radius), (f"{file}: '{name}' is the droplets' radius",), name
 
 
 def _time_axis(variable: Any, lines: dict[str, F64]) -> str | None:
