@@ -27,7 +27,16 @@ _MIXING |= {"g kg-1": 1e-3, "g/kg": 1e-3, "g kg**-1": 1e-3}
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6}
 _LENGTHS |= {"microns": 1e-6, "micrometer": 1e-6, "micrometre": 1e-6, "micrometers": 1e-6}
 _LENGTHS |= {"micrometres": 1e-6, "1e-6 m": 1e-6, "10^-6 m": 1e-6}
-_RADII = ("re", "reff", "r_eff", "rel", "re_liq", "re_cloud", "reffc", "effective_radius")
+_RADII: tuple[str, ...] = (
+    "re",
+    "reff",
+    "r_eff",
+    "rel",
+    "re_liq",
+    "re_cloud",
+    "reffc",
+    "effective_radius",
+)
 _RADII += ("effc", "eff_radius_qc")
 _LIQUID = ("qc", "ql", "qcloud", "clw", "lwc", "q_liquid", "cloud_water", "rcloud", "qn")
 
