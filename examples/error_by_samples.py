@@ -2,9 +2,9 @@
 
     python examples/error_by_samples.py
 
-You should see the error of the indirect light fall from one sample to sixteen. What is left then
-lies in the technique, not in its noise; the last line is the path tracer's own noise, below which
-no error can be told. `error_by_samples.csv` has the columns to plot. Any scene that airlight reads
+You should see the error of the indirect light fall from one sample to sixteen. The rest lies in the
+technique, not in its noise; the last line is the path tracer's own noise, below which no error can
+be told. `error_by_samples.csv` has the columns to plot. Any scene that airlight reads
 can stand in SCENE, such as Mitsuba's cbox.xml. Needs the extra: pip install "airlight[reference]".
 """
 
