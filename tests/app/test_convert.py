@@ -47,6 +47,18 @@ def test_exposure_and_curve_shape_the_display(tmp_path):
     np.testing.assert_allclose(shown, expected, atol=1.0 / 255.0)
 
 
+@pytest.mark.parametrize("light", [1e-4, 1.0, 3e4])
+def test_exposure_auto_shows_any_light_alike(tmp_path, light):
+    shown = []
+    for scale in (1.0, light):
+        Image(np.float32(scale) * RAMP).save(tmp_path / "a.exr")
+        words = ["convert", str(tmp_path / "a.exr"), str(tmp_path / "a.png"), "--exposure", "auto"]
+        assert cli.run(words) == 0
+        shown.append(np.asarray(PIL.Image.open(tmp_path / "a.png"), dtype=np.float64))
+    # Rounding of a code; and half floats of the file, where light is small.
+    np.testing.assert_allclose(shown[1], shown[0], atol=2.0)
+
+
 def test_an_eight_bit_image_comes_back_as_it_was(tmp_path):
     pixels = np.random.default_rng(2).integers(0, 256, (5, 7, 3), dtype=np.uint8)
     PIL.Image.fromarray(pixels).save(tmp_path / "a.png")

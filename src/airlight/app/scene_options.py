@@ -124,6 +124,14 @@ def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return replace(scene, camera=camera, warnings=(*scene.warnings, *told))
 
 
+def with_exposure(scene: Scene, exposure: float | str | None) -> Scene:
+    """The scene with the exposure that --exposure gives its camera; None: its own."""
+    if exposure is None:
+        return scene
+    stops = None if isinstance(exposure, str) else exposure
+    return replace(scene, camera=replace(scene.camera, exposure_stops=stops))
+
+
 def _camera(ctx: click.Context, param: click.Parameter, value: float | None) -> None:
     camera: dict[str, Any] = ctx.params.setdefault("camera", {})
     if value is not None:

@@ -23,8 +23,9 @@ images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes b
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
                  texture_bake draws one again where gltf_frames brings coordinates together
 volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
-                 netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
-                 grids beside a density; volume_scene: one grid as a scene of its own
+                 netcdf (gridded: its axes, netcdf_times, cloud_water: its units) -> dense_grid;
+                 coefficient_files, emission_files: the grids beside a density; volume_scene: one
+                 grid as a scene of its own
 defaults         framing: a camera where there is none, daylight where there is no light, ground
                  under a bare model; probe: the rays by which they find walls and windows
 """
