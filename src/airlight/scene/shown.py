@@ -10,6 +10,7 @@ from .coefficients import in_parts
 from .light_shapes import LightMeshes
 from .map_suns import SunLights
 from .scene import Scene
+from .volume import Volume
 
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 
@@ -29,9 +30,19 @@ class ShownScenes:
 
 
 def drawn_alike(one: Scene, other: Scene) -> bool:
-    """Whether the volumes of two scenes have as many parts: what is made for one fits the other."""
-    counts = [tuple(len(volume.parts) for volume in scene.volumes) for scene in (one, other)]
-    return counts[0] == counts[1] or len(counts[0]) != len(counts[1])
+    """Whether the volumes of two scenes have as many parts, and grids of the same size in the same
+    boxes: what is made for one fits the other."""
+    if len(one.volumes) != len(other.volumes):
+        return True  # whoever takes them says what is wrong
+    return all(map(_is_drawn_alike, one.volumes, other.volumes))
+
+
+def _is_drawn_alike(one: Volume, other: Volume) -> bool:
+    if one is other:
+        return True
+    shapes = [None if v.density is None else v.density.shape for v in (one, other)]
+    is_same_box = shapes[0] is None or (shapes[0] == shapes[1] and one.bounds == other.bounds)
+    return is_same_box and len(one.parts) == len(other.parts)
 
 
 def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any) -> Scene:

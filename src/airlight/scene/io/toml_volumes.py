@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
-from ..animation.density import FileSequence, VolumeTrack
+from ..animation.file_sequence import FileSequence
 from ..checks import Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
@@ -68,7 +68,7 @@ def placed_volume(
         grid = grown or grid
         if grids:
             values, grid = _with_coefficients(values, given, shown, grid, grids)
-    sequence = file_sequence(values, files, grid.density.shape, glowing)
+    sequence = file_sequence(values, files, grid, glowing, grids)
     warnings = grid.warnings
     if "bounds" in values:
         warnings = tuple(text for text in warnings if NOWHERE not in text)
@@ -78,7 +78,7 @@ def placed_volume(
         values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
         if shown != files[0]:  # a sequence may begin empty
-            volume = VolumeTrack(0, sequence).of(volume, sequence.start_s)
+            volume = sequence.of(volume, sequence.start_s)
     return volume, warnings, None if is_file else sequence
 
 
@@ -115,12 +115,9 @@ def _with_coefficients(
 ) -> tuple[dict[str, Any], VolumeGrid]:
     """The values with coefficients by voxel, and the density on the box that holds their grids."""
     grid, made = read_coefficients(path, grid, grids, {n: given[n] for n in NAMES if n in given})
-    # Colours by voxel come from one file, so only those that leave the density alone will do.
-    if "sequence" in given:
-        if "sigma_t" in made:
-            raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
-        text = f"{path.name}: the colours of a sequence stay those of this file"
-        grid = replace(grid, warnings=(*grid.warnings, text))
+    # A sequence mixes densities, so only colours that leave the density alone will do.
+    if "sequence" in given and "sigma_t" in made:
+        raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
     # Grids of extinction have the table's numbers in them already.
     if "sigma_t" in made:
         values = {name: value for name, value in values.items() if name not in NAMES}
