@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..errors import SettingsError
-from .coefficients import in_parts
+from .coefficients import in_parts, parts_alike
 from .light_shapes import LightMeshes
 from .map_suns import SunLights
 from .scene import Scene
@@ -30,8 +30,8 @@ class ShownScenes:
 
 
 def drawn_alike(one: Scene, other: Scene) -> bool:
-    """Whether the volumes of two scenes have as many parts, and grids of the same size in the same
-    boxes: what is made for one fits the other."""
+    """Whether the volumes of two scenes have parts of the same kinds, and grids of the same size in
+    the same boxes: what is made for one fits the other."""
     if len(one.volumes) != len(other.volumes):
         return True  # whoever takes them says what is wrong
     return all(map(_is_drawn_alike, one.volumes, other.volumes))
@@ -42,7 +42,7 @@ def _is_drawn_alike(one: Volume, other: Volume) -> bool:
         return True
     shapes = [None if v.density is None else v.density.shape for v in (one, other)]
     is_same_box = shapes[0] is None or (shapes[0] == shapes[1] and one.bounds == other.bounds)
-    return is_same_box and len(one.parts) == len(other.parts)
+    return is_same_box and parts_alike(one, other)
 
 
 def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any) -> Scene:
