@@ -18,9 +18,7 @@ from .gpu.lifetime import DeviceLifetime
 from .lighting.kit import Context
 from .lighting.reach import MadeFor
 from .lighting.view import View
-from .maths.sampling import shutter_shares
 from .sampled_view import Progress, SampledView
-from .scene.animation.boxes import CommonBoxes
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image, checked_size
@@ -32,7 +30,7 @@ from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
-from .scene.shown import ShownScenes, changed, has_unlit
+from .scene.shown import ShownScenes, changed, has_unlit, shutter_moments
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
@@ -137,10 +135,7 @@ class Renderer(DeviceLifetime):
             # While the shutter is open each sample has a moment of its own.
             moments: Iterator[Scene] | None = None
             if time is not None and samples > 1 and has_moments(scene):
-                times_s = (time + scene.camera.shutter_s * shutter_shares(samples)).tolist()
-                boxes = CommonBoxes.at(scene, (time, *times_s))
-                scene = boxes.on(scene)
-                moments = (boxes.on(changed(before.at(t), **changes)) for t in times_s)
+                scene, moments = shutter_moments(before, scene, time, samples, changes)
             if (made_for := self.made_for.showing(scene)) is not self.made_for:
                 self.made_for = made_for
                 self._remake()

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from ..errors import SettingsError
+from ..maths.sampling import shutter_shares
+from .animation.boxes import CommonBoxes
 from .coefficients import in_parts, parts_alike
 from .light_shapes import LightMeshes
 from .map_suns import SunLights
@@ -64,6 +67,20 @@ def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any
     if exposure_stops is None or made.camera.exposure_stops == exposure_stops:
         return made
     return replace(made, camera=replace(made.camera, exposure_stops=exposure_stops))
+
+
+def shutter_moments(
+    before: Scene, scene: Scene, time_s: float, samples: int, changes: Mapping[str, Any]
+) -> tuple[Scene, Iterator[Scene]]:
+    """`scene`, which is `before` at a time and with `changes`, and what each of its samples sees.
+
+    While the shutter is open each has a moment of its own. Volumes whose boxes differ by then are
+    on boxes that hold all of them. Raises SceneError, SettingsError.
+    """
+    times_s = (time_s + scene.camera.shutter_s * shutter_shares(samples)).tolist()
+    is_animated = changes.get("volumes") is None
+    boxes = CommonBoxes.at(before, (time_s, *times_s) if is_animated else ())
+    return boxes.on(scene), (boxes.on(changed(before.at(t), **changes)) for t in times_s)
 
 
 def has_unlit(scene: Scene) -> bool:

@@ -12,6 +12,7 @@ from airlight.errors import SceneError
 from airlight.scene import Emission, Volume
 from airlight.scene.animation.boxes import CommonBoxes, mixed, on_box
 from airlight.scene.one_grid import GridBox
+from airlight.scene.shown import changed, shutter_moments
 
 SCENE = """
 [camera]
@@ -146,3 +147,16 @@ def test_grids_keep_what_they_hold_on_other_voxels():
 def test_a_still_scene_has_no_common_boxes(growing):
     scene = load(growing / "one0.toml")
     assert CommonBoxes.at(scene, (0.0, 1.0)).on(scene) is scene
+
+
+def test_volumes_that_are_given_keep_their_boxes_while_the_shutter_is_open(growing):
+    scene = load(growing / "all.toml")
+    shut = replace(scene, camera=replace(scene.camera, shutter_s=0.5))
+    own = Volume((1, 1, 1), grid((3, 3, 3)), bounds=((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    shown = changed(shut.at(0.0), volumes=(own,))
+    found, moments = shutter_moments(shut, shown, 0.0, 4, {"volumes": (own,)})
+    assert found.volumes == (own,) and all(moment.volumes == (own,) for moment in moments)
+    # Without them, boxes that change become one.
+    found, moments = shutter_moments(shut, shut.at(0.0), 0.0, 4, {})
+    every = [found, *moments]
+    assert {moment.volumes[0].density.shape for moment in every} == {(6, 4, 6)}
