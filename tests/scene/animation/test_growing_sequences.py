@@ -9,6 +9,7 @@ import pytest
 
 from airlight import Renderer, load, render
 from airlight.errors import SceneError
+from airlight.lighting.reach import MadeFor
 from airlight.scene import Emission, Volume
 from airlight.scene.animation.boxes import CommonBoxes, mixed, on_box
 from airlight.scene.one_grid import GridBox
@@ -160,3 +161,18 @@ def test_volumes_that_are_given_keep_their_boxes_while_the_shutter_is_open(growi
     found, moments = shutter_moments(shut, shut.at(0.0), 0.0, 4, {})
     every = [found, *moments]
     assert {moment.volumes[0].density.shape for moment in every} == {(6, 4, 6)}
+
+
+def test_only_boxes_decide_what_is_made_again(growing):
+    """Frames do not depend on those before them: lights are made for as they were first."""
+    text = (growing / "all.toml").read_text()
+    keys = "[[light.key]]\ntime_s = 0\nirradiance = [1, 1, 1]\n"
+    keys += "[[light.key]]\ntime_s = 1\nirradiance = [2, 2, 2]\n"
+    (growing / "all.toml").write_text(text.replace("[[volume]]", keys + "[[volume]]"))
+    scene = load(growing / "all.toml")
+    made = MadeFor(scene)
+    assert made.showing(scene.at(0.0)) is made
+    again = made.showing(scene.at(1.0))
+    assert again is not made and again.scene.lights == scene.lights
+    assert again.scene.volumes[0].density.shape == (6, 4, 6)
+    assert again.showing(scene.at(3.0)) is again
