@@ -99,6 +99,13 @@ def test_one_box_for_all_files_is_kept(growing):
     assert caught.value.remedy == "Leave out bounds: each file says where it is."
 
 
+def test_files_that_do_not_say_where_they_are_are_named(growing):
+    np.savez(growing / "s1.npz", density=grid((4, 2, 4)))
+    scene = load(growing / "all.toml")
+    with pytest.raises(SceneError, match="does not say where it is, as others of the sequence do"):
+        scene.at(1.0)
+
+
 def test_images_are_those_of_the_files_alone(growing):
     scene = load(growing / "all.toml")
     with Renderer(scene, "pop", (24, 16)) as renderer:

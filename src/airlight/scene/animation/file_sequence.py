@@ -112,6 +112,12 @@ class FileSequence:
             # A frame with nothing in it may be of any size, as sparse files have no other for it.
             return _nothing(self.shape, self.bounds, read.channels)
         if self.bounds is not None:
+            if read.bounds is None:
+                raise SceneError(
+                    "does not say where it is, as others of the sequence do",
+                    where=path,
+                    remedy="Give the volume bounds, for all of them.",
+                )
             if read.is_turned:
                 raise SceneError(
                     "its voxels are turned otherwise than those of the sequence's first",
