@@ -18,7 +18,6 @@ from .gpu.lifetime import DeviceLifetime
 from .lighting.kit import Context
 from .lighting.reach import MadeFor
 from .lighting.view import View
-from .maths.sampling import shutter_shares
 from .sampled_view import Progress, SampledView
 from .scene.camera import Camera
 from .scene.environment import Environment
@@ -31,7 +30,7 @@ from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
-from .scene.shown import ShownScenes, changed, has_unlit
+from .scene.shown import ShownScenes, changed, has_unlit, shutter_moments
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
@@ -43,8 +42,9 @@ class Renderer(DeviceLifetime):
     with Renderer(scene, technique="lpv", size=(640, 360)) as r:
         image = r.frame(camera=...)
 
-    The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
-    everything that `frame` takes may change from call to call. An image depends on the scene that
+    The number and kinds of lights, the meshes' triangles and the number of volumes are fixed;
+    everything that `frame` takes may change from call to call (a volume's grid of another size or
+    box has what is on the device made again). An image depends on the scene that
     the renderer was made with and on the scene it shows, not on the images before it, unless the
     setting gather_history asks for that. A path or builtin:NAME is loaded. Settings as of `render`.
     Raises SceneError, SettingsError, DeviceError.
@@ -136,8 +136,7 @@ class Renderer(DeviceLifetime):
             # While the shutter is open each sample has a moment of its own.
             moments: Iterator[Scene] | None = None
             if time is not None and samples > 1 and has_moments(scene):
-                times_s = time + scene.camera.shutter_s * shutter_shares(samples)
-                moments = (changed(before.at(t), **changes) for t in times_s.tolist())
+                scene, moments = shutter_moments(before, scene, time, samples, changes)
             if (made_for := self.made_for.showing(scene)) is not self.made_for:
                 self.made_for = made_for
                 self._remake()

@@ -12,7 +12,8 @@ import pytest
 from airlight.errors import SceneError
 from airlight.scene import Camera, Environment, Material, Mesh, PointLight, Scene, Volume, shapes
 from airlight.scene.animation import Animation, Curve
-from airlight.scene.animation.density import FileSequence, MadeDensity, VolumeTrack
+from airlight.scene.animation.density import MadeDensity, VolumeTrack
+from airlight.scene.animation.file_sequence import FileSequence
 from airlight.scene.animation.tracks import CameraTrack
 from airlight.scene.builtin.smoke import plume_density
 from airlight.scene.fingerprint import array_digest, fingerprint

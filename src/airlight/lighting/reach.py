@@ -115,7 +115,9 @@ class MadeFor:
         """What resources have to be made for to show `scene`: the very same where they fit it."""
         # Another scene asks for other resources, an eye beyond the reach for larger lattices.
         if not drawn_alike(scene, self.first):
-            return MadeFor(scene, follows_eye=self.follows_eye)
+            # All else stays as it was first, so that a frame does not depend on those before it.
+            first = replace(self.first, volumes=scene.volumes)
+            return MadeFor(first, follows_eye=self.follows_eye)
         eye = self.reach.beyond(scene) if self.reach else None
         return self if eye == self.eye else replace(self, eye=eye)
 

@@ -200,6 +200,20 @@ def test_a_sequence_of_zarr_folders_moves(tmp_path):
     assert scene.animation.at(scene, 0.5).volumes[0].density.max() == 28
 
 
+def test_a_sequence_may_grow(tmp_path):
+    taller = np.concatenate([VALUES, VALUES + 24])
+    heights = {"z": ("z", [150.0, 250.0, 350.0, 450.0], {"units": "m", "axis": "Z"})}
+    written(dataset(), tmp_path / "cloud.0.nc")
+    written(dataset(values=taller, **heights), tmp_path / "cloud.1.nc")
+    text = '[[volume]]\nsequence = "cloud.*.nc"\ngrid = "ql"\nsigma_t = 1\nsequence_fps = 1\n'
+    (tmp_path / "a.toml").write_text(text)
+    scene = load(tmp_path / "a.toml")
+    for k, top in enumerate((300, 500)):
+        found, grid = scene.at(float(k)).volumes[0], read_volume(tmp_path / f"cloud.{k}.nc", "ql")
+        np.testing.assert_allclose(found.bounds, ((0, 100, -300), (400, top, 0)), atol=1e-3)
+        np.testing.assert_array_equal(found.density, grid.density)
+
+
 def test_what_cannot_be_read_is_one_message(tmp_path):
     import h5py
 

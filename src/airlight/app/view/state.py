@@ -207,6 +207,12 @@ def structure(state: ViewState) -> tuple[Any, ...]:
     )
 
 
+def boxes(state: ViewState) -> tuple[Any, ...]:
+    """The sizes and boxes that the volumes' grids have now: a sequence's files have their own."""
+    grids = [(v.density, v.bounds) for v in state.moved().volumes]
+    return tuple(density is not None and (density.shape, box) for density, box in grids)
+
+
 def _map_of(scene: Scene) -> Any:
     """What of the environment's map a renderer is made for: a computed sky may be another one."""
     environment = scene.environment

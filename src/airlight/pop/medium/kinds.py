@@ -10,13 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...maths.transforms import F64
-from ...scene.coefficients import grouped
+from ...scene.coefficients import ALIKE, grouped, traits
 from ...scene.volume import Volume
 from ..settings import MOST_ALONE, PopSettings
 from .merging import mass_of
-
-_ALIKE = 0.1  # of the ratios of extinctions, of albedo and g
 
 
 @dataclass(frozen=True)
@@ -47,7 +44,7 @@ def sorted_by_kind(volumes: Sequence[Volume], settings: PopSettings) -> list[tup
     """
     if settings.scheme != "delta-beam":
         return [tuple(range(len(volumes)))]
-    rows = np.array([_features(volume) for volume in volumes])
+    rows = np.array([traits(volume) for volume in volumes])
     held = np.array([_held(volume) for volume in volumes])
     # Equal ones first, so that few are compared.
     means, kind_of = np.unique(rows, axis=0, return_inverse=True)
@@ -59,7 +56,7 @@ def sorted_by_kind(volumes: Sequence[Volume], settings: PopSettings) -> list[tup
         apart = off.max(axis=-1)
         np.fill_diagonal(apart, np.inf)
         a, b = np.unravel_index(int(np.argmin(apart)), apart.shape)
-        if apart[a, b] > _ALIKE:
+        if apart[a, b] > ALIKE:
             if len(members) <= MOST_ALONE:
                 break
             # Of unlike ones those whose mean changes least what they hold.
@@ -81,10 +78,3 @@ def _held(volume: Volume) -> float:
     """
     full = replace(volume, density=None, shape="box")
     return (mass_of(volume) or mass_of(full)) * float(np.mean(volume.sigma_t))
-
-
-def _features(volume: Volume) -> F64:
-    """Ratios of extinctions, albedo and g (9,)."""
-    sigma_t = np.asarray(volume.sigma_t)
-    tint = sigma_t / max(float(sigma_t.max()), 1e-30)
-    return np.concatenate([tint, volume.albedo, volume.g])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
-from ..animation.density import FileSequence, VolumeTrack
+from ..animation.file_sequence import FileSequence
 from ..checks import F64, Bounds, Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
@@ -72,13 +72,13 @@ def placed_volume(
         grid = grown or grid
         if grids:
             values, grid = _with_coefficients(values, given, shown, grid, grids)
-    sequence = file_sequence(values, files, grid.density.shape, glowing)
+    sequence = file_sequence(values, files, grid, glowing, grids)
     upright, told = upright_from_grid(turn, files[0])
     values, warnings = _in_its_box(values, grid, matrix @ upright, upright)
     with inside(label):
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
         if shown != files[0]:  # a sequence may begin empty
-            volume = VolumeTrack(0, sequence).of(volume, sequence.start_s)
+            volume = sequence.of(volume, sequence.start_s)
     return volume, (*told, *warnings), None if is_file else sequence
 
 
@@ -145,12 +145,9 @@ def _with_coefficients(
 ) -> tuple[dict[str, Any], VolumeGrid]:
     """The values with coefficients by voxel, and the density on the box that holds their grids."""
     grid, made = read_coefficients(path, grid, grids, {n: given[n] for n in NAMES if n in given})
-    # Colours by voxel come from one file, so only those that leave the density alone will do.
-    if "sequence" in given:
-        if "sigma_t" in made:
-            raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
-        text = f"{path.name}: the colours of a sequence stay those of this file"
-        grid = replace(grid, warnings=(*grid.warnings, text))
+    # A sequence mixes densities, so only colours that leave the density alone will do.
+    if "sequence" in given and "sigma_t" in made:
+        raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
     # Grids of extinction have the table's numbers in them already.
     if "sigma_t" in made:
         values = {name: value for name, value in values.items() if name not in NAMES}
