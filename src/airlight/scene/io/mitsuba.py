@@ -67,8 +67,8 @@ class _Found:
 def load_mitsuba(path: Path) -> Scene:
     """Read a Mitsuba scene. What was dropped or approximated is in the scene's `warnings`.
 
-    Raises SceneError for broken or dangerous XML, files that are missing or lie outside the
-    scene's folder, and plugins that do not exist.
+    Raises SceneError for broken or dangerous XML, files that are missing or that no scene may
+    name, and plugins that do not exist.
     """
     path = Path(path)
     try:
@@ -77,8 +77,8 @@ def load_mitsuba(path: Path) -> Scene:
             source = Source(path, folders)
             for name in folders.skipped:
                 source.note(
-                    f"the search path '{name}' is no folder in '{folders.root}', and nothing is "
-                    "looked for in it; set AIRLIGHT_ROOT to a folder around the scene to allow it"
+                    f"the search path '{name}' is no folder that the scene may name, and nothing "
+                    "is looked for in it"
                 )
             scene = _scene(tree, source)
     except (TypeError, AttributeError) as error:

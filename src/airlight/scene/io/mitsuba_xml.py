@@ -1,7 +1,6 @@
 """Mitsuba's XML as a tree of plain nodes: includes, defaults, parameters and references solved.
 
-The file is not trusted: a document type (where entities would be declared) is refused, and so
-is every file outside the folder of the scene.
+The file is not trusted: a document type (where entities would be declared) is refused.
 """
 
 from __future__ import annotations
