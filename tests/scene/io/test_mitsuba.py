@@ -482,7 +482,7 @@ def test_includes_follow_the_rule_of_files(tmp_path: Path, monkeypatch: pytest.M
         (
             '<float name="x" value="$y"/>',
             "scene.xml: the parameter $y has no value. "
-            'Add <default name="y" value="..."/> before it.',
+            'Give it one: --param y=VALUE, in Python parameters={"y": ...}, or in the file <default>.',
         ),
         ('<float name="x" value="1e"/>', "scene.xml: <float name='x'> is '1e', not a number"),
         (
@@ -577,6 +577,26 @@ def test_a_search_path_leads_up_but_out_of_no_folder_that_is_set(
     assert scene(inner, body + MESH).triangle_count == 1
     with pytest.raises(SceneError, match="is outside of"):
         scene(inner, MESH.replace("mesh.obj", "../../../mesh.obj"))
+
+
+def test_parameters_are_given_from_outside_and_win_over_defaults(tmp_path: Path) -> None:
+    path = tmp_path / "a.xml"
+    path.write_text(
+        '<scene version="3.0.0"><default name="radius" value="2"/>'
+        '<shape type="sphere"><float name="radius" value="$radius"/>'
+        '<point name="center" x="$x" y="0" z="0"/></shape></scene>'
+    )
+    (mesh,) = load(path, parameters={"x": 5}).meshes
+    np.testing.assert_allclose(np.array(mesh.world_bounds)[:, 0], [3, 7], atol=1e-5)
+    (mesh,) = load(path, parameters={"x": "5", "radius": 1.0}).meshes
+    np.testing.assert_allclose(np.array(mesh.world_bounds)[:, 0], [4, 6], atol=1e-5)
+    with pytest.raises(SceneError, match=r"\$x has no value\. Give it one: --param x=VALUE"):
+        load(path)
+    with pytest.raises(SceneError, match=r"no \$radus stands in .* Did you mean 'radius'\?"):
+        load(path, parameters={"x": 1, "radus": 1})
+    (tmp_path / "a.obj").write_text(TRIANGLE)
+    with pytest.raises(SceneError, match="parameters are for Mitsuba's files"):
+        load(tmp_path / "a.obj", parameters={"x": 1})
 
 
 def test_surfaces_are_black_behind_but_where_twosided_says_otherwise(tmp_path: Path) -> None:

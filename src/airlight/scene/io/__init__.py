@@ -30,7 +30,7 @@ defaults         framing: a camera where there is none, daylight where there is 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -65,11 +65,14 @@ def load(
     variant: str | None = None,
     sun: Sky | str | None = None,
     ground: bool | None = False,
+    parameters: Mapping[str, Any] | None = None,
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`.
 
     Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
     `variant` names one of a glTF file's material variants; other files say so themselves.
+    `parameters` are values, as text or numbers, of the $names in a Mitsuba file; they win over its
+    defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
     True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
@@ -81,7 +84,7 @@ def load(
     """
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
-    model = model_keys(written, up=up, scale=scale, variant=variant)
+    model = model_keys(written, up=up, scale=scale, variant=variant, parameters=parameters)
     sky = chosen_sky(sun)
     # Scenes that ship are made, not read; like scene files they say everything themselves.
     if written.startswith(BUILTIN_PREFIX):
@@ -111,12 +114,22 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
 
 
 def model_keys(
-    path: str, *, up: str = "y", scale: float = 1.0, variant: str | None = None
+    path: str,
+    *,
+    up: str = "y",
+    scale: float = 1.0,
+    variant: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """What is asked for beside the file, by the names of a [[mesh]]'s keys, checked.
+    """What is asked for beside the file, by the names of a [[mesh]]'s keys, checked; `parameters`
+    among them.
 
-    Raises SceneError where it is no mesh file.
+    Raises SceneError where it is no file of their kind.
     """
+    # Parameters are Mitsuba's alone.
+    if parameters and Path(path).suffix.lower() != ".xml":
+        raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
+    texts = {name: str(value) for name, value in (parameters or {}).items()}
     given = {"up": up, "scale": scale, "variant": variant}
     usual = {"up": "y", "scale": 1.0, "variant": None}
     # An option left as it is by default says nothing, and is allowed for every file.
@@ -131,9 +144,10 @@ def model_keys(
     from .toml_tables import MESH
 
     # The checks of a [[mesh]]'s keys hold here too, with their messages.
-    return {
+    checked = {
         key.name: key.check(asked[key.name], key.name) for key in MESH.keys if key.name in asked
     }
+    return {**checked, "parameters": texts} if texts else checked
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
@@ -152,7 +166,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
-        scene = load_mitsuba(file)
+        scene = load_mitsuba(file, model.get("parameters"))
         return with_sky(scene, sky) if sky else scene
     # Bare grids and meshes get what they lack.
     if suffix in VOLUME_SUFFIXES:
