@@ -7,6 +7,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import PIL.Image
 import pytest
 from PIL import Image
 
@@ -577,6 +578,43 @@ def test_a_search_path_leads_up_but_out_of_no_folder_that_is_set(
     assert scene(inner, body + MESH).triangle_count == 1
     with pytest.raises(SceneError, match="is outside of"):
         scene(inner, MESH.replace("mesh.obj", "../../../mesh.obj"))
+
+
+def test_textures_of_roughness_are_read(tmp_path: Path) -> None:
+    """Ours is the root of Mitsuba's alpha; of two widths that of their geometric mean."""
+    for name, level in (("a", 64), ("b", 16)):
+        PIL.Image.fromarray(np.full((4, 4, 3), level, np.uint8)).save(tmp_path / f"{name}.png")
+
+    def image(role: str, file: str) -> str:
+        return (
+            f'<texture type="bitmap" name="{role}"><string name="filename" value="{file}.png"/>'
+            '<boolean name="raw" value="true"/></texture>'
+        )
+
+    def made(inner: str) -> tuple[float, bool]:
+        held = scene(
+            tmp_path,
+            f'{SENSOR.format("")}<shape type="cube"><bsdf type="roughconductor">{inner}'
+            '<string name="distribution" value="ggx"/></bsdf></shape>',
+        )
+        found = held.meshes[0].material
+        texture = found.metallic_roughness_texture
+        assert texture is not None and texture.pixels[0, 0, 2] == 255 and found.metallic == 1.0
+        assert not any("left out" in text for text in held.warnings)
+        roughness = found.roughness * texture.pixels[0, 0, 1] / 255
+        return roughness, any("anisotropic" in text for text in held.warnings)
+
+    # Texels are whole numbers: half of one is .004 of the roughness at worst.
+    a, b = 64 / 255, 16 / 255
+    for inner, alpha, is_mean in (
+        (image("alpha", "a"), a, False),
+        (image("alpha_u", "a") + image("alpha_v", "a"), a, False),
+        (image("alpha_u", "a") + image("alpha_v", "b"), np.sqrt(a * b), True),
+        (image("alpha_u", "a") + '<float name="alpha_v" value="0.3"/>', np.sqrt(a * 0.3), True),
+    ):
+        roughness, told = made(inner)
+        assert roughness == pytest.approx(np.sqrt(alpha), abs=0.004)
+        assert told == is_mean
 
 
 def test_parameters_are_given_from_outside_and_win_over_defaults(tmp_path: Path) -> None:
