@@ -118,7 +118,11 @@ class Ground:
         used, peak = cpu_seconds(), peak_bytes()
         failure: Failure | None = None
         try:
-            with _limited(), warnings.catch_warnings(record=True) as heard, contextlib.ExitStack() as held:
+            with (
+                _limited(),
+                warnings.catch_warnings(record=True) as heard,
+                contextlib.ExitStack() as held,
+            ):
                 if is_kept:
                     held.enter_context(kept_within(self.folder))
                 warnings.simplefilter("always")

@@ -12,12 +12,14 @@ I64 = NDArray[np.int64]
 
 _SAME = 2.0**-20
 
+
 def closed_surface(positions: F64, triangles: I64) -> tuple[F64, I64, int]:
     """Vertices (V, 3), the triangles (T, 3) with their holes closed, and the number of holes.
 
-    Vertices nearer to each other than 2^-20 of the surface's extent become one place. A hole is closed by the cone from its rim to the mean of the rim's vertices: a plane rim gets a
-    plane lid. Rims are edges of an odd number of triangles. Every vertex has an even number of them,
-    so that after closing each edge has an even number of triangles, whatever the mesh was.
+    Vertices nearer to each other than 2^-20 of the surface's extent become one place. A hole is
+    closed by the cone from its rim to the mean of the rim's vertices: a plane rim gets a plane lid.
+    Rims are edges of an odd number of triangles. Every vertex has an even number of them, so that
+    after closing each edge has an even number of triangles, whatever the mesh was.
     """
     # Vertices on a lattice far finer than any voxel, where seams that were meant to meet do.
     low, extent = positions.min(axis=0), float(np.ptp(positions, axis=0).max())

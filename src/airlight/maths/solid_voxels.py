@@ -121,7 +121,9 @@ def _met(corners: F64, at: F64) -> tuple[F64, I64]:
         area = along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]
         side = np.where((area >= 0.0) != swapped, 1, -1)
         # Edges without length in this plane have no side, and neither have their triangles.
-        areas.append((np.where(swapped, -area, area), np.where((along == 0.0).all(axis=1), 0, side)))
+        areas.append(
+            (np.where(swapped, -area, area), np.where((along == 0.0).all(axis=1), 0, side))
+        )
     sides = np.stack([side for _, side in areas])
     sign = np.where((sides[0] == sides[1]) & (sides[1] == sides[2]), sides[0], 0)
     # x by the areas across from each corner.

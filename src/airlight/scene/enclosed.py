@@ -38,7 +38,7 @@ class Placed(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A closed surface: `positions` (V, 3), metres, `triangles` (T, 3), and how many `holes` it had.
+    """A closed surface: `positions` (V, 3), metres, `triangles` (T, 3), how many `holes` it had.
 
     Where its triangles all face one way, the inside is what it winds around; else what an odd
     number of surfaces lies before (`maths.solid_voxels`).
@@ -68,7 +68,9 @@ class Body:
         used = self.positions[np.unique(self.triangles)]
         return used.min(axis=0), used.max(axis=0)
 
-    def shares(self, low: F64, high: F64, count: tuple[int, int, int], at: F64 | None = None) -> F64:
+    def shares(
+        self, low: F64, high: F64, count: tuple[int, int, int], at: F64 | None = None
+    ) -> F64:
         """(z, y, x): how much of each of `count` (x, y, z) voxels of a box lies inside.
 
         `at` (4, 4): the box's space from the body's.
@@ -91,7 +93,9 @@ class Body:
         if not longest > 0.0:
             return None
         shares, bounds, voxel_m = self._on_cubes(longest / FEWEST)
-        chord = 4.0 * float(shares.sum()) * voxel_m**3 / surface_area(self.positions, self.triangles)
+        chord = (
+            4.0 * float(shares.sum()) * voxel_m**3 / surface_area(self.positions, self.triangles)
+        )
         if chord <= 1e-6 * longest:
             return None
         wanted = max(min(chord / _ACROSS, free_path_m / _PER_PATH), longest / MOST)

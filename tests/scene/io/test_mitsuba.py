@@ -483,7 +483,8 @@ def test_includes_follow_the_rule_of_files(tmp_path: Path, monkeypatch: pytest.M
         (
             '<float name="x" value="$y"/>',
             "scene.xml: the parameter $y has no value. "
-            'Give it one: --param y=VALUE, in Python parameters={"y": ...}, or in the file <default>.',
+            "Give it one: --param y=VALUE, in Python "
+            'parameters={"y": ...}, or in the file <default>.',
         ),
         ('<float name="x" value="1e"/>', "scene.xml: <float name='x'> is '1e', not a number"),
         (

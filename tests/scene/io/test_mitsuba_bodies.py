@@ -115,12 +115,12 @@ def test_parts_are_united_and_cavities_stay_empty(tmp_path: Path) -> None:
     points, faces = ball()
     one = volume_of(points, faces)
     both = np.concatenate([faces, faces + len(points)])
-    apart = np.concatenate([points, points + (3.0, 0.0, 0.0)])
+    apart = np.concatenate([points, points + np.array([3.0, 0.0, 0.0])])
     write_obj(tmp_path / "apart.obj", apart, both)
     (volume,) = read(tmp_path, MEDIUM + obj("apart")).volumes
     assert held(volume) == pytest.approx(2 * one, rel=3e-3)
     # Two balls whose middles are a radius apart: 2 V less the lens, 5/16 of a ball.
-    across = np.concatenate([points, points + (1.0, 0.0, 0.0)])
+    across = np.concatenate([points, points + np.array([1.0, 0.0, 0.0])])
     write_obj(tmp_path / "across.obj", across, both)
     (volume,) = read(tmp_path, MEDIUM + obj("across")).volumes
     assert held(volume) == pytest.approx((2 - 5 / 16) * one, rel=3e-3)

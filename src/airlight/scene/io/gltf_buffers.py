@@ -107,7 +107,7 @@ def uri_bytes(item: Item, folder: Path) -> bytes:
 
 
 def uri_file(item: Item, folder: Path) -> Path:
-    """The file that the `uri` names, seen from `folder`. Raises SceneError, as `named_file` does."""
+    """The file that the `uri` names, seen from `folder`. Raises SceneError as `named_file` does."""
     uri = item.text("uri")
     if _SCHEME.match(uri):
         raise item.error(f"'{uri[:200]}' is not a file beside this one", "Download it first.")

@@ -51,6 +51,7 @@ _HOW = frozenset(
         "sample_emitters",
         "silhouette_sampling_weight",
         "max_value",
+        "has_spectral_extinction",
     )
 )
 _HOW_TAGS = ("integrator", "sampler", "film", "rfilter", "scene")
@@ -68,8 +69,9 @@ class _Found:
 def load_mitsuba(path: Path, parameters: Mapping[str, str] | None = None) -> Scene:
     """Read a Mitsuba scene. What was dropped or approximated is in the scene's `warnings`.
 
-    `parameters` are values of its $names, which win over its defaults. Raises SceneError for broken or dangerous XML, files that are missing or that no scene may
-    name, and plugins that do not exist.
+    `parameters` are values of its $names, which win over its defaults. Raises SceneError for broken
+    or dangerous XML, files that are missing or that no scene may name, and plugins that do not
+    exist.
     """
     path = Path(path)
     try:

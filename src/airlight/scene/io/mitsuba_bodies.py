@@ -54,7 +54,7 @@ class Region:
         centre = np.mean(self.extent, axis=0)
         return np.asarray(self.world_from_shape[:3, :3] @ centre + self.world_from_shape[:3, 3])
 
-    def placed(self, free_path_m: float, source: Source) -> dict[str, Any] | None:
+    def filled(self, free_path_m: float, source: Source) -> dict[str, Any] | None:
         """The arguments of a Volume of density 1 in it, of this mean free path.
 
         None, and a note, where it encloses nothing.
@@ -127,13 +127,15 @@ def shares_of_grid(
     low, high = (np.array(corner) for corner in bounds)
     # A cube around the grid, as it mostly is, bounds nothing of it.
     if region.kind == "cube":
-        corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), -1).reshape(-1, 3)
-        at = np.linalg.inv(region.world_from_shape) @ world_from_grid
-        if np.abs(corners @ at[:3, :3].T + at[:3, 3]).max() <= 1.0 + _HAIR:
+        ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
+        corners = np.stack(ends, axis=-1).reshape(-1, 3)
+        cube = np.linalg.inv(region.world_from_shape) @ world_from_grid
+        if np.abs(corners @ cube[:3, :3].T + cube[:3, 3]).max() <= 1.0 + _HAIR:
             return None, 1
     times = max(1, FEWEST // max(size))
     nz, ny, nx = (times * n for n in size)
-    shares = region.body.shares(low, high, (nx, ny, nz), np.linalg.inv(world_from_grid))
+    at = np.asarray(np.linalg.inv(world_from_grid), np.float64)
+    shares = region.body.shares(low, high, (nx, ny, nz), at)
     if shares.min() == 1.0:
         return None, 1
     return np.asarray(shares, np.float32), times

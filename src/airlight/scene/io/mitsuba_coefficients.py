@@ -99,6 +99,7 @@ def phase_of(
 
 
 def mean_cosine_of(phase: Node | None, source: Source) -> float:
+    """g of a phase function; 0, and a note, for one that is not read."""
     if phase is None or phase.kind == "isotropic":
         return 0.0
     if phase.kind == "hg":

@@ -217,8 +217,8 @@ def _null(node: Node, source: Source) -> Material:
 
 
 def _roughness(node: Node, source: Source) -> dict[str, Any]:
-    """The fields of a Material: ours is the square root of Mitsuba's alpha; 0 for the smooth kinds."""
-    if not node.kind.startswith("rough"):
+    """The fields of a Material: the square root of Mitsuba's alpha; 0 for the smooth kinds."""
+    if not node.kind.startswith("rough") and node.kind != "pplastic":
         return {"roughness": 0.0}
     if node.get("distribution", "beckmann") != "ggx":
         source.note(f"{node}: its Beckmann lobe is read as GGX of the same alpha")
@@ -279,6 +279,7 @@ _READERS: dict[str, Callable[[Node, Source], Material]] = {
     "roughconductor": _conductor,
     "plastic": _plastic,
     "roughplastic": _plastic,
+    "pplastic": _plastic,
     "dielectric": _glass,
     "roughdielectric": _glass,
     "thindielectric": _glass,

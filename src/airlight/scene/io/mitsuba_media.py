@@ -15,7 +15,7 @@ from ..checks import F32, F64, Bounds
 from ..coefficients import scale_density_tint
 from ..medium import Medium
 from ..volume import Volume
-from .mitsuba_bodies import Region, finer, region_of, joined, shares_of_grid
+from .mitsuba_bodies import Region, finer, joined, region_of, shares_of_grid
 from .mitsuba_coefficients import (
     GRID,
     extinction,
@@ -105,29 +105,29 @@ def _volume(held: Held, air: Held | None, source: Source) -> Volume | None:
     # One density everywhere, in a box, a sphere or what a mesh encloses.
     if held.is_homogeneous:
         assert isinstance(g, float)  # only a grid's phase functions are mixed by voxel
-        placed = held.region.placed(1.0 / float(sigma_t.max()), source)
-        if placed is None:
+        filled = held.region.filled(1.0 / float(sigma_t.max()), source)
+        if filled is None:
             return None
-        return Volume(sigma_t=triple(sigma_t), albedo=triple(albedo), g=(g,) * 3, **placed)
+        return Volume(sigma_t=triple(sigma_t), albedo=triple(albedo), g=(g,) * 3, **filled)
     # A grid that its shape cuts: more voxels where those are coarse, with what is inside of each.
     at = np.eye(4) if held.world_from_grid is None else held.world_from_grid
     shares, times = shares_of_grid(held.region, sigma_t.shape[:3], held.grid_bounds, at)
     if shares is not None:
         sigma_t = finer(sigma_t, times) * shares[..., None]
-        albedo = albedo if albedo.ndim < 4 else finer(albedo, times)
-        g = g if isinstance(g, float) else finer(g, times)
+        albedo = albedo if albedo.ndim < 4 else finer(albedo, times).astype(np.float64)
+        if not isinstance(g, float):
+            g = finer(g, times)
         if float(sigma_t.max()) <= 0.0:
             return None
     # A grid: its densities, and the coefficients of density 1.
     top, density, tint = scale_density_tint(np.asarray(sigma_t, dtype=np.float32))
-    placed = held.world_from_grid
-    is_onescattering_albedo = albedo.ndim < 4
+    is_one_albedo = albedo.ndim < 4
     return Volume(
         sigma_t=top,
         density=density,
         tint=tint,
-        albedo=triple(albedo) if is_onescattering_albedo else (1.0, 1.0, 1.0),
-        albedo_grid=None if is_onescattering_albedo else np.asarray(albedo, np.float32),
+        albedo=triple(albedo) if is_one_albedo else (1.0, 1.0, 1.0),
+        albedo_grid=None if is_one_albedo else np.asarray(albedo, np.float32),
         g=(g,) * 3 if isinstance(g, float) else (0.0, 0.0, 0.0),
         g_grid=None if isinstance(g, float) else g,
         bounds=held.grid_bounds,

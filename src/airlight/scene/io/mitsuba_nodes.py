@@ -73,9 +73,7 @@ class Folders:
         Raises SceneError for a name that scenes may not use, `files.named_file`.
         """
         # The search path that was named last comes first.
-        tries = [
-            named_file(name, where, folder, self.own) for folder in (*self.search, self.own)
-        ]
+        tries = [named_file(name, where, folder, self.own) for folder in (*self.search, self.own)]
         found = next((path for path in tries if is_file(path)), tries[-1])
         # A file that is nowhere may lie where the scene was not looked for.
         if self.skipped and not is_file(found):

@@ -65,7 +65,7 @@ def packed_roughness_metallic(
 
 
 def raised(images: Sequence[Texture], power: float) -> Texture:
-    """The product of data images, raised to `power`; placed as the first, as large as the largest."""
+    """The product of data images, raised to `power`, of the largest size; placed as the first."""
     shape = (0, 0)
     for image in images:
         shape = _larger(shape, image.pixels.shape[:2])

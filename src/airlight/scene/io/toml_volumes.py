@@ -56,9 +56,7 @@ def placed_volume(
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
-        (_grid_file(written, label, folder),)
-        if is_file
-        else volume_files(written, folder, label)
+        (_grid_file(written, label, folder),) if is_file else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
     shown, grid = _first_filled(files, values, grids)
