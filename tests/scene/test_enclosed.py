@@ -38,8 +38,8 @@ def test_a_thin_box_has_its_volume_in_any_placing() -> None:
         c, s = np.cos(angle), np.sin(angle)
         turn = np.array([[c, -s, 0, 7], [s, c, 0, 0], [0, 0, 1, -4], [0, 0, 0, 1.0]])
         mesh = Mesh(box(), Material(), turn @ np.diag([2.0, 0.1, 1.0, 1.0]))
-        # Voxels of 1/64 m, samples of a third: 1 % of the thickness at worst.
-        assert enclosed_m3(Body.of([mesh]), 1.0) == pytest.approx(0.2, rel=0.01)
+        # Measured: 1e-3. Lines in rows that do not shift have .985 of the one that is upright.
+        assert enclosed_m3(Body.of([mesh]), 1.0) == pytest.approx(0.2, rel=0.004)
 
 
 def test_meshes_close_a_body_together_and_a_sheet_none() -> None:

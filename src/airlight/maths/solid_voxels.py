@@ -8,8 +8,14 @@ from numpy.typing import NDArray
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
-_SAMPLES = 3  # per voxel along each axis
-_LINES = 1 << 17
+_LINES_ACROSS = 3
+"""Lines per voxel along each axis across them."""
+_SHIFTS = 0.6180339887, 0.7548776662
+"""From row to row of lines: how far they shift, in distances of lines. Flat faces then lie between
+lines in all ways, and not all of them on one side."""
+_DIGITS = 1e-9
+"""Of a voxel's share: nearer to none, or to all, is just that."""
+_PAIRS = 1 << 17
 """Pairs of triangles and lines that are looked at together."""
 
 
@@ -24,17 +30,17 @@ def solid_voxels(
 ) -> F64:
     """(z, y, x), 0..1: what of each of `count` = (x, y, z) voxels of low..high lies inside.
 
-    `positions` (V, 3), `triangles` (T, 3). Lines of samples along x cross the mesh; where more
+    `positions` (V, 3), `triangles` (T, 3). Lines along x cross the mesh; where more
     faces were entered than left, it is solid (winding number other than 0), so meshes that
     intersect themselves are their union, and parts that face the other way in them are cavities.
     `by_parity`: where an odd number of faces was crossed (Nooruddin2003), whichever way they face.
     A mesh that is not closed (`closing.closed_surface`) loses what a line enters and never leaves.
     """
     nx, ny, nz = count
-    # The mesh in samples of the grid, and where lines along x cross it, line by line.
-    fine = np.array(count) * _SAMPLES
-    unit = (positions - low) / (high - low) * fine
-    x, line, sign = _crossings(unit[triangles], (int(fine[1]), int(fine[2])))
+    # The mesh in voxels along the lines and in lines across them, and where lines cross it.
+    across = ny * _LINES_ACROSS, nz * _LINES_ACROSS
+    unit = (positions - low) / (high - low) * (nx, *across)
+    x, line, sign = _crossings(unit[triangles], across)
     order = np.lexsort((x, line))
     x, line, sign = x[order], line[order], sign[order]
     if len(x) == 0:
@@ -49,18 +55,22 @@ def solid_voxels(
     odd = (np.arange(len(x)) - start) % 2 == 0
     inside = (odd if by_parity else winding != 0) & ~is_last
 
-    # Where the line goes in or out, the samples from there on count, or count no more.
-    change = inside.astype(np.int64)
+    # Where the line goes in or out, all from there on counts, or counts no more.
+    change = inside.astype(np.float64)
     change[1:] -= np.where(is_first[1:], 0, inside[:-1])
-    sample = np.clip(np.ceil(x - 0.5).astype(np.int64), 0, int(fine[0]))
-    k, j = np.divmod(line, fine[1])
-    cell, within = np.divmod(sample, _SAMPLES)
-    row = (k // _SAMPLES * ny + j // _SAMPLES) * (nx + 2) + cell
-    # The rest of the voxel that the sample is in, and all of the next ones.
-    held = np.bincount(row, change * (_SAMPLES - within), minlength=nz * ny * (nx + 2))
-    held += np.bincount(row + 1, change * within, minlength=len(held))
+    x = np.clip(x, 0.0, nx)
+    cell = np.floor(x).astype(np.int64)
+    k, j = np.divmod(line, across[0])
+    row = (k // _LINES_ACROSS * ny + j // _LINES_ACROSS) * (nx + 2) + cell
+    # The rest of the voxel that it is in, and all of the next ones.
+    held = np.bincount(row, change * (1.0 - (x - cell)), minlength=nz * ny * (nx + 2))
+    held += np.bincount(row + 1, change * (x - cell), minlength=len(held))
     sums = np.cumsum(held.reshape(nz, ny, nx + 2), axis=2)[..., :nx]
-    return np.asarray(sums / _SAMPLES**3)
+    # What is full and what is empty is so to the last digit.
+    shares = sums / _LINES_ACROSS**2
+    shares[shares < _DIGITS] = 0.0
+    shares[shares > 1.0 - _DIGITS] = 1.0
+    return np.asarray(shares)
 
 
 def soft_rim(inside: F64) -> F64:
@@ -87,14 +97,16 @@ def _crossings(corners: F64, size: tuple[int, int]) -> tuple[F64, I64, I64]:
     # Each triangle with each line through its box, in flat lists of bounded length.
     ends = np.cumsum(wide * tall)
     found = []
-    for first in range(0, int(ends[-1]) if len(ends) else 0, _LINES):
-        pair = np.arange(first, min(first + _LINES, int(ends[-1])))
+    for first in range(0, int(ends[-1]) if len(ends) else 0, _PAIRS):
+        pair = np.arange(first, min(first + _PAIRS, int(ends[-1])))
         triangle = np.searchsorted(ends, pair, side="right")
         place = pair - (ends - wide * tall)[triangle]
         row, along = np.divmod(place, wide[triangle])
         j, k = low_y[triangle] + along, low_z[triangle] + row
-        # A hair off the samples' middle, where regular meshes have their edges.
-        x, sign = _met(corners[triangle], np.stack([j + 0.5 + 1.3e-4, k + 0.5 + 2.9e-4], axis=1))
+        x, sign = _met(
+            corners[triangle],
+            np.stack([j + (0.5 + k * _SHIFTS[0]) % 1.0, k + (0.5 + j * _SHIFTS[1]) % 1.0], axis=1),
+        )
         hit = sign != 0
         found.append((x[hit], (k * size[0] + j)[hit], sign[hit]))
     if not found:
@@ -135,7 +147,7 @@ def _met(corners: F64, at: F64) -> tuple[F64, I64]:
 
 
 def _range(values: F64, size: int) -> tuple[I64, I64]:
-    """Samples first..last + 1 whose middle may lie among (T, 3) values."""
-    low = np.clip(np.floor(values.min(axis=1) - 0.6), 0, size).astype(np.int64)
-    high = np.clip(np.ceil(values.max(axis=1) + 0.6), 0, size).astype(np.int64)
+    """Lines first..last + 1 of which any may lie among (T, 3) values."""
+    low = np.clip(np.floor(values.min(axis=1)) - 1, 0, size).astype(np.int64)
+    high = np.clip(np.floor(values.max(axis=1)) + 1, 0, size).astype(np.int64)
     return low, high
