@@ -26,7 +26,7 @@ SWITCHES: tuple[Switch, ...] = (
     Switch(
         "AIRLIGHT_ROOT",
         "",
-        "folder around a Mitsuba XML or USD file that it may name files in; empty: its own",
+        "folder that scene files may name files in, no others; empty: any of the machine",
     ),
     Switch("AIRLIGHT_PATHS", "auto", "code paths: auto (made for the adapter), gpu or cpu"),
     Switch(

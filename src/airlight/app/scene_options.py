@@ -23,8 +23,8 @@ def scene_options() -> Decorator:
 
 
 def model_options() -> Decorator:
-    """--up, --scale and --variant of a model; the command gets `model`, {name: value}, of what was
-    given."""
+    """--up, --scale and --variant of a model, --param of a Mitsuba file; the command gets `model`,
+    {name: value}, of what was given."""
     return together(
         click.option(
             "--up",
@@ -48,6 +48,15 @@ def model_options() -> Decorator:
             callback=_model,
             expose_value=False,
             help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+        ),
+        click.option(
+            "--param",
+            "parameters",
+            multiple=True,
+            metavar="NAME=VALUE",
+            callback=_parameters,
+            expose_value=False,
+            help="Of a Mitsuba file: what $NAME stands for, as Mitsuba's -D; may be repeated.",
         ),
     )
 
@@ -142,6 +151,17 @@ def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
     model: dict[str, Any] = ctx.params.setdefault("model", {})
     if value is not None:
         model[str(param.name)] = value
+
+
+def _parameters(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> None:
+    """The last value of a name holds. None of them is no option that a file could refuse."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise click.BadParameter(f"'{text}' is not written as name=value")
+        found[name.strip()] = value.strip()
+    _model(ctx, param, found or None)
 
 
 def _ground(ctx: click.Context, param: click.Parameter, value: bool | None) -> None:

@@ -10,7 +10,7 @@
                beams (Elek2014); nested_diffusion: on finer grids; halved_cells: light between cells
    media       medium, mixtures, voxels, empty_voxels, solid_voxels, half_space, forward_phase,
                forward_beams, sky_phase, beam_phase
-   space       transforms, octahedron, latlong, weld, keyframes; rays, box_tree
+   space       transforms, octahedron, latlong, weld, closing, keyframes; rays, box_tree
    numbers     colour, tone, lut, half, chunks
 
 Where a shader needs the same formula, a WGSL function of the same name, its twin, stands in

@@ -1,8 +1,9 @@
-"""USD: what stages show, where it stands, and layers that reach out of the folder."""
+"""USD: what stages show, where it stands, and which layers it may name."""
 
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 import PIL.Image
@@ -114,14 +115,14 @@ def test_a_preview_surface_is_a_material(tmp_path):
     assert material.emission == (0, 0, 2)
 
 
-def test_an_image_is_found_beside_the_layer_and_not_outside(tmp_path):
+def test_an_image_is_found_from_the_layer_but_none_of_the_system(tmp_path):
     inner = tmp_path / "inner"
     inner.mkdir()
     pixels = np.zeros((2, 2, 3), np.uint8)
     pixels[0, 0] = (255, 0, 0)
     for folder in (inner, tmp_path):
         PIL.Image.fromarray(pixels).save(folder / "i.png")
-    for name, is_there in (("i.png", True), ("../i.png", False), ("/etc/hosts", False)):
+    for name, is_there in (("i.png", True), ("../i.png", True), ("/proc/version", False)):
         shader = """
         color3f inputs:diffuseColor.connect = </World/red/t.outputs:rgb>
         """
@@ -141,7 +142,7 @@ def test_an_image_is_found_beside_the_layer_and_not_outside(tmp_path):
         if is_there:
             assert texture.is_srgb and texture.pixels[0, 0, 0] == 255 and not made.warnings
         else:
-            assert "outside its folder; a magenta checker" in made.warnings[0]
+            assert "is a file of the system; a magenta checker" in made.warnings[0]
 
 
 def test_subsets_have_materials_of_their_own(tmp_path):
@@ -251,7 +252,7 @@ def test_a_volume_is_its_vdb_file(tmp_path):
     np.testing.assert_allclose((volume.world_from_volume @ [*volume.bounds[0], 1])[0], 9.5)
 
 
-def test_references_are_followed_inside_the_folder_alone(tmp_path, monkeypatch):
+def test_references_are_followed_but_not_out_of_a_folder_that_is_set(tmp_path, monkeypatch):
     inner = tmp_path / "inner"
     inner.mkdir()
     for folder in (tmp_path, inner):
@@ -275,19 +276,29 @@ def test_references_are_followed_inside_the_folder_alone(tmp_path, monkeypatch):
             held = 'variantSet "v" = { "a" (prepend references = @../part.usda@) { } }'
             text = text.replace("{\n}\n", f"{{\n{held}\n}}\n")
         (inner / "b.usda").write_text(text)
-        with pytest.raises(SceneError, match="outside its folder"):
-            load_meshes(inner / "b.usda")
-        # But where someone allows the folder around both.
-        with monkeypatch.context() as allowed:
-            allowed.setenv("AIRLIGHT_ROOT", str(tmp_path))
+        assert len(load_meshes(inner / "b.usda").meshes) == 1
+        # But where someone sets a folder that does not lie around both.
+        with monkeypatch.context() as bounded:
+            bounded.setenv("AIRLIGHT_ROOT", str(tmp_path))
             assert len(load_meshes(inner / "b.usda").meshes) == 1
-            allowed.setenv("AIRLIGHT_ROOT", str(tmp_path / "elsewhere"))
-            with pytest.raises(SceneError, match="or set AIRLIGHT_ROOT to a folder around both"):
-                load_meshes(inner / "b.usda")
+            for root in (inner, tmp_path / "elsewhere"):
+                bounded.setenv("AIRLIGHT_ROOT", str(root))
+                with pytest.raises(SceneError, match="or let AIRLIGHT_ROOT be one around both"):
+                    load_meshes(inner / "b.usda")
     # One that refers to one that refers out of the folder.
     (inner / "c.usda").write_text(using("prepend references = @./b.usda@</A>"))
-    with pytest.raises(SceneError, match="outside its folder"):
+    assert len(load_meshes(inner / "c.usda").meshes) == 1
+    monkeypatch.setenv("AIRLIGHT_ROOT", str(inner))
+    with pytest.raises(SceneError, match="is outside of"):
         load_meshes(inner / "c.usda")
+
+
+def test_a_layer_that_is_a_pipe_is_refused(tmp_path):
+    os.mkfifo(tmp_path / "part.usda")
+    text = '#usda 1.0\ndef Xform "A" (prepend references = @./part.usda@)\n{\n}\n'
+    (tmp_path / "a.usda").write_text(text)
+    with pytest.raises(SceneError, match="a pipe, not a file"):
+        load_meshes(tmp_path / "a.usda")
 
 
 def test_a_package_holds_layers_and_images(tmp_path):

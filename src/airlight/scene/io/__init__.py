@@ -17,7 +17,8 @@ meshfile         PLY and STL; mesh_headers: whether they can be true
 usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume; usd_losses
                  says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
-                 _serialized), _materials, _textures, _emitters, _lights, _media, _camera
+                 _serialized), _materials, _textures, _emitters, _lights, _camera; _media: where
+                 (_bodies) and what of (_coefficients)
 polygons, normals   faces of many corners cut into triangles; normals of what has none
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
@@ -33,7 +34,7 @@ defaults         framing: a camera where there is none, daylight where there is 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -68,13 +69,15 @@ def load(
     variant: str | None = None,
     sun: Sky | str | None = None,
     ground: bool | None = False,
+    parameters: Mapping[str, Any] | None = None,
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`.
 
     Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
     metres its unit is; of a glTF file `variant` names one of its material variants. Scene files say
     so themselves, and grids of NetCDF and zarr which way is up. Coefficients of a grid are per
-    metre of the world, whatever the scale.
+    metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
+    $names in a Mitsuba file; they win over its defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
     True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
@@ -86,7 +89,7 @@ def load(
     """
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
-    model = model_keys(written, up=up, scale=scale, variant=variant)
+    model = model_keys(written, up=up, scale=scale, variant=variant, parameters=parameters)
     sky = chosen_sky(sun)
     # Scenes that ship are made, not read; like scene files they say everything themselves.
     if written.startswith(BUILTIN_PREFIX):
@@ -116,15 +119,25 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
 
 
 def model_keys(
-    path: str, *, up: str = "y", scale: float = 1.0, variant: str | None = None
+    path: str,
+    *,
+    up: str = "y",
+    scale: float = 1.0,
+    variant: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked.
+    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked;
+    `parameters` among them.
 
     Raises SceneError where it is no file that has them.
     """
     from .toml_media_tables import VOLUME
     from .toml_tables import MESH
 
+    # Parameters are Mitsuba's alone.
+    if parameters and Path(path).suffix.lower() != ".xml":
+        raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
+    texts = {name: str(value) for name, value in (parameters or {}).items()}
     given = {"up": up, "scale": scale, "variant": variant}
     usual = {"up": "y", "scale": 1.0, "variant": None}
     # An option left as it is by default says nothing, and is allowed for every file.
@@ -143,7 +156,8 @@ def model_keys(
         )
     # The checks of their keys hold here too, with their messages.
     keys = (VOLUME if is_grid else MESH).keys
-    return {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
+    checked = {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
+    return {**checked, "parameters": texts} if texts else checked
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
@@ -162,7 +176,7 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
-        scene = load_mitsuba(file)
+        scene = load_mitsuba(file, model.get("parameters"))
         return with_sky(scene, sky) if sky else scene
     # Bare grids and meshes get what they lack.
     if suffix in VOLUME_SUFFIXES:

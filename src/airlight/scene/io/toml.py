@@ -206,7 +206,7 @@ def _environment(raw: Raw, folder: Path, said: list[str]) -> tuple[Environment |
             from .images import read_radiance
 
             written = values.pop("file")
-            values["map"] = read_radiance(existing_file(folder / written, written, label), said)
+            values["map"] = read_radiance(existing_file(written, label, folder), said)
             values["source"] = written
         return Environment(**values), moved
 

@@ -18,6 +18,7 @@ from ..animation.tracks import MeshTrack, Placing
 from ..checks import F64
 from ..lights import Light
 from ..scene import Scene
+from .files import check_named, named_file
 from .toml_keys import ANIMATION, KEYS
 from .toml_schema import Table, check_table
 from .volumes import NOWHERE, VolumeGrid, is_grid_file
@@ -142,7 +143,7 @@ def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Trac
 
 def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
     """The files of a sequence, sorted by the numbers in their names. Raises SceneError."""
-    path = folder / pattern
+    path = named_file(pattern, "", folder)
     # A folder stands for all files in it; * may stand in the name alone.
     try:
         base, name = (path, "*") if path.is_dir() else (path.parent, path.name)
@@ -156,6 +157,8 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
             f"{label}: sequence '{pattern}' names no files",
             remedy="Paths are relative to the scene file; * stands for any number.",
         )
+    for file in found:  # which may be links
+        check_named(file, pattern, "", folder)
     return tuple(sorted((f.resolve() for f in found), key=_by_numbers))
 
 

@@ -16,6 +16,7 @@ from ..medium import extinction_and_albedo
 from ..volume import Volume
 from .coefficient_files import NAMES, density_or_first, read_coefficients, taken_grids
 from .emission_files import taken_emission
+from .files import named_file
 from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
@@ -59,9 +60,7 @@ def placed_volume(
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
-        (_grid_file(folder / written, written, label),)
-        if is_file
-        else volume_files(written, folder, label)
+        (_grid_file(written, label, folder),) if is_file else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
     shown, grid = _first_filled(files, values, grids)
@@ -131,9 +130,10 @@ def _first_filled(
     return files[0], first
 
 
-def _grid_file(path: Path, written: str, label: str) -> Path:
+def _grid_file(written: str, label: str, folder: Path) -> Path:
     """A grid's file, or the folder that a zarr store is. Raises SceneError."""
-    return path if is_grid_file(path) else existing_file(path, written, label)
+    path = named_file(written, "", folder)
+    return path if is_grid_file(path) else existing_file(written, label, folder)
 
 
 def _with_coefficients(

@@ -21,7 +21,6 @@ from ..lights import Light
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from ..volume import Volume
-from .files import root_around
 from .images import read_radiance
 from .usd_lights import dome, usd_camera, usd_light
 from .usd_losses import UsdLosses
@@ -50,7 +49,7 @@ class _Reader:
     """A stage on its way to a scene."""
 
     def __init__(self, path: Path) -> None:
-        self._path, self._folder = path, root_around(path.parent.resolve())
+        self._path, self._folder = path, path.parent.resolve()
         self.warnings: list[str] = []
         self._stage = stage = opened_stage(path)
         from pxr import Usd, UsdGeom
