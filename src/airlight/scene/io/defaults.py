@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from ..camera import Camera
+from ..checks import F64
 from ..lights import PointLight
 from ..limits import check_extent
 from ..scene import Scene
-from .daylight import sun_and_sky, sun_for
+from ..studio import incident_stops, studio_light
+from .daylight import OPEN_SHARE, sun_and_sky, sun_for
 from .framing import Room, find_room, framing_box, framing_camera
 from .probe import Probe
 
@@ -71,6 +73,8 @@ def with_default_lights(
         return scene
     camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
+    if room is None and lit_share >= OPEN_SHARE:
+        return _in_studio(scene, camera, towards_sun, brightest, is_exposed=is_exposed)
     # The sun and its sky; a closed room, which they cannot reach, is lit from within too.
     sun, sky = sun_and_sky(towards_sun)
     lamps = _lamp(room, camera) if room is not None and lit_share == 0.0 else ()
@@ -84,6 +88,19 @@ def with_default_lights(
     return replace(
         scene, lights=(sun, *lamps), environment=sky, warnings=tuple(warnings), camera=seen
     )
+
+
+def _in_studio(
+    scene: Scene, camera: Camera, towards_light: F64, brightest: float, *, is_exposed: bool
+) -> Scene:
+    """The scene in a studio, exposed for what its light is, unless somebody chose an exposure."""
+    key, backdrop = studio_light(towards_light)
+    warnings = (*scene.warnings, *_said(brightest, has_room=False))
+    seen = scene.camera
+    if not is_exposed and seen.exposure_stops in (0.0, None):
+        eye = np.subtract(camera.position, camera.target)
+        seen = replace(seen, exposure_stops=incident_stops(key, backdrop, eye))
+    return replace(scene, lights=(key,), environment=backdrop, warnings=warnings, camera=seen)
 
 
 def _said(brightest: float, *, has_room: bool) -> tuple[str, ...]:

@@ -17,7 +17,9 @@ from ..checks import F64
 from .probe import Hits, Probe, sphere_directions
 
 ROOM_FOV_DEG = 60.0
-OBJECT_FOV_DEG = 40.0
+OBJECT_FOV_DEG = 30.0
+"""As a lens of 45 mm on film of 36 x 24 mm: parallel edges nearly stay so."""
+MARGIN = 1.12
 EYE_HEIGHT_M = 1.6
 _RAYS = 96
 _ROOM_TRIANGLES = 3000
@@ -25,9 +27,11 @@ _CONE_COSINE = 0.77
 _STANDING_M = 1.5
 _WALLS = 12
 """Directions that walls of one room face."""
-_VIEW_FROM = (0.55, 0.35, 1.0)
-_AIR_FROM = (0.55, -0.25, 1.0)
-"""From below: smoke and clouds show before the sky, and hardly before ground as bright as they."""
+_ELEVATION_DEG, _STEEPEST_DEG = 11.0, 38.0
+"""Of the eye above what stands, and above what lies flat."""
+_AZIMUTH_DEG, _SIDEMOST_DEG = 32.0, 58.0
+"""Of the eye from +Z, the front of models, for what is as wide as deep, and for what is long."""
+_LONG = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +54,15 @@ def framing_camera(probe: Probe) -> Camera:
     # Inside a room, through its open wall, or around an object that stands free.
     room = find_room(probe)
     if room is None:
-        return _around(np.array(_VIEW_FROM), probe.corners.reshape(-1, 3))
+        return _from_front(probe.corners.reshape(-1, 3))
     if not np.isfinite(room.size[[0, 2]]).all():
         return _through_open_side(probe, room)
     return _inside(probe, room)
 
 
-def framing_box(low: F64, high: F64, *, is_on_ground: bool = False) -> Camera:
-    """A camera that shows the air in the box low..high (3,), metres, from outside: from below, or
-    from above where it stands on a ground."""
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
-    return _around(np.array(_VIEW_FROM if is_on_ground else _AIR_FROM), corners)
+def framing_box(low: F64, high: F64) -> Camera:
+    """A camera that shows the air in the box low..high (3,), metres, from outside."""
+    return _from_front(np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T)
 
 
 def find_room(probe: Probe) -> Room | None:
@@ -248,20 +250,43 @@ def _through_open_side(probe: Probe, room: Room) -> Camera:
     return _around(direction, probe.corners.reshape(-1, 3))
 
 
+def _from_front(points: F64) -> Camera:
+    """Three quarters from the front and a little from above; the points (N, 3) say how far.
+
+    What lies flat is seen from higher up, and what is longer than wide more from its side.
+    """
+    width, height, depth = np.ptp(points, axis=0)
+    # 0 for what is half as high as it is wide or higher, 1 for a sheet on the ground.
+    across = max(width, depth, 1e-30)
+    flatness = 1.0 - min(1.0, 2.0 * height / across)
+    elevation = _ELEVATION_DEG + (_STEEPEST_DEG - _ELEVATION_DEG) * flatness
+    # 0 for what is as wide as deep or wider, 1 for _LONG times as deep.
+    length = np.clip(np.log(max(depth, 1e-30) / max(width, 1e-30)) / np.log(_LONG), 0.0, 1.0)
+    azimuth = _AZIMUTH_DEG + (_SIDEMOST_DEG - _AZIMUTH_DEG) * length
+    e, a = np.radians(elevation), np.radians(azimuth)
+    return _around(np.array((np.cos(e) * np.sin(a), np.sin(e), np.cos(e) * np.cos(a))), points)
+
+
 def _around(direction: F64, points: F64) -> Camera:
-    """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 image."""
-    # A view from `direction` upon the middle of the points' box.
+    """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 image.
+
+    The points' outline lies in its middle, with a MARGIN on the sides that bound it.
+    """
     towards = direction / np.linalg.norm(direction)
     center = (points.min(axis=0) + points.max(axis=0)) / 2.0
     right = np.cross((0.0, 1.0, 0.0), towards)
     right /= np.linalg.norm(right)
-    # How far back each point needs the eye, across and up, with 8 % of margin.
     offset = points - center
-    half = math.tan(math.radians(OBJECT_FOV_DEG) / 2.0) / 1.08
-    reach_x = np.abs(offset @ right) / (half * 4.0 / 3.0)
-    reach_y = np.abs(offset @ np.cross(towards, right)) / half
-    distance = float(np.max(np.maximum(reach_x, reach_y) + offset @ towards))
-    return _camera(center + towards * (distance or 1e-3), center, OBJECT_FOV_DEG)
+    half = math.tan(math.radians(OBJECT_FOV_DEG) / 2.0) / MARGIN
+    # Per axis of the image the outermost points on both sides say where the eye is in the middle
+    # of them, and how far back: |x - a| <= half (s - z).
+    eye, back = center, []
+    for axis, reach in ((right, half * 4.0 / 3.0), (np.cross(towards, right), half)):
+        depth = reach * (offset @ towards)
+        last, first = float(np.max(offset @ axis + depth)), float(np.max(depth - offset @ axis))
+        eye = eye + axis * (last - first) / 2.0
+        back.append((last + first) / (2.0 * reach))
+    return _camera(eye + towards * (max(back) or 1e-3), eye, OBJECT_FOV_DEG)
 
 
 def _camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:
