@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..camera import Camera
-from ..checks import F64
-from ..lights import PointLight
+from ..environment import Environment
+from ..lights import DirectionalLight, PointLight
 from ..limits import check_extent
 from ..scene import Scene
 from ..studio import incident_stops, studio_light
@@ -42,14 +42,16 @@ def with_default_lights(
     is_scene_file: bool = False,
     is_exposed: bool = False,
 ) -> Scene:
-    """The scene, with a sun and a sky where it has no light of its own.
+    """The scene, with light where it has none of its own: a studio around things in the open, a sun
+    and a sky for rooms and for air alone.
 
     Lights and an environment are light; what emits is, too, in a scene file (`is_scene_file`),
     whose author says what he wants. Of a bare model it is where it lights a room with at least
-    LIGHT_RADIANCE: a glowing part of something that stands in the open is seen by daylight.
+    LIGHT_RADIANCE: a glowing part of something that stands in the open is seen by other light.
 
-    The sun is placed for the scene's camera (for a framing one where it is the default), and
-    what it sees is exposed by the image, unless `is_exposed` says that somebody chose an exposure.
+    The light is placed for the scene's camera (for a framing one where it is the default). What
+    that sees is exposed by the light that falls on it, in rooms by the image, unless `is_exposed`
+    says that somebody chose an exposure.
     A closed room, which no sun enters, gets a lamp under its ceiling too. `probe` gives the probe
     of the scene, for those who have it already. What was added is in the scene's warnings where
     something might have been meant to be the light.
@@ -73,12 +75,19 @@ def with_default_lights(
         return scene
     camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
-    if room is None and lit_share >= OPEN_SHARE:
-        return _in_studio(scene, camera, towards_sun, brightest, is_exposed=is_exposed)
+    # In the open things stand in a studio, and air is seen before the sky.
+    if room is None and lit_share >= OPEN_SHARE and (scene.meshes or scene.volumes):
+        light = (studio_light if scene.meshes else sun_and_sky)(towards_sun)
+        lit = _lit_in_the_open(scene, camera, light, is_exposed=is_exposed)
+        told = _said(brightest, "a studio's light was", has_room=False)
+        return replace(lit, warnings=(*lit.warnings, *told))
     # The sun and its sky; a closed room, which they cannot reach, is lit from within too.
     sun, sky = sun_and_sky(towards_sun)
     lamps = _lamp(room, camera) if room is not None and lit_share == 0.0 else ()
-    warnings = [*scene.warnings, *_said(brightest, has_room=room is not None)]
+    warnings = [
+        *scene.warnings,
+        *_said(brightest, "a default sun and sky were", has_room=room is not None),
+    ]
     if lamps:
         warnings.append("no daylight gets into this closed room: a lamp was hung under its ceiling")
     # Nobody chose an exposure for a sun that was not there.
@@ -90,27 +99,26 @@ def with_default_lights(
     )
 
 
-def _in_studio(
-    scene: Scene, camera: Camera, towards_light: F64, brightest: float, *, is_exposed: bool
+def _lit_in_the_open(
+    scene: Scene, camera: Camera, light: tuple[DirectionalLight, Environment], *, is_exposed: bool
 ) -> Scene:
-    """The scene in a studio, exposed for what its light is, unless somebody chose an exposure."""
-    key, backdrop = studio_light(towards_light)
-    warnings = (*scene.warnings, *_said(brightest, has_room=False))
+    """The scene in `light`, exposed by what falls on it, unless somebody chose an exposure."""
+    key, around = light
     seen = scene.camera
     if not is_exposed and seen.exposure_stops in (0.0, None):
-        eye = np.subtract(camera.position, camera.target)
-        seen = replace(seen, exposure_stops=incident_stops(key, backdrop, eye))
-    return replace(scene, lights=(key,), environment=backdrop, warnings=warnings, camera=seen)
+        towards_eye = np.subtract(camera.position, camera.target)
+        seen = replace(seen, exposure_stops=incident_stops(key, around, towards_eye))
+    return replace(scene, lights=(key,), environment=around, camera=seen)
 
 
-def _said(brightest: float, *, has_room: bool) -> tuple[str, ...]:
+def _said(brightest: float, added: str, *, has_room: bool) -> tuple[str, ...]:
     """Why surfaces that emit, at most `brightest`, were not taken for the scene's light."""
     if brightest <= 0.0:
         return ()
     why = "light no room"
     if has_room or brightest < LIGHT_RADIANCE:
         why = f"are dim (radiance {brightest:g})"
-    return (f"its emissive surfaces {why}: a default sun and sky were added",)
+    return (f"its emissive surfaces {why}: {added} added",)
 
 
 def _probe(scene: Scene, known: Callable[[], Probe] | None) -> Probe:

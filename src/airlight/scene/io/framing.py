@@ -25,6 +25,7 @@ _RAYS = 96
 _ROOM_TRIANGLES = 3000
 _CONE_COSINE = 0.77
 _STANDING_M = 1.5
+_STEPS = 30
 _WALLS = 12
 """Directions that walls of one room face."""
 _ELEVATION_DEG, _STEEPEST_DEG = 11.0, 38.0
@@ -32,6 +33,8 @@ _ELEVATION_DEG, _STEEPEST_DEG = 11.0, 38.0
 _AZIMUTH_DEG, _SIDEMOST_DEG = 32.0, 58.0
 """Of the eye from +Z, the front of models, for what is as wide as deep, and for what is long."""
 _LONG = 4.0
+_BELOW_DEG = -OBJECT_FOV_DEG / 2.0 - 2.0
+"""So that smoke and clouds are seen before the sky alone, all of the view above the horizon."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +63,13 @@ def framing_camera(probe: Probe) -> Camera:
     return _inside(probe, room)
 
 
-def framing_box(low: F64, high: F64) -> Camera:
-    """A camera that shows the air in the box low..high (3,), metres, from outside."""
-    return _from_front(np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T)
+def framing_box(low: F64, high: F64, *, is_on_ground: bool = False) -> Camera:
+    """A camera that shows the air in the box low..high (3,), metres, from outside: from below, or
+    from above where it stands on a ground."""
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+    if is_on_ground:
+        return _from_front(corners)
+    return _around(_towards_eye(_BELOW_DEG, _AZIMUTH_DEG), corners)
 
 
 def find_room(probe: Probe) -> Room | None:
@@ -263,8 +270,13 @@ def _from_front(points: F64) -> Camera:
     # 0 for what is as wide as deep or wider, 1 for _LONG times as deep.
     length = np.clip(np.log(max(depth, 1e-30) / max(width, 1e-30)) / np.log(_LONG), 0.0, 1.0)
     azimuth = _AZIMUTH_DEG + (_SIDEMOST_DEG - _AZIMUTH_DEG) * length
-    e, a = np.radians(elevation), np.radians(azimuth)
-    return _around(np.array((np.cos(e) * np.sin(a), np.sin(e), np.cos(e) * np.cos(a))), points)
+    return _around(_towards_eye(elevation, azimuth), points)
+
+
+def _towards_eye(elevation_deg: float, azimuth_deg: float) -> F64:
+    """Unit vector (3,); azimuths go from +Z to +X."""
+    e, a = np.radians(elevation_deg), np.radians(azimuth_deg)
+    return np.array((np.cos(e) * np.sin(a), np.sin(e), np.cos(e) * np.cos(a)))
 
 
 def _around(direction: F64, points: F64) -> Camera:
@@ -278,15 +290,29 @@ def _around(direction: F64, points: F64) -> Camera:
     right /= np.linalg.norm(right)
     offset = points - center
     half = math.tan(math.radians(OBJECT_FOV_DEG) / 2.0) / MARGIN
-    # Per axis of the image the outermost points on both sides say where the eye is in the middle
-    # of them, and how far back: |x - a| <= half (s - z).
-    eye, back = center, []
-    for axis, reach in ((right, half * 4.0 / 3.0), (np.cross(towards, right), half)):
-        depth = reach * (offset @ towards)
-        last, first = float(np.max(offset @ axis + depth)), float(np.max(depth - offset @ axis))
-        eye = eye + axis * (last - first) / 2.0
-        back.append((last + first) / (2.0 * reach))
-    return _camera(eye + towards * (max(back) or 1e-3), eye, OBJECT_FOV_DEG)
+    # Across the image and up it: |x - a| <= reach (s - z) says how far back, s, the eye has to be.
+    axes = ((right, half * 4.0 / 3.0), (np.cross(towards, right), half))
+    z = offset @ towards
+    needed = [
+        (np.max(reach * z + offset @ axis) + np.max(reach * z - offset @ axis)) / (2.0 * reach)
+        for axis, reach in axes
+    ]
+    back = float(max(needed)) or 1e-3
+    # From there, where the outermost angles on both sides are alike.
+    eye = center.copy()
+    for axis, _ in axes:
+        eye += axis * _middle(offset @ axis, back - z)
+    return _camera(eye + towards * back, eye, OBJECT_FOV_DEG)
+
+
+def _middle(x: F64, depth: F64) -> float:
+    """The a at which (x - a) / depth, (N,) both, reaches as far below 0 as above."""
+    a = 0.0
+    for _ in range(_STEPS):
+        slopes = (x - a) / depth
+        # Between the depths of the two outermost points no step goes too far.
+        a += (float(slopes.max()) + float(slopes.min())) / 2.0 * float(depth.min())
+    return a
 
 
 def _camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:

@@ -11,9 +11,9 @@ from ..material import Material
 from ..mesh import Mesh
 from ..scene import Scene
 from ..shapes import quad
-from ..studio import GROUND_ALBEDO
+from ..studio import GROUND_ALBEDO, studio
 from ..studio import NAME as STUDIO
-from .framing import find_room
+from .framing import find_room, framing_box
 from .probe import Probe
 
 NAME = "ground of airlight"
@@ -49,7 +49,14 @@ def with_ground(scene: Scene, *, is_asked: bool = False) -> Scene:
     albedo = sky.ground if sky else GROUND_ALBEDO
     material = Material(base_color=(albedo, albedo, albedo), specular=0.0)
     ground = Mesh(geometry=quad(), world_from_object=matrix, material=material, name=NAME)
-    return replace(scene, meshes=(*scene.meshes, ground))
+    standing = replace(scene, meshes=(*scene.meshes, ground))
+    if scene.meshes:
+        return standing
+    # Grids are framed from below, before a sky: on a ground they stand as things do.
+    seen = framing_box(low, high, is_on_ground=True)
+    exposed = replace(seen, exposure_stops=scene.camera.exposure_stops)
+    around = environment if environment.sky else studio(scene.lights)
+    return replace(standing, camera=exposed, environment=around)
 
 
 def _why_none(scene: Scene, is_asked: bool) -> str | None:

@@ -51,10 +51,19 @@ class Probe:
         self._walls = np.flatnonzero(~np.isin(mesh, self.panes))
 
     @classmethod
-    def of(cls, scene: Scene, max_triangles: int = MAX_TRIANGLES) -> Probe:
-        """The largest triangles of a scene; those without area are left out."""
+    def of(
+        cls, scene: Scene, max_triangles: int = MAX_TRIANGLES, *, through_panes: bool = True
+    ) -> Probe:
+        """The largest triangles of a scene; those without area are left out.
+
+        `through_panes`: rays are light's, which passes panes; else they are somebody's who walks.
+        """
         largest = _largest_areas(scene.meshes)
-        panes = [k for k, mesh in enumerate(scene.meshes) if _passes(mesh) >= _PANE_PASSES]
+        panes = [
+            k
+            for k, mesh in enumerate(scene.meshes)
+            if through_panes and _passes(mesh) >= _PANE_PASSES
+        ]
         held = cls(np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, np.int64), panes)
         least = 0.0
         for k, mesh in enumerate(scene.meshes):

@@ -171,9 +171,9 @@ LIGHT = Table(
 ENVIRONMENT = Table(
     "environment",
     "Light from far away, all around. Without the table the background is black where the scene "
-    "has a light or an emissive mesh; where it has none, a default light is added: a sun and a sky in "
-    "rooms, a studio around all else. Suns in a map (at most some 2 degrees wide, at least 3 % of its light, up to four) light the scene "
-    "as directional lights do, with sharp shadows.",
+    "has a light or an emissive mesh; where it has none, a default light is added: a sun and a "
+    "sky in rooms, a studio around all else. Suns in a map (at most some 2 degrees wide, at least "
+    "3 % of its light, up to four) light the scene as directional lights do, with sharp shadows.",
     (
         Key(
             "file",
