@@ -23,8 +23,8 @@ images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes b
 volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
                  netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
                  grids beside a density; volume_scene: one grid as a scene of its own
-defaults         framing: a camera where there is none, daylight where there is no light, ground
-                 under a bare model; probe: the rays by which they find walls and windows
+defaults         framing: a camera where there is none; where there is no light a studio, in rooms
+                 daylight; ground under a bare model; probe: the rays by which they find walls and windows
 """
 
 from __future__ import annotations
@@ -71,13 +71,13 @@ def load(
     Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
     `variant` names one of a glTF file's material variants; other files say so themselves.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
-    True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
+    True: a mesh file or a grid that shows no room, has no floor and gets its light here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
 
-    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a default sun and sky, and without a
-    camera one that frames them, as density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) do; scene
-    files (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
-    scene's `warnings`. Raises SceneError.
+    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a studio, in rooms a sun and a sky, and
+    without a camera one that frames them; density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) a
+    sun, a sky and a camera. Scene files (TOML, Mitsuba XML) say themselves. What was dropped,
+    replaced or approximated is in the scene's `warnings`. Raises SceneError.
     """
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
@@ -228,10 +228,10 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
 
 
 def with_defaults(scene: Scene) -> Scene:
-    """The scene with a framing camera, and a sun and a sky, where it has none.
+    """The scene with a framing camera, and with light, where it has none.
 
     A camera like Camera() counts as none; lights, an environment, or bright surfaces in a room
-    as light. An added sun is exposed by the image where the camera's exposure is 0.
+    as light. Where a light was added and the camera's exposure is 0 it is chosen, too.
     """
     from .defaults import with_default_camera, with_default_lights
     from .probe import Probe

@@ -38,7 +38,7 @@ CAMERA = Table(
             checks.stops,
             'number or "auto"',
             'display exposure: 2^stops; "auto": from the image itself, as without it where a '
-            "default sun is added",
+            "default light is added",
             "stops",
             "0",
         ),
