@@ -24,7 +24,7 @@ volumes          density grids of every kind: numpy_files, nanovdb, openvdb, ope
                  netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
                  grids beside a density; volume_scene: one grid as a scene of its own
 defaults         framing: a camera where there is none; where there is no light a studio, in rooms
-                 daylight; ground under a bare model; probe: the rays by which they find walls and windows
+                 daylight; ground under a bare model; probe: the rays that find walls and windows
 """
 
 from __future__ import annotations
