@@ -15,6 +15,7 @@ from ..scene import Scene
 from ..studio import incident_stops, studio_light
 from .daylight import OPEN_SHARE, sun_and_sky, sun_for
 from .framing import Room, find_room, framing_box, framing_camera
+from .outline import outline
 from .probe import Probe
 
 LIGHT_RADIANCE = 8.0
@@ -31,7 +32,7 @@ def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) 
     # Smoke and clouds are framed by their box; rays would find no surface of theirs.
     check_extent(scene)
     is_air = scene.volumes and not scene.meshes
-    framed = framing_box(*scene.bounds) if is_air else framing_camera(_probe(scene, probe))
+    framed = framing_box(*scene.bounds) if is_air else _framed(scene, _probe(scene, probe))
     return replace(scene, camera=replace(framed, exposure_stops=None))
 
 
@@ -73,7 +74,7 @@ def with_default_lights(
     room = find_room(probed)
     if brightest >= LIGHT_RADIANCE and room is not None:
         return scene
-    camera = framing_camera(probed) if scene.camera == Camera() else scene.camera
+    camera = _framed(scene, probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
     # In the open things stand in a studio, and air is seen before the sky.
     if room is None and lit_share >= OPEN_SHARE and (scene.meshes or scene.volumes):
@@ -119,6 +120,10 @@ def _said(brightest: float, added: str, *, has_room: bool) -> tuple[str, ...]:
     if has_room or brightest < LIGHT_RADIANCE:
         why = f"are dim (radiance {brightest:g})"
     return (f"its emissive surfaces {why}: {added} added",)
+
+
+def _framed(scene: Scene, probed: Probe) -> Camera:
+    return framing_camera(probed, outline(scene))
 
 
 def _probe(scene: Scene, known: Callable[[], Probe] | None) -> Probe:

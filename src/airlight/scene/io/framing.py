@@ -19,7 +19,8 @@ from .probe import Hits, Probe, sphere_directions
 ROOM_FOV_DEG = 60.0
 OBJECT_FOV_DEG = 30.0
 """As a lens of 45 mm on film of 36 x 24 mm: parallel edges nearly stay so."""
-MARGIN = 1.12
+MARGIN = 1.18
+"""What the image has room for, over what is in it."""
 EYE_HEIGHT_M = 1.6
 _RAYS = 96
 _ROOM_TRIANGLES = 3000
@@ -28,7 +29,7 @@ _STANDING_M = 1.5
 _STEPS = 30
 _WALLS = 12
 """Directions that walls of one room face."""
-_ELEVATION_DEG, _STEEPEST_DEG = 11.0, 38.0
+_ELEVATION_DEG, _STEEPEST_DEG = 14.0, 38.0
 """Of the eye above what stands, and above what lies flat."""
 _AZIMUTH_DEG, _SIDEMOST_DEG = 32.0, 58.0
 """Of the eye from +Z, the front of models, for what is as wide as deep, and for what is long."""
@@ -50,16 +51,21 @@ class Room:
         return self.high - self.low
 
 
-def framing_camera(probe: Probe) -> Camera:
-    """A camera that shows the scene of `probe` well."""
+def framing_camera(probe: Probe, points: F64 | None = None) -> Camera:
+    """A camera that shows the scene of `probe` well.
+
+    `points` (N, 3), metres, are to be in the image of what stands free: the scene's `outline`, or
+    without it what the probe holds, which of large meshes lacks the small triangles.
+    """
+    points = probe.corners.reshape(-1, 3) if points is None else points
     if len(probe.corners) == 0:
         return Camera()
     # Inside a room, through its open wall, or around an object that stands free.
     room = find_room(probe)
     if room is None:
-        return _from_front(probe.corners.reshape(-1, 3))
+        return _from_front(points)
     if not np.isfinite(room.size[[0, 2]]).all():
-        return _through_open_side(probe, room)
+        return _through_open_side(points, room)
     return _inside(probe, room)
 
 
@@ -245,7 +251,7 @@ def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 
     return unit
 
 
-def _through_open_side(probe: Probe, room: Room) -> Camera:
+def _through_open_side(points: F64, room: Room) -> Camera:
     """From outside, straight through the open wall, so that the whole inside fits."""
     # The first open side: towards +Z, where models show themselves, before any other.
     sides = [(axis, side) for axis in (2, 0) for side in (1.0, -1.0)]
@@ -254,7 +260,7 @@ def _through_open_side(probe: Probe, room: Room) -> Camera:
     )
     direction = np.zeros(3)
     direction[axis] = side
-    return _around(direction, probe.corners.reshape(-1, 3))
+    return _around(direction, points)
 
 
 def _from_front(points: F64) -> Camera:
@@ -263,10 +269,9 @@ def _from_front(points: F64) -> Camera:
     What lies flat is seen from higher up, and what is longer than wide more from its side.
     """
     width, height, depth = np.ptp(points, axis=0)
-    # 0 for what is half as high as it is wide or higher, 1 for a sheet on the ground.
-    across = max(width, depth, 1e-30)
-    flatness = 1.0 - min(1.0, 2.0 * height / across)
-    elevation = _ELEVATION_DEG + (_STEEPEST_DEG - _ELEVATION_DEG) * flatness
+    # 0 for what is as high as it is wide or higher, 1 for a sheet on the ground.
+    flatness = 1.0 - min(1.0, height / max(width, depth, 1e-30))
+    elevation = _ELEVATION_DEG + (_STEEPEST_DEG - _ELEVATION_DEG) * flatness**2
     # 0 for what is as wide as deep or wider, 1 for _LONG times as deep.
     length = np.clip(np.log(max(depth, 1e-30) / max(width, 1e-30)) / np.log(_LONG), 0.0, 1.0)
     azimuth = _AZIMUTH_DEG + (_SIDEMOST_DEG - _AZIMUTH_DEG) * length
