@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from airlight.scene.camera import Camera
-from airlight.scene.io.framing import MARGIN, find_room, framing_camera, view_directions
+from airlight.scene.io.framing import find_room, framing_camera, view_directions
 from airlight.scene.io.obj import load_obj
 from airlight.scene.io.probe import Probe
+from airlight.scene.io.viewpoint import MARGIN
 from airlight.scene.mesh import Geometry, Mesh
 from airlight.scene.scene import Scene
 

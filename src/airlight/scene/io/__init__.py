@@ -23,9 +23,9 @@ images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes b
 volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
                  netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
                  grids beside a density; volume_scene: one grid as a scene of its own
-defaults         framing: a camera where there is none, by its outline; where there is no light a
-                 studio, in rooms daylight; ground under a bare model; probe: the rays that find
-                 walls and windows
+defaults         a camera where there is none: framing, viewpoint, by the scene's outline; where
+                 there is no light a studio, in rooms daylight; ground under a bare model; probe:
+                 the rays that find walls and windows
 """
 
 from __future__ import annotations

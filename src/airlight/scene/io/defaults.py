@@ -65,10 +65,7 @@ def with_default_lights(
     # Emissive surfaces of a scene file are its light, even a dim one, which gets a warning.
     brightest = max((max(m.material.emission) for m in scene.meshes), default=0.0)
     if is_scene_file and brightest > 0.0:
-        if brightest >= LIGHT_RADIANCE:
-            return scene
-        line = f"emissive surfaces are its only light, and dim (radiance {brightest:g}): add a "
-        return replace(scene, warnings=(*scene.warnings, line + "[[light]] or an [environment]"))
+        return scene if brightest >= LIGHT_RADIANCE else _told_dim(scene, brightest)
     # What the scene looks like from within decides where its sun stands.
     probed = _probe(scene, probe)
     room = find_room(probed)
@@ -98,6 +95,11 @@ def with_default_lights(
     return replace(
         scene, lights=(sun, *lamps), environment=sky, warnings=tuple(warnings), camera=seen
     )
+
+
+def _told_dim(scene: Scene, brightest: float) -> Scene:
+    line = f"emissive surfaces are its only light, and dim (radiance {brightest:g}): add a "
+    return replace(scene, warnings=(*scene.warnings, line + "[[light]] or an [environment]"))
 
 
 def _lit_in_the_open(
