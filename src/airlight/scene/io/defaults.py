@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..camera import Camera
-from ..environment import Environment
-from ..lights import DirectionalLight, PointLight
+from ..checks import F64
+from ..lights import PointLight
 from ..limits import check_extent
 from ..scene import Scene
 from ..studio import incident_stops, studio_light
@@ -73,28 +73,14 @@ def with_default_lights(
         return scene
     camera = _framed(scene, probed) if scene.camera == Camera() else scene.camera
     towards_sun, lit_share = sun_for(probed, camera)
-    # In the open things stand in a studio, and air is seen before the sky.
+    # In the open light falls on all that is seen; into a room it has to find its way.
     if room is None and lit_share >= OPEN_SHARE and (scene.meshes or scene.volumes):
-        light = (studio_light if scene.meshes else sun_and_sky)(towards_sun)
-        lit = _lit_in_the_open(scene, camera, light, is_exposed=is_exposed)
-        told = _said(brightest, "a studio's light was", has_room=False)
-        return replace(lit, warnings=(*lit.warnings, *told))
-    # The sun and its sky; a closed room, which they cannot reach, is lit from within too.
-    sun, sky = sun_and_sky(towards_sun)
-    lamps = _lamp(room, camera) if room is not None and lit_share == 0.0 else ()
-    warnings = [
-        *scene.warnings,
-        *_said(brightest, "a default sun and sky were", has_room=room is not None),
-    ]
-    if lamps:
-        warnings.append("no daylight gets into this closed room: a lamp was hung under its ceiling")
-    # Nobody chose an exposure for a sun that was not there.
-    seen = scene.camera
-    if seen.exposure_stops == 0.0 and not is_exposed:
-        seen = replace(seen, exposure_stops=None)
-    return replace(
-        scene, lights=(sun, *lamps), environment=sky, warnings=tuple(warnings), camera=seen
-    )
+        lit = _in_the_open(scene, camera, towards_sun, brightest)
+    else:
+        lit = _in_daylight(scene, room, camera, (towards_sun, lit_share), brightest)
+    # An exposure that somebody chose stays; one of 0 was for no light at all.
+    is_chosen = is_exposed or scene.camera.exposure_stops not in (0.0, None)
+    return replace(lit, camera=scene.camera) if is_chosen else lit
 
 
 def _told_dim(scene: Scene, brightest: float) -> Scene:
@@ -102,16 +88,38 @@ def _told_dim(scene: Scene, brightest: float) -> Scene:
     return replace(scene, warnings=(*scene.warnings, line + "[[light]] or an [environment]"))
 
 
-def _lit_in_the_open(
-    scene: Scene, camera: Camera, light: tuple[DirectionalLight, Environment], *, is_exposed: bool
+def _in_the_open(scene: Scene, camera: Camera, towards_light: F64, brightest: float) -> Scene:
+    """Things stand in a studio, air is seen before the sky; exposed by what falls on them."""
+    key, around = (studio_light if scene.meshes else sun_and_sky)(towards_light)
+    stops = incident_stops(key, around, np.subtract(camera.position, camera.target))
+    told = _said(brightest, "a studio's light was", has_room=False)
+    return replace(
+        scene,
+        lights=(key,),
+        environment=around,
+        warnings=(*scene.warnings, *told),
+        camera=replace(scene.camera, exposure_stops=stops),
+    )
+
+
+def _in_daylight(
+    scene: Scene, room: Room | None, camera: Camera, sun: tuple[F64, float], brightest: float
 ) -> Scene:
-    """The scene in `light`, exposed by what falls on it, unless somebody chose an exposure."""
-    key, around = light
-    seen = scene.camera
-    if not is_exposed and seen.exposure_stops in (0.0, None):
-        towards_eye = np.subtract(camera.position, camera.target)
-        seen = replace(seen, exposure_stops=incident_stops(key, around, towards_eye))
-    return replace(scene, lights=(key,), environment=around, camera=seen)
+    """A sun and its sky, exposed by the image; a closed room, which they cannot reach, is lit from
+    within, too. `sun`: the unit vector towards it, and the share of the view that it lights."""
+    towards_sun, lit_share = sun
+    light, sky = sun_and_sky(towards_sun)
+    lamps = _lamp(room, camera) if room is not None and lit_share == 0.0 else ()
+    told = _said(brightest, "a default sun and sky were", has_room=room is not None)
+    if lamps:
+        told += ("no daylight gets into this closed room: a lamp was hung under its ceiling",)
+    return replace(
+        scene,
+        lights=(light, *lamps),
+        environment=sky,
+        warnings=(*scene.warnings, *told),
+        camera=replace(scene.camera, exposure_stops=None),
+    )
 
 
 def _said(brightest: float, added: str, *, has_room: bool) -> tuple[str, ...]:

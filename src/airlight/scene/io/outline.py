@@ -1,7 +1,8 @@
 """The points of a scene that bound it, few enough to be looked at from everywhere.
 
-Of a large mesh these are its furthest points in DIRECTIONS directions. From any direction its
-outline reaches at most 1 - cos(spacing / 2) = .6 % of its size beyond theirs.
+Of a large mesh these are its furthest points in DIRECTIONS directions. A corner that is furthest
+between those alone is blunt: it stands out by less than 8 % of its distance to its neighbours
+(a quarter of the directions' spacing, .31), far within the margin that an image has.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from ..mesh import Geometry
 from ..scene import Scene
 from .probe import sphere_directions
 
-DIRECTIONS = 256
+DIRECTIONS = 128
+_AT_ONCE = 512  # so small a product is made by one thread, which does not wait for others
 
 
 def outline(scene: Scene) -> F64:
@@ -42,10 +44,10 @@ def _furthest(geometry: Geometry) -> F64:
         return np.asarray(points, np.float64)
     directions = sphere_directions(DIRECTIONS).astype(np.float32)
     best, reach = np.zeros(DIRECTIONS, np.int64), np.full(DIRECTIONS, -np.inf)
-    for part in chunks(len(points)):
-        along = (points[part] - points[0]) @ directions.T
-        furthest = along.argmax(axis=0)
-        value = along[furthest, np.arange(DIRECTIONS)]
+    for part in chunks(len(points), _AT_ONCE):
+        along = directions @ np.ascontiguousarray((points[part] - points[0]).T)
+        furthest = along.argmax(axis=1)
+        value = along[np.arange(DIRECTIONS), furthest]
         best = np.where(value > reach, part.start + furthest, best)
         reach = np.maximum(value, reach)
     return np.asarray(points[np.unique(best)], np.float64)

@@ -81,6 +81,7 @@ def _middle(x: F64, depth: F64) -> float:
 
 
 def rounded_camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:
+    """A camera whose numbers have as many digits as its distance needs, so that files read well."""
     # Tenths of millimetres, and more digits where all is nearer than that is fine.
     apart = max(float(np.linalg.norm(eye - target)), 1e-30)
     digits = max(4, 3 - math.floor(math.log10(apart)))
