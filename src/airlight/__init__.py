@@ -5,7 +5,7 @@
 >>> image.save("cornell.png")
 
 load, scenes      a scene: from a file, or one that ships
-with_defaults     a camera that frames it, and daylight, where a scene has none
+with_defaults     a camera that frames it, and light, where a scene has none
 render, Renderer  an image of it; or many, with the scene kept on the device
 export_lattice    the light that was solved, as arrays for other programs
 light_field       the same of a Renderer's last frame, while lights and objects move

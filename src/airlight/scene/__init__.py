@@ -1,7 +1,7 @@
 """Scenes: frozen values that say what is to be rendered; no GPU.
 
 scene        all of it in one value           camera, environment
-sun_sky      a clear sky and its sun
+sun_sky      a clear sky and its sun            studio     a backdrop without an edge
 mesh         triangles and their transforms   material   how they reflect, texels of their textures
 lights       point, spot, directional, area   point_lights   thousands of them in arrays
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls

@@ -336,5 +336,6 @@ def test_an_animated_file_keeps_its_clip(folder, draft):
         "clip_speed": 1.5,
         "clip_loop": True,
     }
-    scene = same_again(folder, text_of({"mesh": clip}))
+    light = {"type": "directional", "direction": [0, -1, 0], "irradiance": 1.0}
+    scene = same_again(folder, text_of({"mesh": clip, "light": light}))
     assert not same(scene.at(0.7).meshes, scene.at(3.0).meshes)

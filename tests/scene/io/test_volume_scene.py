@@ -36,8 +36,9 @@ def test_a_bare_grid_gets_a_camera_daylight_and_a_word_about_its_depth(tmp_path)
     assert scene.name == "plume"
     assert len(scene.lights) == 1
     assert scene.environment is not None
-    framed = replace(framing_box(*scene.bounds), exposure_stops=None)  # exposed by the image
-    assert scene.camera == framed
+    stops = scene.camera.exposure_stops
+    assert stops is not None and stops < -2.0  # by the light that was added
+    assert scene.camera == replace(framing_box(*scene.bounds), exposure_stops=stops)
     assert scene.warnings[-1] == (
         f"plume.npy says nothing about light: sigma_t = {volume.sigma_t[0]:g} m^-1 and albedo = "
         "0.9 were chosen; a scene file with [[volume]] sets them"
@@ -52,15 +53,22 @@ def test_its_denser_parts_are_six_deep():
 
 
 def test_a_box_is_seen_whole():
-    camera = framing_box(np.array([0.0, 0.0, 0.0]), np.array([4.0, 2.0, 1.0]))
-    assert camera.target == (2.0, 1.0, 0.5)
-    assert np.linalg.norm(np.subtract(camera.position, camera.target)) > 4.0
+    low, high = np.zeros(3), np.array([4.0, 2.0, 1.0])
+    camera = framing_box(low, high)
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+    offset = corners - camera.position
+    forward = np.subtract(camera.target, camera.position)
+    angles = np.arccos(offset @ forward / np.linalg.norm(offset, axis=1) / np.linalg.norm(forward))
+    # Within the circle around a 4:3 image, and beyond the one in it.
+    half = np.tan(np.radians(camera.fov_y_deg) / 2)
+    assert np.arctan(half) < angles.max() < np.arctan(half * 5 / 3)
 
 
 def test_air_is_seen_before_the_sky():
-    """The horizon lies below the middle of the box: no ground is behind its upper half."""
+    """All of the view lies above the horizon: no ground is behind the box."""
     camera = framing_box(np.array([0.0, 300.0, 0.0]), np.array([3000.0, 2300.0, 3000.0]))
-    assert camera.position[1] < camera.target[1]
+    x, y, z = np.subtract(camera.target, camera.position)
+    assert np.degrees(np.arctan2(y, np.hypot(x, z))) > camera.fov_y_deg / 2
 
 
 def test_a_damaged_grid_is_one_message(tmp_path):

@@ -27,8 +27,9 @@ volumes          density grids of every kind: numpy_files, nanovdb, openvdb, ope
                  netcdf (gridded: its axes, netcdf_times, cloud_water: its units) -> dense_grid;
                  coefficient_files, emission_files: the grids beside a density; volume_scene: one
                  grid as a scene of its own
-defaults         framing: a camera where there is none, daylight where there is no light, ground
-                 under a bare model; probe: the rays by which they find walls and windows
+defaults         a camera where there is none: framing, viewpoint, by the scene's outline; where
+                 there is no light a studio, in rooms daylight; ground under a bare model; probe:
+                 the rays that find walls and windows
 """
 
 from __future__ import annotations
@@ -79,13 +80,13 @@ def load(
     metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
     $names in a Mitsuba file; they win over its defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
-    True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
+    True: a mesh file or a grid that shows no room, has no floor and gets its light here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
 
-    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a default sun and sky, and without a
-    camera one that frames them, as density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) do; scene
-    files (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
-    scene's `warnings`. Raises SceneError.
+    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a studio, in rooms a sun and a sky, and
+    without a camera one that frames them; density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) a
+    sun, a sky and a camera. Scene files (TOML, Mitsuba XML) say themselves. What was dropped,
+    replaced or approximated is in the scene's `warnings`. Raises SceneError.
     """
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
@@ -252,10 +253,10 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
 
 
 def with_defaults(scene: Scene) -> Scene:
-    """The scene with a framing camera, and a sun and a sky, where it has none.
+    """The scene with a framing camera, and with light, where it has none.
 
     A camera like Camera() counts as none; lights, an environment, or bright surfaces in a room
-    as light. An added sun is exposed by the image where the camera's exposure is 0.
+    as light. Where a light was added and the camera's exposure is 0 it is chosen, too.
     """
     from .defaults import with_default_camera, with_default_lights
     from .probe import Probe

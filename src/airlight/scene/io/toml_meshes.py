@@ -135,7 +135,7 @@ def _moved_camera(camera: Camera, matrix: F64) -> Camera:
 def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with its materials' factors, and the texture channels behind them, replaced."""
     # What the table says of the material.
-    names = ("base_color", "roughness", "metallic", "emission", "transmission")
+    names = ("base_color", "roughness", "metallic", "specular", "emission", "transmission")
     factors = {name: values[name] for name in names if name in values}
     if "opacity" in values:
         factors |= {"alpha": values["opacity"], "is_blended": True}

@@ -38,7 +38,7 @@ CAMERA = Table(
             checks.stops,
             'number or "auto"',
             'display exposure: 2^stops; "auto": from the image itself, as without it where a '
-            "default sun is added",
+            "default light is added",
             "stops",
             "0",
         ),
@@ -97,6 +97,13 @@ MESH = Table(
         Key("base_color", unit_rgb, COLOUR, "linear reflectance", default="the file's, or 0.8"),
         Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),
         Key("metallic", fraction, "number", "0 dielectric, 1 metal", default="the file's, or 0"),
+        Key(
+            "specular",
+            fraction,
+            "number",
+            "scales what a dielectric mirrors, 4 % head on; 0 is perfectly matt",
+            default="the file's, or 1",
+        ),
         Key("emission", checks.rgb, COLOUR, "radiance", "W m^-2 sr^-1", "the file's, or 0"),
         Key(
             "opacity",
@@ -156,11 +163,17 @@ LIGHT = Table(
 ENVIRONMENT = Table(
     "environment",
     "Light from far away, all around. Without the table the background is black where the scene "
-    "has a light or an emissive mesh; where it has none, a default sun and sky are added. Suns in "
-    "a map (at most some 2 degrees wide, at least 3 % of its light, up to four) light the scene "
-    "as directional lights do, with sharp shadows.",
+    "has a light or an emissive mesh; where it has none, a default light is added: a sun and a "
+    "sky in rooms, a studio around all else. Suns in a map (at most some 2 degrees wide, at least "
+    "3 % of its light, up to four) light the scene as directional lights do, with sharp shadows.",
     (
-        Key("file", checks.text, "path", "a latitude-longitude image: EXR, HDR, PNG or JPEG"),
+        Key(
+            "file",
+            checks.text,
+            "path",
+            "a latitude-longitude image: EXR, HDR, PNG or JPEG; or builtin:studio, the backdrop "
+            "in which bare models are shown, as the scene's directional lights light it",
+        ),
         Key("radiance", checks.rgb, COLOUR, "instead of a file: constant radiance", "W m^-2 sr^-1"),
         Key("scale", checks.number, "number", "multiplies it", default="1"),
         Key(

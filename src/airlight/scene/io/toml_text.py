@@ -21,6 +21,7 @@ from ..environment import Environment
 from ..lights import Light
 from ..medium import Medium
 from ..scene import Scene
+from ..studio import NAME as STUDIO
 from ..sun_sky import followed
 from ..volume import Volume
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
@@ -106,7 +107,7 @@ def _original(
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
         for table in (*many, raw.get("environment", {})):
             for key in ("file", "sequence"):
-                if key in table:
+                if key in table and table[key] != STUDIO:
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     # Of another file, a table that names it.
@@ -144,6 +145,8 @@ def _is_default_light(raw: Mapping[str, Any], scene: Scene, original: Scene) -> 
         return False
     if now is None or before is None or now.map is None or before.map is None:
         return False
+    if now.source == STUDIO:
+        return False  # it has a name
     # As the loader made them: the same values, the same lights, the same pixels.
     plain = ("radiance", "scale", "rotation_deg", "visible")
     is_same_sky = all(getattr(now, key) == getattr(before, key) for key in plain)
@@ -181,6 +184,8 @@ def _environment_file(
 ) -> Mapping[str, Any]:
     """[environment] as it was, its file that of the scene's map; none where that has no file."""
     now, before = scene.environment, original.environment
+    if now is not None and now.source == STUDIO:
+        return {**raw, "file": STUDIO}
     # The file's map stays named while the environment comes from the same source.
     if now is not None and before is not None and now.source == before.source:
         return raw
