@@ -2,6 +2,7 @@
 // then, where the same surface was there. Source: Schied2017 (temporal accumulation by moments of its length), at points.
 //! use gather
 //! use gather_history
+//! use orphans
 //! use tone
 
 // A place in the image of a camera, in texels from the middle of the first; w: whether it is before the eye.
@@ -163,17 +164,18 @@ fn following(before: Before, around: Around) -> Before {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= params.reduced)) {
+    if (id.x >= params.reduced.x || id.y >= params.rows) {
         return;
     }
+    let block = block_of(id.xy);
     let place = textureLoad(places, id.xy, 0);
     let n = textureLoad(planes, id.xy, 0).xyz;
     let index = id.y * params.reduced.x + id.x;
     var before: Before;
     if (place.w > 0.0 && params.most > 0.0) {
-        before = found_before(id.xy, place, n);
+        before = found_before(block, place, n);
         if (params.is_changing != 0u) {
-            before = following(before, light_around(id.xy, place, n));
+            before = following(before, light_around(block, place, n));
         }
     }
     // The mean over frames of what was found before and of what this frame has.

@@ -295,3 +295,24 @@ def calibration(traced: float, known: float, ends: float) -> float:
     sure = own * own + (CALIBRATION_DOUBT * ends) ** 2
     factor = 1.0 + own * (traced - own) / max(sure, 1e-30)
     return min(max(factor, 1.0 / MOST_CALIBRATION), MOST_CALIBRATION)
+
+
+def listed_before(index: ArrayLike, count: int, most: int, phase: int) -> NDArray[np.uint32]:
+    """How many (...) of `count` things before number `index` (...) are in a list of `most`.
+
+    All are where they fit; else as many as do, evenly spread, and with another `phase`, from 0 to
+    `count` - 1, others. Number k is in the list where the next one has one more before it. Exact in
+    u32 arithmetic while `count` times `most` is.
+    """
+    k = np.asarray(index, dtype=np.uint32)
+    spread = (k * np.uint32(most) + np.uint32(phase)) // np.uint32(max(count, 1))
+    return np.asarray(spread if count > most else k, dtype=np.uint32)
+
+
+def orphan_step(side: int) -> int:
+    """Pixels of a square of `side` x `side` from one that is looked at to the next, row by row.
+
+    All are met once, and those in a row lie far apart: near the golden section of their number, and
+    one more than a multiple of the side, so that they have no divisor in common.
+    """
+    return side * round(0.381966 * side) + 1

@@ -19,6 +19,9 @@ const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
 const TRUST = 0.1;
 const MOST_DETAIL = 4.0;
+const FEWEST = 0.125;       // the least share of a point's rays that how near surfaces are is the mean of
+const KIN_POWER = 2.0;
+const KIN_REACH = 0.5;
 const CALIBRATION_DOUBT = 0.3;
 const MOST_CALIBRATION = 4.0;
 
@@ -111,9 +114,19 @@ fn nearness(side: vec3f, inverse_m: f32, haze: f32) -> mat2x3f {
     return inverse_m * mat2x3f(vec3f(along) + (1.0 - along) * side * side, (1.0 - along) * side.yzx * side.zxy);
 }
 
-fn closeness(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
+// Squared, over how near surfaces lie: how far a path of `offset` leads towards them.
+fn approach(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
     let turned = squares * offset + products.yzx * offset.zxy + products.zxy * offset.yzx;
-    return exp(-dot(turned, turned) / (REACH * REACH));
+    return dot(turned, turned);
+}
+
+fn closeness(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
+    return exp(-approach(offset, squares, products) / (REACH * REACH));
+}
+
+fn kinship(normal: vec3f, its_normal: vec3f, offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
+    let near = exp(-approach(offset, squares, products) / (KIN_REACH * KIN_REACH));
+    return pow(saturate(dot(normal, its_normal)), KIN_POWER) * near;
 }
 
 fn far_closeness(offset: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f32 {
@@ -131,4 +144,8 @@ fn calibration(traced: f32, known: f32, ends: f32) -> f32 {
     let doubt = CALIBRATION_DOUBT * ends;
     let factor = 1.0 + own * (traced - own) / max(own * own + doubt * doubt, 1e-30);
     return clamp(factor, 1.0 / MOST_CALIBRATION, MOST_CALIBRATION);
+}
+
+fn listed_before(index: u32, count: u32, most: u32, phase: u32) -> u32 {
+    return select(index, (index * most + phase) / max(count, 1u), count > most);
 }
