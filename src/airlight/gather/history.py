@@ -29,6 +29,7 @@ class PlaceBefore(Struct):
     place = vec3f("m")
     frames = f32("that are in its mean, 0 where there is no surface")
     normal = vec3f("of its plane")
+    orphans = u32("of its block, as `Orphans` says")
 
 
 class HistoryParams(Struct):

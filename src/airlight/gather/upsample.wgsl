@@ -1,6 +1,7 @@
 // Irradiance of pixels from the gather points around them that lie on about the same plane (joint bilateral
-// upsampling, Kopf2007), turned to each pixel's own normal and near occluders. Where the four points next to
-// a pixel are of other surfaces, as at the foot of a wall, the sixteen around it are asked before the lattices.
+// upsampling, Kopf2007), turned to each pixel's own normal and near occluders. Where the blocks of four points next to
+// a pixel show other surfaces, as at the foot of a wall, the sixteen around it are asked; and where none of their points
+// is like it, those that get about the same light, before the lattices.
 //! use pixel_point
 //! use gather
 //! use orphans

@@ -51,6 +51,12 @@ TRUST = 0.1
 """Of gathered irradiance, what is there for whatever normal: light from beyond the horizon."""
 MOST_DETAIL = 4.0
 """How many times brighter or darker than its gather points a pixel is at most."""
+FEWEST = 0.125
+"""The least share of a point's rays that how near surfaces are is the mean of."""
+KIN_POWER = 2.0
+"""As `NORMAL_POWER`, for points that are not alike and get about the same light."""
+KIN_REACH = 0.5
+"""As `REACH`, for those."""
 CALIBRATION_DOUBT = 0.3
 """How much the lattices' light is off from place to place, over how much it is as a whole."""
 MOST_CALIBRATION = 4.0
@@ -231,11 +237,38 @@ def closeness(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64
     `offset` (..., 3) to it, m; the mean of `nearness` over rays, m^-1. Neighbours share along the
     seam of two walls, and little across it.
     """
+    return np.asarray(np.exp(-approach(offset, squares, products) / REACH**2))
+
+
+def approach(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
+    """How far (...) a path leads towards what is near, over how near that is: the square.
+
+    `offset` (..., 3), m, the path; the mean of `nearness` over rays, m^-1.
+    """
     d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
 
     # The symmetric matrix times the offset, by its squares and products.
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
-    return np.asarray(np.exp(-(turned**2).sum(axis=-1) / REACH**2))
+    return np.asarray((turned**2).sum(axis=-1))
+
+
+def kinship(
+    normal: ArrayLike,
+    its_normal: ArrayLike,
+    offset: ArrayLike,
+    squares: ArrayLike,
+    products: ArrayLike,
+) -> F64:
+    """How far (...) a point's light stands for a pixel's on another surface, 0 to 1.
+
+    Their unit normals (..., 3), the `offset` (..., 3) between them, m, and the point's mean of
+    `nearness`. Where no point is like a pixel, those around that face about as it does, and are
+    near beside how far off their light comes from, still know more of it than lattices.
+    """
+    n, m = (np.asarray(v, dtype=np.float64) for v in (normal, its_normal))
+    cosine = np.clip((n * m).sum(axis=-1), 0.0, 1.0)
+    near = np.exp(-approach(offset, squares, products) / KIN_REACH**2)
+    return np.asarray(cosine**KIN_POWER * near)
 
 
 def far_closeness(

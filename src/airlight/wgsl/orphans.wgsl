@@ -13,10 +13,13 @@ fn blocks_of_image() -> u32 {
     return params.reduced.x * params.reduced.y;
 }
 
+fn orphan_run(word: u32) -> OrphanRun {
+    return OrphanRun(word >> 2u, (word >> 2u) + (word & 3u));
+}
+
 // Those of a block.
 fn orphans_of(block: vec2u) -> OrphanRun {
-    let word = orphans[block.y * params.reduced.x + block.x];
-    return OrphanRun(word >> 2u, (word >> 2u) + (word & 3u));
+    return orphan_run(orphans[block.y * params.reduced.x + block.x]);
 }
 
 // Where an orphan point's texel lies: in rows below those of the blocks.
