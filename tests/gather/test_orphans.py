@@ -1,4 +1,4 @@
-"""Gather points of pixels that no point of a block is like: thin things between the blocks' points."""
+"""Gather points of pixels that no point of a block is like: what is thinner than blocks."""
 
 from __future__ import annotations
 

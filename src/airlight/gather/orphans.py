@@ -67,9 +67,7 @@ class Orphans:
     of each in the list its block and which pixel of that it is.
     """
 
-    def __init__(
-        self, gpu: Gpu, blocks: tuple[int, int], scale: int, *, is_occluded: bool
-    ) -> None:
+    def __init__(self, gpu: Gpu, blocks: tuple[int, int], scale: int, *, is_occluded: bool) -> None:
         """`scale`: pixels along a side of a block. Where each pixel is one, none is an orphan."""
         width, height = blocks
         assert width * height <= 1 << _BLOCK_BITS

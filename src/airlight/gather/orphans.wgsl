@@ -6,6 +6,7 @@
 
 const ORPHAN = 0.05;        // weight of the points around below which a pixel is one
 const MOST = 3u;            // of a block
+const TRIED = 12u;          // pixels of a block that are looked at in a sample
 
 struct Orphan {
     place: vec3f,
@@ -38,8 +39,8 @@ fn kept_by_points(position: vec2f, p: vec3f, n: vec3f, texel_m: f32) -> f32 {
     var own: array<Orphan, MOST>;
     var chosen = vec3u(0u);
     var found = 0u;
-    for (var k = 0u; k < count; k++) {
-        // Steps that visit each pixel once, far from the ones before it.
+    for (var k = 0u; k < min(count, TRIED); k++) {
+        // Steps that would visit each pixel once, far from the ones before it.
         let within = (first + k * params.step) % count;
         let pixel = id.xy * params.scale + vec2u(within % params.scale, within / params.scale);
         if (any(pixel >= size)) { continue; }
