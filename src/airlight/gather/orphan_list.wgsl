@@ -1,6 +1,6 @@
 // The orphan pixels of all blocks in a list, in the order of the blocks; where it holds fewer than there are, in each
 // sample of the image others. One workgroup.
-//! use gather
+//! use gather_orphans
 //! use orphans
 //! use sampling
 

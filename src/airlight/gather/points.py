@@ -10,7 +10,7 @@ from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.slots import image, texture, uniform
 from ..lighting.view import View
-from ..maths.gather import orphan_step
+from ..maths.gather_orphans import orphan_step
 from ..maths.transforms import F64
 from .orphans import Orphans
 from .point_params import PointParams

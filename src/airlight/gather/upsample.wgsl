@@ -3,7 +3,7 @@
 // a pixel show other surfaces, as at the foot of a wall, the sixteen around it are asked; and where none of their points
 // is like it, those that get about the same light, before the lattices.
 //! use pixel_point
-//! use gather
+//! use gather_orphans
 //! use orphans
 //! use flat_normal
 //! use mirrored_light

@@ -51,12 +51,6 @@ TRUST = 0.1
 """Of gathered irradiance, what is there for whatever normal: light from beyond the horizon."""
 MOST_DETAIL = 4.0
 """How many times brighter or darker than its gather points a pixel is at most."""
-FEWEST = 0.125
-"""The least share of a point's rays that how near surfaces are is the mean of."""
-KIN_POWER = 2.0
-"""As `NORMAL_POWER`, for points that are not alike and get about the same light."""
-KIN_REACH = 0.5
-"""As `REACH`, for those."""
 CALIBRATION_DOUBT = 0.3
 """How much the lattices' light is off from place to place, over how much it is as a whole."""
 MOST_CALIBRATION = 4.0
@@ -241,34 +235,10 @@ def closeness(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64
 
 
 def approach(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
-    """How far (...) a path leads towards what is near, over how near that is: the square.
-
-    `offset` (..., 3), m, the path; the mean of `nearness` over rays, m^-1.
-    """
+    """The square of how far (...) an `offset` (..., 3), m, leads by the mean of `nearness`, m^-1."""
     d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
-
-    # The symmetric matrix times the offset, by its squares and products.
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
     return np.asarray((turned**2).sum(axis=-1))
-
-
-def kinship(
-    normal: ArrayLike,
-    its_normal: ArrayLike,
-    offset: ArrayLike,
-    squares: ArrayLike,
-    products: ArrayLike,
-) -> F64:
-    """How far (...) a point's light stands for a pixel's on another surface, 0 to 1.
-
-    Their unit normals (..., 3), the `offset` (..., 3) between them, m, and the point's mean of
-    `nearness`. Where no point is like a pixel, those around that face about as it does, and are
-    near beside how far off their light comes from, still know more of it than lattices.
-    """
-    n, m = (np.asarray(v, dtype=np.float64) for v in (normal, its_normal))
-    cosine = np.clip((n * m).sum(axis=-1), 0.0, 1.0)
-    near = np.exp(-approach(offset, squares, products) / KIN_REACH**2)
-    return np.asarray(cosine**KIN_POWER * near)
 
 
 def far_closeness(
@@ -328,24 +298,3 @@ def calibration(traced: float, known: float, ends: float) -> float:
     sure = own * own + (CALIBRATION_DOUBT * ends) ** 2
     factor = 1.0 + own * (traced - own) / max(sure, 1e-30)
     return min(max(factor, 1.0 / MOST_CALIBRATION), MOST_CALIBRATION)
-
-
-def listed_before(index: ArrayLike, count: int, most: int, phase: int) -> NDArray[np.uint32]:
-    """How many (...) of `count` things before number `index` (...) are in a list of `most`.
-
-    All are where they fit; else as many as do, evenly spread, and with another `phase`, from 0 to
-    `count` - 1, others. Number k is in the list where the next one has one more before it. Exact in
-    u32 arithmetic while `count` times `most` is.
-    """
-    k = np.asarray(index, dtype=np.uint32)
-    spread = (k * np.uint32(most) + np.uint32(phase)) // np.uint32(max(count, 1))
-    return np.asarray(spread if count > most else k, dtype=np.uint32)
-
-
-def orphan_step(side: int) -> int:
-    """Pixels of a square of `side` x `side` from one that is looked at to the next, row by row.
-
-    All are met once, and those in a row lie far apart: near the golden section of their number, and
-    one more than a multiple of the side, so that they have no divisor in common.
-    """
-    return side * round(0.381966 * side) + 1

@@ -20,8 +20,6 @@ const LEAST_COSINE = 0.1;
 const TRUST = 0.1;
 const MOST_DETAIL = 4.0;
 const FEWEST = 0.125;       // the least share of a point's rays that how near surfaces are is the mean of
-const KIN_POWER = 2.0;
-const KIN_REACH = 0.5;
 const CALIBRATION_DOUBT = 0.3;
 const MOST_CALIBRATION = 4.0;
 
@@ -124,11 +122,6 @@ fn closeness(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
     return exp(-approach(offset, squares, products) / (REACH * REACH));
 }
 
-fn kinship(normal: vec3f, its_normal: vec3f, offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
-    let near = exp(-approach(offset, squares, products) / (KIN_REACH * KIN_REACH));
-    return pow(saturate(dot(normal, its_normal)), KIN_POWER) * near;
-}
-
 fn far_closeness(offset: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f32 {
     let beyond = max(min(-dot(side, offset), dot(its_side, offset)), 0.0) / THROUGH;
     let pace = inverse_m / REACH;
@@ -144,8 +137,4 @@ fn calibration(traced: f32, known: f32, ends: f32) -> f32 {
     let doubt = CALIBRATION_DOUBT * ends;
     let factor = 1.0 + own * (traced - own) / max(own * own + doubt * doubt, 1e-30);
     return clamp(factor, 1.0 / MOST_CALIBRATION, MOST_CALIBRATION);
-}
-
-fn listed_before(index: u32, count: u32, most: u32, phase: u32) -> u32 {
-    return select(index, (index * most + phase) / max(count, 1u), count > most);
 }
