@@ -235,7 +235,7 @@ def closeness(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64
 
 
 def approach(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
-    """The square of how far (...) an `offset` (..., 3), m, leads by the mean of `nearness`, m^-1."""
+    """The square of how far (...) `offset` (..., 3), m, leads by the mean of `nearness`, m^-1."""
     d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
     return np.asarray((turned**2).sum(axis=-1))
