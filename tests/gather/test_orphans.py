@@ -43,8 +43,8 @@ def test_thin_bars_get_light_of_their_own(monkeypatch):
     """Bars of two pixels between blocks of six, beside an image that has a point in each pixel.
 
     They are off by .118. With lattices in place of orphan points .167, with kin alone .157: in most
-    samples no point falls on them. The rest of the error is that of kin, where the list is too short:
-    a quarter as many as blocks, where more than half of those show bars.
+    samples no point falls on them. The rest of the error is that of kin, where the list is too
+    short: a quarter as many as blocks, where more than half of those show bars.
     """
     truth, shown = of_bars(4, 64)
     assert shown.mean() > 0.05
