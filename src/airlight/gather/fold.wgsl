@@ -84,12 +84,14 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
             let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
             let albedo = towards_lights + textureLoad(hit_normals, id.xy, 0).w;
             let all_around = albedo / max(towards_lights, vec3f(1e-4));
+            // Most rays meet what no light shines on: only the others ask how likely a guide is to send them.
+            let lit = textureLoad(direct_light, id.xy, 0).rgb;
             var share = 1.0;
             // Other rays are guided to the same light; each of them counts a share.
-            if (params.segment == 0u && params.guided > 0u) {
+            if (params.segment == 0u && params.guided > 0u && any(lit > vec3f(0.0))) {
                 share = first_share(id.xy, hit);
             }
-            found += share * path.passed * textureLoad(direct_light, id.xy, 0).rgb;
+            found += share * path.passed * lit;
             var forward = vec3f(0.0);
             if (params.has_forward != 0u) {
                 forward = path.passed * all_around * textureLoad(forward_light, id.xy, 0).rgb;

@@ -48,7 +48,7 @@ class LitTile(Struct):
 class TileParams(Struct):
     """A set of maps, and where its tiles are written."""
 
-    reduced = vec2u("points")
+    reduced = vec2u("points of blocks")
     resolution = u32("texels")
     side = u32("tiles along a map's side, a power of two")
     layers = u32()
@@ -59,7 +59,7 @@ class TileParams(Struct):
 class PatchParams(Struct):
     """How many tiles and points there are."""
 
-    reduced = vec2u("points")
+    reduced = vec2u("points of blocks")
     count = u32("tiles")
 
 
@@ -129,7 +129,7 @@ class LightGuide:
                 commands,
                 (counts[k],),
                 params=TileParams(
-                    reduced=points.reduced,
+                    reduced=points.blocks,
                     resolution=one.resolution,
                     side=_side(one),
                     layers=one.layers,
@@ -147,7 +147,7 @@ class LightGuide:
         self._patches.dispatch(
             commands,
             (256,),
-            params=PatchParams(reduced=points.reduced, count=sum(counts)),
+            params=PatchParams(reduced=points.blocks, count=sum(counts)),
             **seen,
             tiles=tiles,
             lit_patches=self.patches,

@@ -18,7 +18,8 @@ from ..lighting.kernel import LATTICES_FIRST, LatticeLight
 from ..lighting.kit import Kit
 from ..lighting.slots import LATTICE_SLOTS
 from ..lighting.view import View
-from .points import PointParams, Points
+from .point_params import PointParams
+from .points import Points
 from .sums import PointSums
 
 
@@ -31,6 +32,7 @@ class _Upsample(FullscreenPass):
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
         storage("sums", PointSums),
+        storage("orphans", "u32"),
         *LATTICE_SLOTS,
     )
     targets = ("rgba16float", "rgba16float")
@@ -78,6 +80,7 @@ class Upsampling:
             places=points.places,
             planes=points.planes,
             sums=sums,
+            orphans=points.orphans.buffer,
             near_field=view.occlusion.near,
             sky_cube=sky.cube,
             linear_clamp=self._linear,
