@@ -126,6 +126,13 @@ XML = """<scene version="3.0.0">
 <emitter type="constant"><rgb name="radiance" value="0.25"/></emitter></scene>"""
 
 
+def test_parameters_of_a_scene_are_values_in_the_scene_file(tmp_path):
+    source, target = tmp_path / "a.xml", tmp_path / "b.toml"
+    source.write_text(XML.replace('value="0.25"', 'value="$glow"'))
+    assert cli.run(["convert", str(source), str(target), "--param", "glow=0.5"]) == 0
+    assert load(target).environment.radiance == (0.5, 0.5, 0.5)
+
+
 def test_no_mesh_is_lost_in_a_scene_file(tmp_path, capsys):
     source, target = tmp_path / "a.xml", tmp_path / "deep" / "b.toml"
     target.parent.mkdir()

@@ -24,7 +24,7 @@ from types import FrameType
 from typing import Any
 
 from airlight.errors import AirlightError
-from airlight.scene.io.files import kept_within
+from airlight.scene.io.files import confined_to
 
 from . import seeds
 from .targets import Case
@@ -124,7 +124,7 @@ class Ground:
                 contextlib.ExitStack() as held,
             ):
                 if is_kept:
-                    held.enter_context(kept_within(self.folder))
+                    held.enter_context(confined_to(self.folder))
                 warnings.simplefilter("always")
                 with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
                     _HEARD.append(touched)

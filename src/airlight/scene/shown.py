@@ -44,7 +44,7 @@ def _is_drawn_alike(one: Volume, other: Volume) -> bool:
     if one is other:
         return True
     shapes = [None if v.density is None else v.density.shape for v in (one, other)]
-    is_same_box = shapes[0] is None or (shapes[0] == shapes[1] and one.bounds == other.bounds)
+    is_same_box = shapes[0] == shapes[1] and (shapes[0] is None or one.bounds == other.bounds)
     return is_same_box and parts_alike(one, other)
 
 

@@ -12,6 +12,7 @@ from airlight.errors import SceneError
 from airlight.lighting.reach import MadeFor
 from airlight.scene import Emission, Volume
 from airlight.scene.animation.boxes import CommonBoxes, mixed, on_box
+from airlight.scene.io import volumes
 from airlight.scene.one_grid import GridBox
 from airlight.scene.shown import changed, shutter_moments
 
@@ -150,6 +151,22 @@ def test_grids_keep_what_they_hold_on_other_voxels():
     same = mixed(volume, volume, 0.5)
     np.testing.assert_allclose(same.density, volume.density, rtol=1e-6)
     np.testing.assert_allclose(same.albedo_grid, volume.albedo_grid, rtol=1e-5)
+
+
+def test_a_file_turned_by_half_a_turn_is_refused(growing, monkeypatch):
+    """Its matrix is a diagonal, too: its box would be inside out."""
+    read = volumes.read_volume
+
+    def turned(path, *names):
+        found = read(path, *names)
+        if path.name == "s1.npz":
+            found = replace(found, world_from_volume=np.diag([-1.0, 1.0, -1.0, 1.0]))
+        return found
+
+    monkeypatch.setattr(volumes, "read_volume", turned)
+    scene = load(growing / "all.toml")
+    with pytest.raises(SceneError, match=r"s1\.npz.*turned otherwise"):
+        volume_at(scene, 1.0)
 
 
 def test_a_still_scene_has_no_common_boxes(growing):

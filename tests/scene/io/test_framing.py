@@ -9,7 +9,7 @@ from airlight.scene.camera import Camera
 from airlight.scene.io.framing import find_room, framing_camera, view_directions
 from airlight.scene.io.obj import load_obj
 from airlight.scene.io.probe import Probe
-from airlight.scene.io.viewpoint import MARGIN
+from airlight.scene.io.viewpoint import MARGIN, around
 from airlight.scene.mesh import Geometry, Mesh
 from airlight.scene.scene import Scene
 
@@ -142,6 +142,14 @@ def test_the_outline_lies_in_the_middle_with_a_margin(size):
     for axis in (x, y):
         assert axis.max() == pytest.approx(-axis.min(), abs=2e-3)
     assert max(x.max() * 3 / 4, y.max()) == pytest.approx(1 / MARGIN, abs=2e-3)
+
+
+def test_a_spike_that_points_at_the_eye_is_seen_from_beyond_it():
+    direction = np.array((0.0, 0.0, 1.0))
+    points = np.array([(0, 0, 10), (0.1, 0, -10), (-0.1, 0, -10), (0, 0.1, -10)], float)
+    camera = around(direction, points)
+    assert camera.position[2] > 10.0
+    assert np.isfinite(camera.position).all()
 
 
 def angles_deg(camera: Camera) -> tuple[float, float]:

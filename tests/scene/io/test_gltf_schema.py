@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
@@ -89,6 +90,16 @@ def test_attributes_are_known_by_their_names(draft: Any) -> None:
         f"{draft.folder / 'thing.glb'}: meshes[0].primitives[0].attributes: the attribute "
         "'NORMALS' is unknown"
     ]
+
+
+def test_a_number_beyond_all_floats_is_left_to_its_reader(draft: Any) -> None:
+    document = draft.single(draft.triangle()).gltf()
+    values = json.loads(document.read_text())
+    values["materials"] = [{PBR: {"metallicFactor": 10**400}}]
+    values["meshes"][0]["primitives"][0]["material"] = 0
+    document.write_text(json.dumps(values))
+    with pytest.raises(SceneError, match="metallicFactor"):
+        load_gltf(document)
 
 
 def test_the_same_doubt_about_many_objects_is_told_once(draft: Any) -> None:

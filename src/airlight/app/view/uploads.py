@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from ...scene.io.files import kept_within
+from ...scene.io.files import confined_to
 
 MOST_BYTES = 256 << 20
 _LONGEST_NAME = 120
@@ -62,7 +62,7 @@ class Uploads:
         if self._folder is None:
             made = tempfile.TemporaryDirectory(prefix="airlight-")
             self._folder = Path(self._while_open.enter_context(made))
-            self._while_open.enter_context(kept_within(self._folder))
+            self._while_open.enter_context(confined_to(self._folder))
         # The name alone: no page says where a file goes.
         plain = Path(self._name.replace("\\", "/")).name[-_LONGEST_NAME:]
         safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in plain).lstrip(".") or "file"

@@ -203,7 +203,7 @@ def _file_grids(
     colours: tuple[tuple[str, str], ...],
     turn: _Turn,
 ) -> FileGrids:
-    """The grids of a file as it was at `stamp_ns`; those of the last few are kept."""
+    """The grids of a file as it was at `stamp_ns`; those of the last few are cached."""
     from ..io.coefficient_files import read_coefficients
     from ..io.emission_files import on_one_grid
     from ..io.volumes import NOWHERE, read_values, read_volume
@@ -230,7 +230,9 @@ def _file_grids(
     elif found.world_from_volume.tobytes() != turn.data:
         to_own = np.linalg.inv(turn.matrix) @ found.world_from_volume
         scale = np.diag(to_own[:3, :3])
-        is_turned = np.abs(to_own[:3, :3] - np.diag(scale)).max() > _SAME * scale.max()
+        beside = np.abs(to_own[:3, :3] - np.diag(scale)).max()
+        # A half turn leaves a diagonal, too, with numbers below 0.
+        is_turned = bool(scale.min() <= 0.0 or beside > _SAME * scale.max())
         low, high = (np.array(corner) * scale + to_own[:3, 3] for corner in found.bounds)
         bounds = (triple(low), triple(high))
     return FileGrids(found.density, glow, made, bounds, is_turned)

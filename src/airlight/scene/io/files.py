@@ -10,6 +10,7 @@ import os
 import re
 import stat
 import struct
+import threading
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -118,31 +119,35 @@ def in_utf8(raw: bytes) -> bytes:
     return raw
 
 
-_KEPT_WITHIN: dict[Path, int] = {}
-"""Folders of files that strangers sent, and how often each is kept so."""
+_CONFINED: dict[Path, int] = {}
+"""Folders of files that strangers sent, and how often each is confined."""
+_CONFINING = threading.Lock()
 
 
 @contextmanager
-def kept_within(folder: Path) -> Iterator[None]:
+def confined_to(folder: Path) -> Iterator[None]:
     """In the block files of this folder name no files outside of it, in any thread."""
     real = folder.resolve()
-    _KEPT_WITHIN[real] = _KEPT_WITHIN.get(real, 0) + 1
+    with _CONFINING:
+        _CONFINED[real] = _CONFINED.get(real, 0) + 1
     try:
         yield
     finally:
-        _KEPT_WITHIN[real] -= 1
-        if not _KEPT_WITHIN[real]:
-            del _KEPT_WITHIN[real]
+        with _CONFINING:
+            _CONFINED[real] -= 1
+            if not _CONFINED[real]:
+                del _CONFINED[real]
 
 
 def bound_of(folder: Path) -> Path | None:
     """The folder outside of which files of `folder` may name none; None: any of the machine.
 
     That is AIRLIGHT_ROOT where it is set, or `folder` itself where that lies elsewhere; and what
-    `kept_within` says.
+    `confined_to` says.
     """
     own, chosen = folder.resolve(), env.value("AIRLIGHT_ROOT")
-    bounds = [kept for kept in _KEPT_WITHIN if own.is_relative_to(kept)]
+    with _CONFINING:
+        bounds = [folder for folder in _CONFINED if own.is_relative_to(folder)]
     if chosen:
         root = Path(chosen).resolve()
         bounds.append(root if own.is_relative_to(root) else own)

@@ -20,6 +20,7 @@ from .gltf_compressed import DRACO, MESHOPT
 from .gltf_json import Item
 
 _COMMON = ("name", "extras", "extensions")
+_MOST = 1e300  # an integer beyond all floats is left to whoever reads it
 _ATTRIBUTE = re.compile(r"POSITION|NORMAL|TANGENT|(TEXCOORD|COLOR|JOINTS|WEIGHTS)_\d+|_.*")
 
 
@@ -244,7 +245,7 @@ def _problem(value: Any, rule: Rule, document: Item) -> str:
         known = ", ".join(str(choice) for choice in rule.choices)
         return f"is {str(value)[:40]!r}, which is unknown. Known: {known}."
     # Numbers; whatever else stands there is refused by whoever reads it.
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or abs(value) > _MOST:
         return ""
     if rule.index:
         listed = document.value.get(rule.index)

@@ -72,18 +72,25 @@ class Folders:
 
         Raises SceneError for a name that scenes may not use, `files.named_file`.
         """
-        # The search path that was named last comes first.
-        tries = [named_file(name, where, folder, self.own) for folder in (*self.search, self.own)]
-        found = next((path for path in tries if is_file(path)), tries[-1])
+        # The search path that was named last comes first. From one of them a name may lead where
+        # it may not, and from the next to the file.
+        for folder in self.search:
+            try:
+                path = named_file(name, where, folder, self.own)
+            except SceneError:
+                continue
+            if is_file(path):
+                return path
+        path = named_file(name, where, self.own)
         # A file that is nowhere may lie where the scene was not looked for.
-        if self.skipped and not is_file(found):
+        if self.skipped and not is_file(path):
             raise SceneError(
                 f"'{name}' is not in its folder, and its search path '{self.skipped[0]}' is no "
-                "folder that it may name",
+                "folder, or none that it may name",
                 where=self.own,
                 remedy="Check the path; AIRLIGHT_ROOT, where it is set, lies around it.",
             )
-        return found
+        return path
 
     def add(self, name: str, path: Path) -> None:
         """Look in the folder `name`, as the file `path` says in a <path>, before all others.

@@ -75,7 +75,7 @@ def _refuse_unasked(given: Mapping[str, str], reader: _Reader, path: Path) -> No
     for name in given:
         if name not in reader.asked:
             raise SceneError(
-                f"no ${name} stands in the scene, and --param gives it a value",
+                f"no ${name} stands in the scene, and a parameter gives it a value",
                 where=path,
                 remedy=nearest(name, reader.asked) if reader.asked else "It has no parameters.",
             )

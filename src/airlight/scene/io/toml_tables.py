@@ -26,8 +26,8 @@ def _choice(*names: str) -> str:
 
 CAMERA = Table(
     "camera",
-    "The camera. Without the table, one is chosen that frames the scene and is exposed by "
-    "the image.",
+    "The camera. Without the table, one is chosen that frames the scene, and where a default "
+    "light is added it is exposed by the light that falls on the scene; in rooms by the image.",
     (
         _POSITION,
         Key("target", checks.vec3, "vector", "the point it looks at", "m", required=True),
@@ -37,8 +37,7 @@ CAMERA = Table(
             "exposure_stops",
             checks.stops,
             'number or "auto"',
-            'display exposure: 2^stops; "auto": from the image itself, as without it where a '
-            "default light is added",
+            'display exposure: 2^stops; "auto": from the image itself',
             "stops",
             "0",
         ),
@@ -164,7 +163,8 @@ ENVIRONMENT = Table(
     "environment",
     "Light from far away, all around. Without the table the background is black where the scene "
     "has a light or an emissive mesh; where it has none, a default light is added: a sun and a "
-    "sky in rooms, a studio around all else. Suns in a map (at most some 2 degrees wide, at least "
+    "sky in rooms, for volumes alone and where hardly any of what is seen would be lit, a studio "
+    "around all else. Suns in a map (at most some 2 degrees wide, at least "
     "3 % of its light, up to four) light the scene as directional lights do, with sharp shadows.",
     (
         Key(

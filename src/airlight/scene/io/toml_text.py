@@ -53,7 +53,7 @@ def scene_text(
 
     `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will
     stand. `settings` by technique are written over the scene's own; `model` are the keys with
-    which a mesh file was loaded (up, scale, variant). A comment says what could not be written.
+    which a model or grid was loaded (up, scale, variant). A comment says what could not be written.
     """
     scene = followed(scene)
     raw, notes = _original(source, folder, model or {})
@@ -97,6 +97,10 @@ def scene_text(
     return "".join(notes) + "\n".join(toml_lines(ordered)).strip() + "\n"
 
 
+_NO_KEYS = ("sun", "ground", "parameters")
+"""What a file is loaded with beside the keys of its table."""
+
+
 def _original(
     source: str, folder: Path, model: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
@@ -111,7 +115,7 @@ def _original(
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     # Of another file, a table that names it.
-    placed = {name: model[name] for name in model if name not in ("sun", "ground")}
+    placed = {name: model[name] for name in model if name not in _NO_KEYS}
     for name, suffixes in (("mesh", MESH_SUFFIXES), ("volume", VOLUME_SUFFIXES)):
         if path.suffix.lower() in suffixes:
             return {name: [{"file": _relative(path, folder), **placed}]}, []

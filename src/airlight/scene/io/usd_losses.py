@@ -98,13 +98,14 @@ class UsdLosses:
             if self._words(name) and prop.HasAuthoredTargets() and prop.GetTargets():
                 self._note(name, prim, f"{name} is set: {self._words(name)}")
             return
-        value = prop.Get(self._time)
+        # Domes have images, and reading them is not this module's.
+        words = "" if is_dome and name == "inputs:texture:file" else self._words(name)
+        # Values of other properties, long arrays among them, are not read.
+        value = prop.Get(self._time) if words or name in _NOT_NEGATIVE else None
         if value is None:
             return
         if name in _NOT_NEGATIVE:
             self._check_numbers(prim, name, value)
-        # Domes have images, and reading them is not this module's.
-        words = "" if is_dome and name == "inputs:texture:file" else self._words(name)
         if words and _is_set(prim, name, value):
             self._note(name, prim, f"{name} is set: {words}")
 

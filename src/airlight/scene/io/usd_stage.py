@@ -152,7 +152,9 @@ def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
         raise SceneError("names files by expressions, which are not read", remedy="Flatten it.")
     if not asset:
         return ""
-    named_file(_outer(asset), "", folder)
+    # Names are seen from the layer that holds them; one in a package is a part of that.
+    start = Path(layer.realPath).parent if layer.realPath else folder
+    named_file(_outer(asset), "", start, folder)
     written = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
     resolved = str(Ar.GetResolver().Resolve(written))
     # Programs on Windows write backslashes, which lead nowhere elsewhere.

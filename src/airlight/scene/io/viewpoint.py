@@ -62,7 +62,9 @@ def around(direction: F64, points: F64) -> Camera:
         (np.max(reach * z + offset @ axis) + np.max(reach * z - offset @ axis)) / (2.0 * reach)
         for axis, reach in axes
     ]
-    back = float(max(needed)) or 1e-3
+    # Points on the way to the eye stay before it.
+    before = 1e-3 * (float(np.ptp(points, axis=0).max()) or 1.0)
+    back = max(float(max(needed)), float(z.max()) + before)
     # From there, where the outermost angles on both sides are alike.
     eye = center.copy()
     for axis, _ in axes:
