@@ -185,7 +185,7 @@ def test_a_mirrored_mesh_faces_as_before(judged, square):
 
 @pytest.mark.parametrize(("axes", "scale"), [("about x", 1e5), ("about x", 1e-5), ("x for z", 1.0)])
 def test_air_turned_and_of_any_size_is_the_same_image(judged, square, unlike, axes, scale):
-    """Also that extinction is per metre: a hundred times the size, a hundredth of the sigma.
+    """Also that extinction is per metre: twice the size, half of the sigma.
 
     Small scenes have weak lights, whose reflected flux half floats lost.
     """

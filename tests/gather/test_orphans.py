@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from airlight.gather import points
+from airlight.gather.orphans import BLOCK_BITS
+from airlight.gpu.source import LIBRARIES
 from airlight.rendering import Renderer, render
 from airlight.scene import Camera, Material, Mesh, Scene, SpotLight
 from airlight.scene.shapes import box
@@ -15,6 +17,12 @@ LPV = {"resolution": 8, "lamp_resolution": 128, "map_resolution": 64, "iteration
 EYE = Camera((0.0, 0.0, 1.9), (0.0, 0.0, -2.0), fov_y_deg=60.0)
 SPOT = SpotLight((0.0, 0.0, 1.5), (-1.0, -0.2, -0.6), (60.0,) * 3, 10.0, 25.0)
 ROOM = Mesh(box(), Material(base_color=(0.5,) * 3, specular=0.0), np.diag((4.0, 4.0, 4.0, 1.0)))
+
+
+def test_words_of_orphans_hold_all_blocks():
+    """A word says which block an orphan is in, and which pixel of that it is."""
+    assert f"const BLOCK_BITS = {BLOCK_BITS}u;" in (LIBRARIES[0] / "orphans.wgsl").read_text()
+    assert points.MOST_POINTS <= 1 << BLOCK_BITS
 
 
 def bars():

@@ -45,14 +45,23 @@ def test_kin_face_one_way_and_are_near():
     """Beside surfaces 2 m off, 10 cm count for nearly all, 2 m for little; the other side never."""
     near = gather.nearness(UP, 0.5, 0.0)
     for offset, least, most in ((0.1, 0.95, 1.0), (2.0, 0.0, 0.05)):
-        kin = gather_orphans.kinship(UP, UP, np.array([0.0, 0.0, offset]), *near)
+        kin = gather_orphans.kinship(UP, UP, np.array([0.0, 0.0, offset]), *near, 10.0)
         assert least <= kin <= most
-    assert gather_orphans.kinship(UP, -UP, np.zeros(3), *near) == 0.0
+    assert gather_orphans.kinship(UP, -UP, np.zeros(3), *near, 10.0) == 0.0
+
+
+def test_kin_are_near_in_the_image_where_their_rays_meet_nothing():
+    """A leaf before a field: texels of 1 cm there, the field 2 m behind it, the leaf's own edge."""
+    sky = gather.nearness(UP, 0.0, 0.0)
+    for offset, least, most in ((2.0, 0.0, 1e-9), (0.01, 0.9, 1.0)):
+        kin = gather_orphans.kinship(UP, UP, np.array([0.0, 0.0, offset]), *sky, 0.01)
+        assert least <= kin <= most
 
 
 def test_kin_are_the_same_on_the_device(wgsl):
     n, offset = fibonacci_sphere(500), 0.5 * RNG.normal(size=(500, 3))
     m, near = n[::-1], gather.nearness(n, RNG.random(500) + 0.5, RNG.random(500))
-    found = wgsl("gather_orphans", "kinship", n, m, offset, *near, returns="f32")
-    twin = gather_orphans.kinship(n, m, offset, *near)
+    texel = RNG.uniform(0.05, 0.5, 500)
+    found = wgsl("gather_orphans", "kinship", n, m, offset, *near, texel, returns="f32")
+    twin = gather_orphans.kinship(n, m, offset, *near, texel)
     np.testing.assert_allclose(found, twin, rtol=1e-3, atol=1e-6)

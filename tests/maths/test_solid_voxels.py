@@ -82,3 +82,24 @@ def test_a_soft_rim_has_no_teeth() -> None:
 
     # Measured .066 and .027.
     assert teeth(soft) < 0.5 * teeth(shares)
+
+
+def test_parity_does_not_care_which_way_faces_lie():
+    ball = sphere()
+    triangles = ball.indices.astype(np.int64)
+    turned = np.random.default_rng(1).random(len(triangles)) < 0.5
+    triangles[turned] = triangles[turned, ::-1]
+    mixed = (ball.positions.astype(float) * 1.6, triangles, LOW, HIGH, (24, 24, 24))
+    whole = voxels(ball, 1.6, count=(24, 24, 24))
+    np.testing.assert_allclose(solid_voxels(*mixed, by_parity=True), whole)
+    assert abs(solid_voxels(*mixed).mean() / whole.mean() - 1.0) > 0.05
+
+
+def test_an_inner_surface_that_faces_the_other_way_is_a_cavity():
+    ball = sphere()
+    shell = np.concatenate([1.8 * ball.positions, 0.9 * ball.positions]).astype(float)
+    inner = ball.indices[:, ::-1] + len(ball.positions)
+    triangles = np.concatenate([ball.indices, inner]).astype(np.int64)
+    got = solid_voxels(shell, triangles, LOW, HIGH, (24, 24, 24))
+    assert got.mean() * 8 == pytest.approx(np.pi / 6 * (1.8**3 - 0.9**3), rel=0.02)
+    assert got[12, 12, 12] == 0.0

@@ -39,5 +39,5 @@
             found = gather_hit(origin, direction);
         }
     }
-    keep_hit(id.xy, found);
+    store_hit(id.xy, found);
 }

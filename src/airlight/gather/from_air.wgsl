@@ -18,5 +18,5 @@
         let direction = lobe_direction(-axis.xyz, axis.w, ray_numbers(at.x, at.y, ray));
         found = gather_hit(place.xyz, direction);
     }
-    keep_hit(id.xy, found);
+    store_hit(id.xy, found);
 }

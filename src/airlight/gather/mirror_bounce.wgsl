@@ -32,5 +32,5 @@
         }
     }
     textureStore(next_starts, id.xy, start);
-    keep_hit(id.xy, hit);
+    store_hit(id.xy, hit);
 }

@@ -36,5 +36,5 @@
         }
     }
     textureStore(starts, id.xy, start);
-    keep_hit(id.xy, hit);
+    store_hit(id.xy, hit);
 }

@@ -18,7 +18,8 @@ from .point_params import PointParams
 
 SHARE = 4
 """Blocks for each orphan point that an image has at most."""
-_BLOCK_BITS = 15  # of a word that says which pixel of which block an orphan is
+BLOCK_BITS = 15
+"""Of a word that says which pixel of which block an orphan is, as in `wgsl/orphans.wgsl`."""
 
 
 class _Find(ComputePass):
@@ -70,7 +71,6 @@ class Orphans:
     def __init__(self, gpu: Gpu, blocks: tuple[int, int], scale: int, *, is_occluded: bool) -> None:
         """`scale`: pixels along a side of a block. Where each pixel is one, none is an orphan."""
         width, height = blocks
-        assert width * height <= 1 << _BLOCK_BITS
         self.rows = -(-height // SHARE) if scale > 1 else 0
         self.most = self.rows * width
         self.buffer = Buffer(gpu, "orphan pixels", 4 * (width * height + self.most))

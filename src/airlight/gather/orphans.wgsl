@@ -14,7 +14,7 @@ struct Orphan {
 }
 
 // How far the four points around a pixel are like it, as pixels weight them (upsample.wgsl).
-fn kept_by_points(position: vec2f, p: vec3f, n: vec3f, texel_m: f32) -> f32 {
+fn likeness_of_points(position: vec2f, p: vec3f, n: vec3f, texel_m: f32) -> f32 {
     let last = vec2i(params.reduced) - 1;
     let middle = position / f32(params.scale) - 0.5;
     var total = 0.0;
@@ -39,7 +39,8 @@ fn kept_by_points(position: vec2f, p: vec3f, n: vec3f, texel_m: f32) -> f32 {
     var own: array<Orphan, MOST>;
     var chosen = vec3u(0u);
     var found = 0u;
-    for (var k = 0u; k < min(count, TRIED); k++) {
+    // The first is the block's own point, which is never an orphan.
+    for (var k = 1u; k <= min(count - 1u, TRIED); k++) {
         // Steps that would visit each pixel once, far from the ones before it.
         let within = (first + k * params.step) % count;
         let pixel = id.xy * params.scale + vec2u(within % params.scale, within / params.scale);
@@ -50,7 +51,7 @@ fn kept_by_points(position: vec2f, p: vec3f, n: vec3f, texel_m: f32) -> f32 {
         let p = pixel_point(position, d);
         let n = flat_normal(vec2i(pixel), p, normalize(textureLoad(normal, pixel, 0).xyz));
         let texel_m = params.texel * length(p - params.eye);
-        var total = kept_by_points(position, p, n, texel_m);
+        var total = likeness_of_points(position, p, n, texel_m);
         for (var i = 0u; i < found; i++) {
             total += likeness(p, n, own[i].place, own[i].plane, texel_m);
         }

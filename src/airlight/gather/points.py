@@ -12,10 +12,10 @@ from ..gpu.slots import image, texture, uniform
 from ..lighting.view import View
 from ..maths.gather_orphans import orphan_step
 from ..maths.transforms import F64
-from .orphans import Orphans
+from .orphans import BLOCK_BITS, Orphans
 from .point_params import PointParams
 
-MOST_POINTS = 1 << 15
+MOST_POINTS = 1 << BLOCK_BITS
 """Of an image's blocks of pixels, which grow as large as that asks."""
 
 

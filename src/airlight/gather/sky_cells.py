@@ -46,7 +46,7 @@ class SkyCells:
         self._shown: Environment | None = None
         self._size = (1, 1)
         self._rotation = 0.0
-        self.is_even = True
+        self.is_uniform = True
         """Whether the environment is alike everywhere, so that no ray needs a guide."""
         self.is_mild = True
         """Whether no part of it is so bright that paths would find it by luck."""
@@ -58,7 +58,7 @@ class SkyCells:
         if environment is self._shown:
             return
         self._shown = environment
-        rows, self.is_even = cell_rows(environment)
+        rows, self.is_uniform = cell_rows(environment)
         bright = luminance(rows[..., 0, :3])
         # A sky is mild where no part is so bright that rays find it by luck.
         self.is_mild = bool(bright.max() <= MILD * bright.mean())
@@ -74,7 +74,7 @@ class SkyCells:
     def count(self, rays: int) -> int:
         """Rays by brightness beside `rays` by the cosine."""
         # Half as many as by the cosine; a uniform sky needs none.
-        return 0 if self.is_even else -(-rays // 2)
+        return 0 if self.is_uniform else -(-rays // 2)
 
     def params(self, points: Points | CellPoints, rays: int, sample: int) -> SkyParams:
         """What passes over points must know of the sky; `rays` by the cosine, in this sample."""

@@ -16,5 +16,5 @@
         let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));
         found = gather_hit(ray_start(place, n), direction);
     }
-    keep_hit(id.xy, found);
+    store_hit(id.xy, found);
 }

@@ -10,7 +10,8 @@
 //! use tone
 //! use near_field_lookup
 
-const LEAST = 1e-3;         // weight of points below which those farther off are asked, too
+const FEW = 0.01;           // weight of points below which those farther off are asked, too, and kin count
+const LEAST = 1e-3;         // weight of points below which kin count in full
 const KIN = 0.01;           // weight of points that are not alike, but get about the same light
 const LATTICES = 1e-4;      // weight of what lattices say
 
@@ -30,8 +31,8 @@ struct Around {
     alike: f32,             // of the total, what points that are like the pixel have
 }
 
-// Weights fall off linearly over `reach` points, 1 or 2.
-fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32) -> Around {
+// Weights fall off linearly over `reach` points, 1 or 2; kin count `kin_weight`.
+fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32, kin_weight: f32) -> Around {
     let texel_m = params.texel * length(p - params.eye);
     let last = vec2i(params.reduced) - 1;
     let middle = position / f32(params.scale) - 0.5;
@@ -50,10 +51,10 @@ fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32) -> Around {
             let its = textureLoad(planes, texel, 0).xyz;
             let index = texel.y * params.reduced.x + texel.x;
             let each = 1.0 / max(sums[index].met_rays, FEWEST * f32(params.rays));
-            let kin = kinship(n, its, p - place.xyz, each * sums[index].squares, each * sums[index].products);
+            let kin = kinship(n, its, p - place.xyz, each * sums[index].squares, each * sums[index].products, texel_m);
             let share = select(0.0, near.x * near.y, place.w > 0.0);
             let like = share * likeness(p, n, place.xyz, its, texel_m);
-            let weight = like + KIN * share * kin;
+            let weight = like + kin_weight * share * kin;
             out.alike += like;
             out.surfaces += weight * sums[index].near;
             out.surfaces_flux += weight * sums[index].near_flux;
@@ -110,9 +111,10 @@ fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> 
     let p = pixel_point(position.xy, d);
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
     let flat_n = flat_normal(vec2i(pixel), p, n);
-    var found = around(position.xy, p, flat_n, 1);
-    if (found.alike < LEAST) {
-        found = around(position.xy, p, flat_n, 2);
+    var found = around(position.xy, p, flat_n, 1, 0.0);
+    if (found.alike < FEW) {
+        // The fewer points are alike, the more those count that are not.
+        found = around(position.xy, p, flat_n, 2, KIN * (1.0 - smoothstep(LEAST, FEW, found.alike)));
     }
     // Near occluders hide the sky, and send light that they reflect.
     let open = near_field_at(position.xy, 1.0 / (params.world_from_clip[2].w * d)).open;

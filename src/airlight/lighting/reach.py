@@ -114,12 +114,13 @@ class MadeFor:
     def showing(self, scene: Scene) -> MadeFor:
         """What resources have to be made for to show `scene`: the very same where they fit it."""
         # Another scene asks for other resources, an eye beyond the reach for larger lattices.
+        made = self
         if not drawn_alike(scene, self.first):
             # All else stays as it was first, so that a frame does not depend on those before it.
             first = replace(self.first, volumes=scene.volumes)
-            return MadeFor(first, follows_eye=self.follows_eye)
-        eye = self.reach.beyond(scene) if self.reach else None
-        return self if eye == self.eye else replace(self, eye=eye)
+            made = MadeFor(first, follows_eye=self.follows_eye)
+        eye = made.reach.beyond(scene) if made.reach else None
+        return made if eye == made.eye else replace(made, eye=eye)
 
 
 def reach_of(scene: Scene) -> Reach | None:

@@ -14,6 +14,8 @@ KIN_POWER = 2.0
 """As `gather.NORMAL_POWER`, for points that are not alike and get about the same light."""
 KIN_REACH = 0.5
 """As `gather.REACH`, for those."""
+KIN_TEXELS = 4.0
+"""Widths of a point's texel over which they count, wherever their light comes from."""
 
 
 def kinship(
@@ -22,16 +24,19 @@ def kinship(
     offset: ArrayLike,
     squares: ArrayLike,
     products: ArrayLike,
+    texel_m: ArrayLike,
 ) -> F64:
     """How far (...) a point's light stands for a pixel's on another surface, 0 to 1.
 
-    Their unit normals (..., 3), the `offset` (..., 3) between them, m, and the point's mean of
-    `nearness`. Where no point is like a pixel, those around that face about as it does, and are
-    near beside how far off their light comes from, still know more of it than lattices.
+    Their unit normals (..., 3), the `offset` (..., 3) between them, m, the point's mean of
+    `nearness`, and how wide a texel is there, `texel_m` (...), m. Where no point is like a pixel,
+    those around that face about as it does, and are near beside how far off their light comes
+    from, still know more of it than lattices.
     """
     n, m = (np.asarray(v, dtype=np.float64) for v in (normal, its_normal))
     cosine = np.clip((n * m).sum(axis=-1), 0.0, 1.0)
-    near = np.exp(-approach(offset, squares, products) / KIN_REACH**2)
+    apart = np.square(offset).sum(axis=-1) / np.square(KIN_TEXELS * np.asarray(texel_m))
+    near = np.exp(-approach(offset, squares, products) / KIN_REACH**2 - apart)
     return np.asarray(cosine**KIN_POWER * near)
 
 

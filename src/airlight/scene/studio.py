@@ -115,7 +115,7 @@ def _directional(lights: Sequence[Light]) -> list[tuple[F64, F64]]:
 def _level_irradiance(lights: Sequence[Light]) -> F64:
     """W m^-2 (3,) that level ground receives from the directional lights."""
     parts = [irradiance * towards[1] for towards, irradiance in _directional(lights)]
-    return np.sum([np.zeros(3), *parts], axis=0)
+    return np.asarray(np.sum([np.zeros(3), *parts], axis=0))
 
 
 def _glows(lights: Sequence[Light], directions: F64) -> F64:

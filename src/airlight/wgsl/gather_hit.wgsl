@@ -36,7 +36,7 @@ fn gather_hit(origin: vec3f, direction: vec3f) -> GatherHit {
     return found;
 }
 
-fn keep_hit(texel: vec2u, hit: GatherHit) {
+fn store_hit(texel: vec2u, hit: GatherHit) {
     textureStore(hit_positions, texel, hit.position);
     textureStore(hit_normals, texel, hit.normal);
     textureStore(hit_albedos, texel, hit.albedo);

@@ -187,6 +187,21 @@ def test_volumes_that_are_given_keep_their_boxes_while_the_shutter_is_open(growi
     assert {moment.volumes[0].density.shape for moment in every} == {(6, 4, 6)}
 
 
+def test_an_eye_far_out_is_reached_in_the_frame_whose_box_changes(growing):
+    """A frame is the same whichever was drawn before it, in a medium that cameras go away in."""
+    path = growing / "all.toml"
+    path.write_text(
+        path.read_text() + "[medium]\nsigma_s = 0.02\nbounds = [[-90, 0, -90], [90, 9, 990]]\n"
+    )
+    scene = load(path)
+    far = replace(scene, camera=replace(scene.camera, position=(0.0, 2.0, 400.0)))
+    for shown in (scene, far):
+        once = MadeFor(scene, follows_eye=True).showing(shown.at(1.0))
+        assert once.first.volumes[0].density.shape == (6, 4, 6)
+        assert once.showing(shown.at(1.0)) is once
+    assert once.eye is not None
+
+
 def test_only_boxes_decide_what_is_made_again(growing):
     """Frames do not depend on those before them: lights are made for as they were first."""
     text = (growing / "all.toml").read_text()

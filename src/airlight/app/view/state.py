@@ -174,7 +174,7 @@ class ViewState:
         if turn == Turn(0.0, 0.0) or not lights:
             return
         index = min(self.light, len(lights) - 1)
-        light = lights[index]
+        light: Any = lights[index]
         if not light.is_aimed:
             # What is not aimed goes about the middle of the scene.
             low, high = self.scene.bounds
