@@ -190,9 +190,8 @@ def test_volumes_that_are_given_keep_their_boxes_while_the_shutter_is_open(growi
 def test_an_eye_far_out_is_reached_in_the_frame_whose_box_changes(growing):
     """A frame is the same whichever was drawn before it, in a medium that cameras go away in."""
     path = growing / "all.toml"
-    path.write_text(
-        path.read_text() + "[medium]\nsigma_s = 0.02\nbounds = [[-90, 0, -90], [90, 9, 990]]\n"
-    )
+    fog = "[medium]\nsigma_s = 0.02\nbounds = [[-90, 0, -90], [90, 9, 990]]\n"
+    path.write_text(path.read_text() + fog)
     scene = load(path)
     far = replace(scene, camera=replace(scene.camera, position=(0.0, 2.0, 400.0)))
     for shown in (scene, far):
