@@ -172,8 +172,8 @@ ENVIRONMENT = Table(
             checks.text,
             "path",
             "a latitude-longitude image: EXR, HDR, PNG or JPEG; or builtin:studio, the backdrop "
-            "in which bare models are shown, as the scene's directional lights light it, those that "
-            "move as they are at first",
+            "in which bare models are shown, as the scene's directional lights light it, those "
+            "that move as they are at first",
         ),
         Key("radiance", checks.rgb, COLOUR, "instead of a file: constant radiance", "W m^-2 sr^-1"),
         Key("scale", checks.number, "number", "multiplies it", default="1"),
