@@ -20,7 +20,7 @@ from airlight.scene import Material, Medium, Scene, SpotLight
 from airlight.scene.builtin import cornell
 from airlight.surface.geometry import GpuScene
 from airlight.surface.light_views import light_views
-from airlight.surface.reflective import ReflectiveShadowMaps
+from airlight.surface.reflective import ReflectiveShadowMaps, flux_unit
 
 
 def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, commands, owned, square):
@@ -46,7 +46,7 @@ def test_the_first_step_of_a_blocking_floor_keeps_the_reflected_flux(gpu, comman
     made = after.read().reshape(3, 16, 16, 16, 4).astype(np.float64)
     tangent = (np.arange(64) + 0.5 - 32) * views[0].texel[0]
     omega = views[0].texel[0] ** 2 * (1.0 + tangent[:, None] ** 2 + tangent**2) ** -1.5
-    flux = (maps.flux.read(0)[..., 0].astype(np.float64) * omega).sum()
+    flux = flux_unit(light) * (maps.flux.read(0)[..., 0].astype(np.float64) * omega).sum()
     assert 4.0 * np.pi * made[0, ..., 0].sum() == pytest.approx(flux, rel=1e-3)
     assert not made[:, :, :8].any()  # nothing below the floor
 

@@ -9,7 +9,7 @@ from airlight.maths.reflection import bihemispherical_albedo
 from airlight.maths.solid_angle import polygon_solid_angle
 from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
 from airlight.surface.light_views import light_views
-from airlight.surface.reflective import ReflectiveShadowMaps
+from airlight.surface.reflective import ReflectiveShadowMaps, flux_unit
 
 SIDE = 128
 ALBEDO = np.array([0.7, 0.4, 0.1])
@@ -36,7 +36,7 @@ def reflected_flux(gpu, commands, owned, scene, light):
             tangent = (np.arange(SIDE) + 0.5 - SIDE / 2) * view.texel[0]
             measure *= (1.0 + tangent[:, None] ** 2 + tangent**2) ** -1.5
         total += (density * measure[..., None]).sum(axis=(0, 1))
-    return total, maps
+    return flux_unit(light) * total, maps
 
 
 @pytest.mark.parametrize("direction", [(0, -1, 0), (0.5, -1, 0.3)])

@@ -24,7 +24,7 @@
     let offset = corner.offset[axis];
     let area = view.texel.x * view.texel.y / (lattice.cell * lattice.cell);
     let units = i32(round(area * params.units));
-    let reflectance = textureLoad(flux, vec2i(id.xy), id.z, 0).rgb;
+    let reflectance = view.flux_unit * textureLoad(flux, vec2i(id.xy), id.z, 0).rgb;
     let first = CORNER_VALUES * corner.index;
     add_side(first, id.z, units, offset, reflectance);
     add_side(first, id.z ^ 1u, units, offset, reflectance);
