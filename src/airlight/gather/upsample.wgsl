@@ -10,8 +10,8 @@
 //! use tone
 //! use near_field_lookup
 
-const FEW = 0.01;           // weight of points below which those farther off are asked, too, and kin count
-const LEAST = 1e-3;         // weight of points below which kin count in full
+const FEW = 0.1;            // weight of points below which those farther off are asked, too, and kin count
+const LEAST = 0.01;         // weight of points below which kin count in full
 const KIN = 0.01;           // weight of points that are not alike, but get about the same light
 const LATTICES = 1e-4;      // weight of what lattices say
 

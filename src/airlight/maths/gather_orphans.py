@@ -14,7 +14,7 @@ KIN_POWER = 2.0
 """As `gather.NORMAL_POWER`, for points that are not alike and get about the same light."""
 KIN_REACH = 0.5
 """As `gather.REACH`, for those."""
-KIN_TEXELS = 4.0
+KIN_TEXELS = 8.0
 """Widths of a point's texel over which they count, wherever their light comes from."""
 
 

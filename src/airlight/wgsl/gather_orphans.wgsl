@@ -4,7 +4,7 @@
 
 const KIN_POWER = 2.0;
 const KIN_REACH = 0.5;
-const KIN_TEXELS = 4.0;
+const KIN_TEXELS = 8.0;
 
 fn kinship(normal: vec3f, its_normal: vec3f, offset: vec3f, squares: vec3f, products: vec3f, texel_m: f32) -> f32 {
     let apart = dot(offset, offset) / (KIN_TEXELS * KIN_TEXELS * texel_m * texel_m);
