@@ -199,7 +199,7 @@ def test_a_steady_frame_is_not_the_first(gpu, moving):
         assert first["frame_ms"] is None and first["python_ms"] is None
         assert first["first_image_s"] > 0.0
         for _ in range(300):
-            renderer._count(0.0, 1.0, 2.0)
+            renderer._times.add(0.0, 1.0, 2.0)
         later = renderer.stats()
         assert (later["frame_ms"], later["python_ms"]) == (2000.0, 1000.0)
         assert later["first_image_s"] == first["first_image_s"]

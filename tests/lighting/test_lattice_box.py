@@ -152,6 +152,10 @@ def test_what_the_fog_before_an_object_scatters_many_times_is_there(gpu: Gpu, tm
 
 
 ROOM = """
+[camera]
+position = [3.5745, 3.1747, 6.499]
+target = [0.0, 0.9, 0.0]
+fov_y_deg = 40.0
 [[mesh]]
 shape = "box"
 scale = [4, 0.2, 4]
