@@ -13,8 +13,8 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer
-from ..gpu.slots import image, storage, texture, uniform
-from .point_params import PointParams
+from ..gpu.slots import storage, texture, uniform
+from .point_params import CHOOSING_SLOTS, PointParams
 
 SHARE = 4
 """Blocks for each orphan point that an image has at most."""
@@ -47,16 +47,7 @@ class _List(ComputePass):
 
 
 class _Points(ComputePass):
-    slots = (
-        uniform("params", PointParams),
-        texture("depth", "2d", "depth"),
-        texture("normal", "2d", "unfilterable-float"),
-        texture("near_field", "2d", "uint"),
-        storage("orphans", "u32"),
-        image("places", "rgba32float"),
-        image("normals", "rgba16float"),
-        image("planes", "rgba16float"),
-    )
+    slots = (*CHOOSING_SLOTS, storage("orphans", "u32"))
     workgroup = (8, 8, 1)
     file = "orphan_points.wgsl"
 

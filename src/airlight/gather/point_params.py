@@ -1,8 +1,9 @@
-"""What passes over gather points, or from them to pixels, must know of the camera."""
+"""What passes over gather points, or from them to pixels, must know; what those bind that choose."""
 
 from __future__ import annotations
 
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
+from ..gpu.slots import image, texture, uniform
 
 
 class PointParams(Struct):
@@ -19,3 +20,15 @@ class PointParams(Struct):
     step = u32("pixels of a block from one that is tried to the next")
     most = u32("orphan points of the image")
     pad = u32()
+
+
+CHOOSING_SLOTS = (
+    uniform("params", PointParams),
+    texture("depth", "2d", "depth"),
+    texture("normal", "2d", "unfilterable-float"),
+    texture("near_field", "2d", "uint"),
+    image("places", "rgba32float"),
+    image("normals", "rgba16float"),
+    image("planes", "rgba16float"),
+)
+"""Of passes that make points of pixels (`wgsl/gather_point.wgsl`)."""

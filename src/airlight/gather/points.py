@@ -8,27 +8,18 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..gpu.slots import image, texture, uniform
 from ..lighting.view import View
 from ..maths.gather_orphans import orphan_step
 from ..maths.transforms import F64
 from .orphans import BLOCK_BITS, Orphans
-from .point_params import PointParams
+from .point_params import CHOOSING_SLOTS, PointParams
 
 MOST_POINTS = 1 << BLOCK_BITS
 """Of an image's blocks of pixels, which grow as large as that asks."""
 
 
 class _Points(ComputePass):
-    slots = (
-        uniform("params", PointParams),
-        texture("depth", "2d", "depth"),
-        texture("normal", "2d", "unfilterable-float"),
-        texture("near_field", "2d", "uint"),
-        image("places", "rgba32float"),
-        image("normals", "rgba16float"),
-        image("planes", "rgba16float"),
-    )
+    slots = CHOOSING_SLOTS
     workgroup = (8, 8, 1)
     file = "points.wgsl"
 

@@ -1,8 +1,8 @@
 """What the units of a variable of a simulation say of light: extinction, or droplets of water.
 
 Extinction is 3 q / (2 rho r), q the water by volume, rho its density and r the droplets' effective
-radius. Densities are kg m^-3 of droplets of 10 micrometres: water in droplets of half that radius
-counts twice, so one sigma_t holds for the whole grid.
+radius (Stephens1978). Densities are kg m^-3 of droplets of 10 micrometres: water in droplets of
+half that radius counts twice, so one sigma_t holds for the whole grid.
 """
 
 from __future__ import annotations
