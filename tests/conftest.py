@@ -225,7 +225,8 @@ def child(gpu: Gpu) -> Callable[[str], list[str]]:
     """child(code) -> what it prints, line by line, in a process of its own that may crash or hang.
 
     It has `al`, `np`, a `scene` of a quad and a light, and `made()`, a Renderer of that; its lines
-    on stderr, and how it ended where that was not well, come last.
+    on stderr, and how it ended where that was not well, come last. Libraries of OpenGL, which
+    code here may load, keep quiet: what they warn of is how a machine's Mesa was installed.
     """
 
     def run(code: str) -> list[str]:
@@ -235,6 +236,7 @@ def child(gpu: Gpu) -> Callable[[str], list[str]]:
             text=True,
             timeout=120,
             check=False,
+            env={**os.environ, "EGL_LOG_LEVEL": "fatal"},
         )
         ended = [f"exit code {done.returncode}"] if done.returncode else []
         return done.stdout.splitlines() + done.stderr.splitlines() + ended
