@@ -159,6 +159,7 @@ _CALLERS_NAME_THEM = "public: each parameter is an option of its own, which call
 _CLOSED_FORM = "the physical quantities of a formula, in its own symbols"
 _COMPILED = "compiled by Numba, which takes numbers and arrays, no objects"
 MANY_FOR_A_REASON = {
+    "scene.io.load": _CALLERS_NAME_THEM,
     "rendering.frame": _CALLERS_NAME_THEM,
     "rendering.render": _CALLERS_NAME_THEM,
     "reference.mitsuba.render": _CALLERS_NAME_THEM,

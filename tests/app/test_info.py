@@ -114,13 +114,16 @@ def test_when_a_scene_moves(tmp_path, capsys):
     assert facts(capsys, str(tmp_path / "b.toml"))["animation"] is None
 
 
-def test_a_sun_is_among_the_lights_and_none_for_grids(tmp_path, capsys):
+def test_a_sun_is_among_the_lights_and_none_for_images(tmp_path, capsys):
     (tmp_path / "a.toml").write_text(SCENE)
     told = facts(capsys, str(tmp_path / "a.toml"), "--sun", "35,135")
     assert any(light["type"] == "directional" for light in told["lights"])
     np.save(tmp_path / "a.npy", np.ones((2, 2, 2), np.float32))
-    assert cli.run(["info", str(tmp_path / "a.npy"), "--sun", "35,135"]) == 2
-    assert "a.npy: --sun lights scenes" in capsys.readouterr().err
+    assert facts(capsys, str(tmp_path / "a.npy"), "--sun", "35,135")["kind"] == "density grid"
+    Image(np.ones((2, 2, 3), np.float32)).save(tmp_path / "a.exr")
+    for option in (["--sun", "35,135"], ["--ground"]):
+        assert cli.run(["info", str(tmp_path / "a.exr"), *option]) == 2
+        assert f"a.exr: {option[0]} is for scenes" in capsys.readouterr().err
 
 
 def test_the_sun_of_an_environment_map_is_told():

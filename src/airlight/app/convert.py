@@ -13,7 +13,7 @@ from ..errors import OutputError, SettingsError
 from .options import display_options, displayed
 from .outputs import check_writable
 from .scene_argument import load_scene, reads, show_warnings
-from .scene_options import model_options
+from .scene_options import check_model, model_options
 
 if TYPE_CHECKING:
     from ..maths.lut import Lut
@@ -50,12 +50,10 @@ def command(
     airlight convert room.xml room.toml     Mitsuba's, its meshes in room_meshes.glb
     airlight convert room.exr room.png      images: .exr .hdr .png .jpg
     """
-    from ..scene.io import model_keys
-
     reads(source)
     suffix = Path(source).suffix.lower()
     # Options that the kind of file does not know are refused first.
-    model_keys(source, **model)
+    check_model(source, model)
     # Images by their ending; all else is a scene or a model.
     if suffix in (*LINEAR_SUFFIXES, *DISPLAY_SUFFIXES):
         check_writable(target, IMAGES_OUT)

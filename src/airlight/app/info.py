@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from ..errors import SettingsError, one_line
+from ..errors import one_line
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
-from .scene_options import model_options, sun_option
+from .scene_options import check_model, model_options
 
 if TYPE_CHECKING:
     from ..scene import Light, Material, Scene, Texture, Volume
@@ -22,20 +22,16 @@ if TYPE_CHECKING:
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 @model_options()
-@sun_option()
 def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Say what a FILE holds.
 
     A scene (or builtin:NAME), an image or a density grid.
     """
-    from ..scene.io import VOLUME_SUFFIXES, model_keys
+    from ..scene.io import VOLUME_SUFFIXES
     from ..scene.io.images import IMAGE_SUFFIXES
 
-    # Refuse options that make no sense for the kind of file.
-    model_keys(file, **{name: value for name, value in model.items() if name != "sun"})
+    check_model(file, model)
     ending = Path(file).suffix.lower()
-    if "sun" in model and ending in (*VOLUME_SUFFIXES, *IMAGE_SUFFIXES):
-        raise SettingsError("--sun lights scenes, and this is none", where=file)
     # The file's ending says which of three kinds of facts it has.
     if ending in VOLUME_SUFFIXES:
         scene = load_scene(file, model)

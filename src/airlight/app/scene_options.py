@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import SettingsError
 from .options import Decorator, Number, together
 
 if TYPE_CHECKING:
@@ -17,14 +19,43 @@ if TYPE_CHECKING:
 def scene_options() -> Decorator:
     """SCENE, and how it is read and lit, given as `scene` and `model`; for commands that show it.
 
-    To `model_options` this adds --sun and --ground.
+    Mesh files stand on a ground unless --no-ground is given.
     """
-    return together(click.argument("scene"), model_options(), sun_option(), _ground_option())
+    return together(click.argument("scene"), model_options(stands=True))
 
 
-def model_options() -> Decorator:
-    """--up, --scale and --variant of a model, --param of a Mitsuba file; the command gets `model`,
-    {name: value}, of what was given."""
+def model_options(*, stands: bool = False) -> Decorator:
+    """How a file is read and lit: --up and --scale, --grid, --channels, --variant, --param, --sun
+    and --ground.
+
+    The command gets `model`, {name: value}, of what was given. `stands`: mesh files get a ground
+    unless it is asked for none.
+    """
+    return together(
+        _placing_options(),
+        _grid_options(),
+        click.option(
+            "--variant",
+            metavar="NAME",
+            callback=_model,
+            expose_value=False,
+            help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+        ),
+        click.option(
+            "--param",
+            "parameters",
+            multiple=True,
+            metavar="NAME=VALUE",
+            callback=_parameters,
+            expose_value=False,
+            help="Of a Mitsuba file: what $NAME stands for, as Mitsuba's -D; may be repeated.",
+        ),
+        _sun_option(),
+        _ground_option(stands=stands),
+    )
+
+
+def _placing_options() -> Decorator:
     return together(
         click.option(
             "--up",
@@ -42,27 +73,40 @@ def model_options() -> Decorator:
             help="Of a mesh file or grid: how long its unit is, .001 for millimetres; a grid's "
             "coefficients stay per metre.  [default: 1]",
         ),
+    )
+
+
+def _grid_options() -> Decorator:
+    return together(
         click.option(
-            "--variant",
+            "--grid",
             metavar="NAME",
             callback=_model,
             expose_value=False,
-            help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+            help="Of a file with several grids: which; NAME[3] is its fourth time.",
         ),
         click.option(
-            "--param",
-            "parameters",
-            multiple=True,
-            metavar="NAME=VALUE",
-            callback=_parameters,
+            "--channels",
+            type=click.Choice(["r", "g", "b", "a"]),
+            callback=_model,
             expose_value=False,
-            help="Of a Mitsuba file: what $NAME stands for, as Mitsuba's -D; may be repeated.",
+            help="Of a grid with several channels: which is the density.",
         ),
     )
 
 
-def sun_option() -> Decorator:
-    """--sun, among what `model` says."""
+def check_model(file: str, model: Mapping[str, Any]) -> None:
+    """Refuse options that a kind of file does not know. Raises SceneError, SettingsError."""
+    from ..scene.io import model_keys
+    from ..scene.io.images import IMAGE_SUFFIXES
+
+    lit = {name: model[name] for name in ("sun", "ground") if model.get(name)}
+    model_keys(file, **{name: model[name] for name in model if name not in ("sun", "ground")})
+    if lit and Path(file).suffix.lower() in IMAGE_SUFFIXES:
+        raise SettingsError(f"--{next(iter(lit))} is for scenes, and this is an image", where=file)
+
+
+def _sun_option() -> Decorator:
     return click.option(
         "--sun",
         metavar="WHERE",
@@ -74,14 +118,14 @@ def sun_option() -> Decorator:
     )
 
 
-def _ground_option() -> Decorator:
+def _ground_option(*, stands: bool) -> Decorator:
     return click.option(
         "--ground/--no-ground",
-        default=None,
+        default=None if stands else False,
         callback=_ground,
         expose_value=False,
         help="Whether a mesh file or grid that airlight lights stands on a ground.  "
-        "[default: mesh files do]",
+        f"[default: {'mesh files do' if stands else 'none does'}]",
     )
 
 

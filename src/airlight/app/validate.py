@@ -9,7 +9,7 @@ import click
 from ..errors import AirlightError, SettingsError
 from .outputs import json_text
 from .scene_argument import load_scene, show_warnings
-from .scene_options import model_options, sun_option
+from .scene_options import model_options
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 @click.argument("file")
 @click.option("--json", "as_json", is_flag=True, help="For a machine to read.")
 @model_options()
-@sun_option()
 def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     """Load FILE and everything it names, and check every value. Exit 2 where one is bad."""
     # As rendering would read it, and files that it would read later.

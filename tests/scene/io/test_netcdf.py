@@ -7,6 +7,8 @@ import pytest
 
 from airlight.errors import SceneError
 from airlight.scene.io import load
+from airlight.scene.io.toml_text import scene_text
+from airlight.scene.io.volume_scene import FPS
 from airlight.scene.io.volumes import grid_names, read_volume
 
 pytestmark = pytest.mark.needs("xarray", "h5netcdf", "h5py", "scipy", "zarr")
@@ -128,6 +130,71 @@ def test_a_number_behind_the_name_chooses_the_time(tmp_path):
         read_volume(written(dataset(), tmp_path / "b.nc"), "ql[1]")
 
 
+def test_a_map_by_time_is_no_grid_and_time_is_no_height(tmp_path):
+    flat = dataset(values=VALUES, dims=("time", "y", "x"), time=("time", [0.0, 60.0]), name="cod")
+    path = written(flat, tmp_path / "a.nc")
+    assert grid_names(path) == []
+    with pytest.raises(SceneError, match=r"'cod': that is time \(2\) x y \(3\) x x \(4\)"):
+        read_volume(path)
+    both = times(VALUES, VALUES)
+    both["cod"] = flat["cod"]
+    path = written(both, tmp_path / "b.nc")
+    assert grid_names(path) == ["ql"]
+    with pytest.raises(SceneError, match=r"'cod'.*Grids in space: ql"):
+        read_volume(path, "cod")
+
+
+def test_names_that_begin_with_a_t_are_no_times(tmp_path):
+    data = dataset(dims=("theta", "y", "x"), theta=("theta", [300.0, 310.0]))
+    assert read_volume(written(data, tmp_path / "a.nc")).density.shape == (3, 2, 4)
+
+
+def test_the_times_of_a_file_are_a_sequence(tmp_path):
+    written(times(0 * VALUES, VALUES, VALUES + 100), tmp_path / "a.nc")
+    (tmp_path / "a.toml").write_text(
+        '[[volume]]\nsequence = "a.nc"\nsequence_fps = 2\nsigma_t = 1\nbetween = "step"\n'
+    )
+    (tmp_path / "b.toml").write_text((tmp_path / "a.toml").read_text().replace("a.nc", "*.nc"))
+    for scene in (load(tmp_path / "a.toml"), load(tmp_path / "b.toml")):
+        assert scene.animation.last_s == 1.5
+        most = [scene.at(t).volumes[0].density.max() for t in (0.0, 0.5, 1.0, 9.0)]
+        assert most == [0, 23, 123, 123]
+    # One number behind the name is one time.
+    one = (tmp_path / "a.toml").read_text() + 'grid = "ql[2]"\n'
+    (tmp_path / "c.toml").write_text(one)
+    assert load(tmp_path / "c.toml").at(0.0).volumes[0].density.max() == 123
+
+
+def test_other_grids_of_a_sequence_are_of_the_same_times(tmp_path):
+    data = times(VALUES, VALUES + 100)
+    data["hot"] = (data["ql"].dims, data["ql"].values * 2)
+    data["w"] = (data["ql"].dims, np.minimum(data["ql"].values / 200, 1))
+    written(data, tmp_path / "a.nc")
+    (tmp_path / "a.toml").write_text(
+        '[[volume]]\nsequence = "a.nc"\nsequence_fps = 1\nsigma_t = 1\ngrid = "ql"\n'
+        'emission_grid = "hot"\nalbedo_grid = "w"\n'
+    )
+    scene = load(tmp_path / "a.toml")
+    for time, most in ((0.0, 23), (1.0, 123)):
+        volume = scene.at(time).volumes[0]
+        assert volume.density.max() == most and volume.emission.grid.max() == 2 * most
+        assert volume.albedo_grid.max() == pytest.approx(most / 200)
+
+
+def test_a_bare_file_of_several_times_moves(tmp_path):
+    path = written(times(0 * VALUES, VALUES, VALUES + 100), tmp_path / "a.nc")
+    scene = load(path)
+    shown = [scene.at(k / FPS).volumes[0].density.max() for k in range(3)]
+    assert shown == [23, 123, 123] and scene.volumes[0].density.max() == 23
+    assert load(path, grid="ql[2]").animation is None
+    # A scene file that is written of it moves alike.
+    text = scene_text(scene, scene, str(path), tmp_path, model={"grid": "ql"})
+    (tmp_path / "a.toml").write_text(text)
+    again = load(tmp_path / "a.toml")
+    assert [again.at(k / FPS).volumes[0].density.max() for k in range(3)] == shown
+    assert again.camera == scene.camera
+
+
 @pytest.mark.parametrize(("units", "to_m"), [("um", 1e-6), ("m", 1.0)])
 def test_water_is_as_opaque_as_the_droplets_of_the_file_make_it(tmp_path, units, to_m):
     radius = np.linspace(4e-6, 20e-6, VALUES.size).reshape(VALUES.shape)
@@ -188,6 +255,28 @@ def test_wrf_has_its_spacing_in_attributes(tmp_path):
     )
     grid = read_volume(written(data, tmp_path / "a.nc"))
     np.testing.assert_allclose(grid.bounds, ((0, 0, -6000), (4000, 200, 0)), atol=0.1)
+
+
+def test_wrf_levels_are_those_of_the_time_that_is_read(tmp_path):
+    import xarray
+
+    dims = ("Time", "bottom_top", "south_north", "west_east")
+    staggered = ("Time", "bottom_top_stag", "south_north", "west_east")
+    edges = np.array([[0.0, 100.0, 200.0], [0.0, 150.0, 300.0]]) * 9.81
+    potential = np.broadcast_to(edges[:, :, None, None], (2, 3, 3, 4))
+    data = xarray.Dataset(
+        {
+            "QCLOUD": (dims, np.stack([VALUES, VALUES]), {"units": "kg kg-1"}),
+            "PH": (staggered, potential),
+            "PHB": (staggered, 0 * potential),
+        },
+        attrs={"DX": 1000.0, "DY": 1000.0},
+    )
+    path = written(data, tmp_path / "a.nc")
+    for number, top in ((0, 200), (1, 300)):
+        assert read_volume(path, f"QCLOUD[{number}]").bounds[1][1] == pytest.approx(top)
+    scene = load(path)  # whose box grows with its time
+    assert scene.at(1.0 / FPS).bounds[1][1] == pytest.approx(300)
 
 
 def test_a_sequence_of_zarr_folders_moves(tmp_path):

@@ -15,6 +15,7 @@ from airlight.exports.vdb import VdbGrid, vdb_bytes
 from airlight.maths.blackbody import rec709
 from airlight.scene.io import load
 from airlight.scene.io.dense_grid import Optics
+from airlight.scene.io.dense_part import dense_box
 from airlight.scene.io.framing import framing_box
 from airlight.scene.io.volume_scene import (
     DEPTH,
@@ -38,11 +39,33 @@ def test_a_bare_grid_gets_a_camera_daylight_and_a_word_about_its_depth(tmp_path)
     assert scene.environment is not None
     stops = scene.camera.exposure_stops
     assert stops is not None and stops < -2.0  # by the light that was added
-    assert scene.camera == replace(framing_box(*scene.bounds), exposure_stops=stops)
+    assert scene.camera == replace(framing_box(*dense_box(scene)), exposure_stops=stops)
     assert scene.warnings[-1] == (
         f"plume.npy says nothing about light: sigma_t = {volume.sigma_t[0]:g} m^-1 and albedo = "
         "0.9 were chosen; a scene file with [[volume]] sets them"
     )
+
+
+def test_a_grid_is_chosen_by_its_name_and_channel(tmp_path):
+    one, two = np.ones((2, 2, 2), np.float32), np.full((2, 2, 2, 3), (0, 4, 0), np.float32)
+    np.savez(tmp_path / "a.npz", one=one, two=two)
+    assert load(tmp_path / "a.npz", grid="two", channels="g").volumes[0].density.max() == 4
+    with pytest.raises(SceneError, match=r"channels.*--channels"):
+        load(tmp_path / "a.npz", grid="two")
+    with pytest.raises(SceneError, match=r"'three'.*one, two"):
+        load(tmp_path / "a.npz", grid="three")
+    np.save(tmp_path / "a.npy", one)
+    told = load(tmp_path / "a.npy", grid="smoke").warnings
+    assert "a.npy: its only grid has no name: grid 'smoke' is left out" in told
+    for path in ("a.glb", "a.toml"):
+        with pytest.raises(SceneError, match="grid is for density grids"):
+            load(tmp_path / path, grid="one")
+
+
+def test_the_chosen_grid_is_no_fire_besides(tmp_path):
+    np.savez(tmp_path / "a.npz", density=np.ones((2, 2, 2)), flame=np.full((2, 2, 2), 3.0))
+    assert load(tmp_path / "a.npz").volumes[0].emission is not None
+    assert load(tmp_path / "a.npz", grid="flame").volumes[0].emission is None
 
 
 def test_its_denser_parts_are_six_deep():

@@ -91,7 +91,7 @@ def test_a_channel_is_chosen_by_name(tmp_path):
         (
             "density",
             'has 3 channels, which one is the density is not clear. Say channels = "r", '
-            '"g", "b" or "a".',
+            '"g", "b" or "a", or --channels.',
         ),
         ("a", "has 3 channels, there is no channel 'a'"),
         ("dens", "channels = 'dens' is unknown. Did you mean 'density'?"),

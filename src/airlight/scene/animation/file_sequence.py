@@ -28,7 +28,8 @@ class FileSequence:
     Between two files their grids are mixed; with `between` "step" the earlier one holds.
     Before the first and after the last these hold; with `is_loop` the first follows the last.
     `grid` and `channels` as in `read_volume`; `emission_grid` and the grids of `colours`, pairs of
-    coefficient and name, are of the same files, if any.
+    coefficient and name, are of the same files, if any. `times`, where given, are as many as
+    `files`: which of a file's several times each is, None where it has but one.
 
     Each file has its own box, as simulations grow: `shape` (z, y, x) and `bounds` are those of one
     that is not empty, `turn` (4, 4) what its file has after them. Without `bounds` all files are of
@@ -47,6 +48,7 @@ class FileSequence:
     colours: tuple[tuple[str, str], ...] = ()
     bounds: Bounds | None = None
     turn: F64 = field(default_factory=lambda: np.eye(4))
+    times: tuple[int | None, ...] = ()
 
     @property
     def changes_boxes(self) -> bool:
@@ -77,13 +79,13 @@ class FileSequence:
 
     def check(self) -> None:
         """Read every file once. Raises SceneError for one that cannot be read or does not fit."""
-        for path in self.files:
-            self._fitting(self._read(path), path)
+        for k, path in enumerate(self.files):
+            self._fitting(self._read(k), path)
 
     def _with_file(self, volume: Volume, k: int) -> Volume:
         """The volume with the grids of file number `k`."""
         path = self.files[k]
-        read = self._fitting(self._read(path), path)
+        read = self._fitting(self._read(k), path)
         emission = volume.emission
         if read.glow is not None:
             emission = with_grid(emission, read.glow)
@@ -92,8 +94,11 @@ class FileSequence:
             volume, density=read.density, emission=emission, bounds=bounds, **read.colours
         )
 
-    def _read(self, path: Path) -> FileGrids:
-        """The grids of a file as it is now."""
+    def _read(self, k: int) -> FileGrids:
+        """The grids of file number `k` as it is now."""
+        from ..io.netcdf_times import at_time
+
+        path = self.files[k]
         try:
             stamp = path.stat().st_mtime_ns
         except OSError as error:
@@ -103,7 +108,10 @@ class FileSequence:
                 remedy="The sequence had it when the scene was loaded.",
             ) from None
         # The file's time of change is part of the key, so that a file written again is read again.
-        names = (self.grid, self.channels, self.emission_grid, self.colours)
+        time = self.times[k] if self.times else None
+        glow = self.emission_grid and at_time(self.emission_grid, time)
+        colours = tuple((of, at_time(name, time)) for of, name in self.colours)
+        names = (at_time(self.grid, time), self.channels, glow, colours)
         return _file_grids(path, stamp, *names, _Turn(self.turn.tobytes()))
 
     def _fitting(self, read: FileGrids, path: Path) -> FileGrids:

@@ -23,13 +23,13 @@ polygons, normals   faces of many corners cut into triangles; normals of what ha
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
                  texture_bake draws one again where gltf_frames brings coordinates together
-volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
-                 netcdf (gridded: its axes, netcdf_times, cloud_water: its units) -> dense_grid;
-                 coefficient_files, emission_files: the grids beside a density; volume_scene: one
-                 grid as a scene of its own
-defaults         a camera where there is none: framing, viewpoint, by the scene's outline; where
-                 there is no light a studio, in rooms daylight; ground under a bare model; probe:
-                 the rays that find walls and windows
+volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree, vti
+                 and netcdf, netcdf_* (gridded: its axes, cloud_water: its units) -> dense_grid;
+                 coefficient_files, emission_files: the grids beside a density; grid_times: those
+                 of a sequence; volume_scene: one grid as a scene of its own
+defaults         a camera where there is none: framing, viewpoint, by the scene's outline, or the
+                 dense_part of air; where there is no light a studio, in rooms daylight; ground
+                 under a bare model; probe: the rays that find walls and windows
 """
 
 from __future__ import annotations
@@ -62,12 +62,20 @@ _EXPORT = "Export it as glTF (.glb) from the program that made it."
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
 
+_BOTH = ("mesh files and density grids", (*MESH_SUFFIXES, *VOLUME_SUFFIXES))
+_GRIDS = ("density grids", VOLUME_SUFFIXES)
+_KINDS = {"variant": ("mesh files", MESH_SUFFIXES), "grid": _GRIDS, "channels": _GRIDS}
+"""Of which files an option is that is not of both."""
+
+
 def load(
     path: str | Path,
     *,
     up: Literal["y", "z"] = "y",
     scale: float = 1.0,
     variant: str | None = None,
+    grid: str | None = None,
+    channels: str | None = None,
     sun: Sky | str | None = None,
     ground: bool | None = False,
     parameters: Mapping[str, Any] | None = None,
@@ -75,7 +83,8 @@ def load(
     """A scene from the file at `path`, or from `builtin:NAME`.
 
     Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
-    metres its unit is; of a glTF file `variant` names one of its material variants. Scene files say
+    metres its unit is; of a glTF file `variant` names one of its material variants. `grid` and
+    `channels` choose among several grids of a file, as keys of a [[volume]] do. Scene files say
     so themselves, and grids of NetCDF and zarr which way is up. Coefficients of a grid are per
     metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
     $names in a Mitsuba file; they win over its defaults.
@@ -90,7 +99,15 @@ def load(
     """
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
-    model = model_keys(written, up=up, scale=scale, variant=variant, parameters=parameters)
+    model = model_keys(
+        written,
+        up=up,
+        scale=scale,
+        variant=variant,
+        grid=grid,
+        channels=channels,
+        parameters=parameters,
+    )
     sky = chosen_sky(sun)
     # Scenes that ship are made, not read; like scene files they say everything themselves.
     if written.startswith(BUILTIN_PREFIX):
@@ -125,6 +142,8 @@ def model_keys(
     up: str = "y",
     scale: float = 1.0,
     variant: str | None = None,
+    grid: str | None = None,
+    channels: str | None = None,
     parameters: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked;
@@ -139,18 +158,18 @@ def model_keys(
     if parameters and Path(path).suffix.lower() != ".xml":
         raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
     texts = {name: str(value) for name, value in (parameters or {}).items()}
-    given = {"up": up, "scale": scale, "variant": variant}
-    usual = {"up": "y", "scale": 1.0, "variant": None}
+    given = {"up": up, "scale": scale, "variant": variant, "grid": grid, "channels": channels}
+    usual = {"up": "y", "scale": 1.0}
     # An option left as it is by default says nothing, and is allowed for every file.
-    asked = {name: value for name, value in given.items() if value != usual[name]}
+    asked = {name: value for name, value in given.items() if value != usual.get(name)}
     suffix = Path(path).suffix.lower()
-    # Variants are of mesh files; how a file lies and how large it is, of grids as well.
+    # Variants are of mesh files, names of grids; how a file lies and how large it is, of both.
     is_grid = suffix in VOLUME_SUFFIXES
-    suffixes = MESH_SUFFIXES if "variant" in asked else (*MESH_SUFFIXES, *VOLUME_SUFFIXES)
-    if asked and suffix not in suffixes:
-        kinds = "mesh files" if "variant" in asked else "mesh files and density grids"
+    wrong = [name for name in asked if suffix not in _KINDS.get(name, _BOTH)[1]]
+    if wrong:
+        kinds, suffixes = _KINDS.get(wrong[0], _BOTH)
         raise SceneError(
-            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for {kinds} "
+            f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} for {kinds} "
             f"({', '.join(suffixes)})",
             where=path,
             remedy="In a scene file, each [[mesh]] and each [[volume]] has keys of its own.",

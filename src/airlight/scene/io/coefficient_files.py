@@ -14,6 +14,7 @@ from ..coefficients import as_grids
 from ..medium import mean_cosine
 from .emission_files import on_one_grid
 from .files import naming
+from .netcdf_times import name_and_number
 from .volumes import GridValues, VolumeGrid, grid_names, read_values, read_volume
 
 NAMES = ("sigma_t", "albedo", "sigma_s", "sigma_a", "g")
@@ -44,17 +45,26 @@ def density_or_first(path: Path, grid: str, channels: str, grids: Mapping[str, s
     Raises SceneError.
     """
     # A file that holds the density, or lists no grids, is read as any other.
-    held = grid_names(path)
-    instead = [grids[name] for name in OF_DENSITY if name in grids]
-    if grid in held or not held or not instead:
+    main = main_grid(grid_names(path), grid, grids)
+    if main == grid:
         return read_volume(path, grid, channels)
     # Of three channels the largest: where it is 0, there is no medium.
-    found = read_values(path, instead[0])
+    found = read_values(path, main)
     with naming(path):
         density = found.values if found.values.ndim == 3 else found.values.max(axis=-1)
         if float(density.min(initial=0.0)) < 0.0:
-            raise SceneError(f"'{instead[0]}' is negative, down to {float(density.min()):g}")
+            raise SceneError(f"'{main}' is negative, down to {float(density.min()):g}")
     return VolumeGrid(density, found.bounds, (), found.world_from_volume)
+
+
+def main_grid(held: list[str], grid: str, grids: Mapping[str, str]) -> str:
+    """`grid`, or the first of `grids` that says where there is any medium, if `grid` is not `held`.
+
+    `held` are the names of a file's grids, none of one that lists none.
+    """
+    instead = [grids[name] for name in OF_DENSITY if name in grids]
+    is_held = not held or name_and_number(grid, held)[0] in held
+    return grid if is_held or not instead else instead[0]
 
 
 def read_coefficients(

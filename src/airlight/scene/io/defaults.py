@@ -14,6 +14,7 @@ from ..limits import check_extent
 from ..scene import Scene
 from ..studio import incident_stops, studio_light
 from .daylight import OPEN_SHARE, sun_and_sky, sun_for
+from .dense_part import dense_box
 from .framing import Room, find_room, framing_box, framing_camera
 from .outline import outline
 from .probe import Probe
@@ -29,10 +30,10 @@ def with_default_camera(scene: Scene, probe: Callable[[], Probe] | None = None) 
     It is exposed by the image: who gave no camera has not said how bright the scene is.
     `probe` gives the probe of the scene, for those who have it already.
     """
-    # Smoke and clouds are framed by their box; rays would find no surface of theirs.
+    # Smoke and clouds are framed by where they are; rays would find no surface of theirs.
     check_extent(scene)
     is_air = scene.volumes and not scene.meshes
-    framed = framing_box(*scene.bounds) if is_air else _framed(scene, _probe(scene, probe))
+    framed = framing_box(*dense_box(scene)) if is_air else _framed(scene, _probe(scene, probe))
     return replace(scene, camera=replace(framed, exposure_stops=None))
 
 

@@ -33,7 +33,8 @@ class DenseGrid:
     """A grid of a file: `values` (z, y, x) or (z, y, x, channel), as the file has them.
 
     `bounds` is its box in metres, None where the file has none; `world_from_volume` (4, 4) comes
-    after it. `optics` is None where the file's units say nothing of light.
+    after it. `optics` is None where the file's units say nothing of light, `time` where it has no
+    times, else which of them this is.
     """
 
     values: NDArray[Any]
@@ -41,6 +42,7 @@ class DenseGrid:
     world_from_volume: F64 = field(default_factory=lambda: np.eye(4))
     warnings: tuple[str, ...] = ()
     optics: Optics | None = None
+    time: int | None = None
 
 
 def check_count(count: int) -> None:
@@ -66,8 +68,8 @@ def chosen_name(wanted: str, names: list[str], likely: tuple[str, ...]) -> str:
     found = [n for n in likely if n in names] or (names if len(names) == 1 else [])
     if wanted != "density" or not found:
         known = nearest(wanted, names)
-        raise SceneError(f"has no grid '{wanted}'", remedy=known + _HOW)
+        raise SceneError(f"has no grid '{wanted}'", remedy=known + HOW)
     return found[0]
 
 
-_HOW = ' In a scene file, grid = "NAME" of a [[volume]] chooses one.'
+HOW = ' --grid NAME, or grid = "NAME" of a [[volume]] in a scene file, chooses one.'

@@ -31,7 +31,10 @@ _STANDARD = {
     "T": ("time", "forecast_reference_time"),
 }
 _NAMED = (
-    ("T", re.compile(r"^(time|t|date|xtime|step|valid_time)", re.I)),
+    (
+        "T",
+        re.compile(r"^((valid_)?time|n?t$|date|xtime|steps?$|frames?$|year|month|day|hour)", re.I),
+    ),
     ("X", re.compile(r"^(x|lon|west_east|east|ni$|i$|nx)", re.I)),
     ("Y", re.compile(r"^(y|lat|south_north|north|nj$|j$|ny)", re.I)),
     ("Z", re.compile(r"^(z|lev|height|alt|bottom_top|depth|pfull|plev|isobaric|k$|nz|hgt)", re.I)),

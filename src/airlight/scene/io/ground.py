@@ -13,6 +13,7 @@ from ..scene import Scene
 from ..shapes import quad
 from ..studio import GROUND_ALBEDO, studio
 from ..studio import NAME as STUDIO
+from .dense_part import dense_box
 from .framing import find_room, framing_box
 from .probe import Probe
 
@@ -53,7 +54,9 @@ def with_ground(scene: Scene, *, is_asked: bool = False) -> Scene:
     if scene.meshes:
         return standing
     # Grids are framed from below, before a sky: on a ground they stand as things do.
-    seen = framing_box(low, high, is_on_ground=True)
+    dense_low, dense_high = dense_box(scene)
+    dense_low[1] = low[1]
+    seen = framing_box(dense_low, dense_high, is_on_ground=True)
     exposed = replace(seen, exposure_stops=scene.camera.exposure_stops)
     around = environment if environment.sky else studio(scene.lights)
     return replace(standing, camera=exposed, environment=around)

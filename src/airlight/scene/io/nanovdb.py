@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError, nearest
 from ..checks import F32, F64
+from .dense_grid import HOW
 from .files import read_bytes
 
 LARGEST_VOXEL_COUNT = 1 << 30
@@ -116,7 +117,7 @@ def _chosen(content: bytes, count: int, wanted: str) -> tuple[_Record, bytes]:
             found = record, _unpacked(content[at : at + packed_size], size, codec)
         at += packed_size
     if found is None:
-        raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
+        raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names) + HOW)
     return found
 
 

@@ -6,10 +6,6 @@ and units are the file's own (`gridded`); water contents become extinction.
 
 from __future__ import annotations
 
-import os
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,18 +13,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import AirlightError, SceneError
+from ...errors import SceneError
 from ..checks import F64
 from .cloud_water import as_opaque, is_length, optical, radius_of
 from .dense_grid import DenseGrid, check_count, chosen_name
-from .files import inside, is_folder, opened, regular_file
 from .gridded import Axis, letter_of, placed
-from .ledger import note_read
+from .netcdf_opened import opened_dataset
 from .netcdf_times import at_one_time, name_and_number
+from .netcdf_wrf import wrf_lines
 
-ZARR = ".zarr"
-_GET = "Run: pip install 'airlight[science]'."
-_MOST_PARTS = 1 << 20
 _LIKELY: tuple[str, ...] = (
     "density",
     "extinction",
@@ -43,8 +36,6 @@ _LIKELY: tuple[str, ...] = (
 )
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
 
-_GRAVITY = 9.81  # m s^-2, as WRF has it
-
 
 def read_xarray(path: Path, wanted: str) -> DenseGrid:
     """The variable called `wanted`; of "density", the only one or the likeliest cloud.
@@ -54,14 +45,13 @@ def read_xarray(path: Path, wanted: str) -> DenseGrid:
     installed.
     """
     # All is read while the file is open: xarray loads values when they are asked for.
-    with _opened(path) as dataset:
-        names = _names(dataset)
-        asked, number = name_and_number(wanted, names)
-        name = chosen_name(asked, names, _LIKELY)
+    with opened_dataset(path) as dataset:
+        asked, number = name_and_number(wanted, _names(dataset))
+        name = _chosen(dataset, asked)
         warned = () if name == asked else (f"{path.name}: its variable '{name}' is the density",)
-        lines = _wrf_lines(dataset)
-        time = _time_axis(dataset[name], lines)
+        time = _time_axis(dataset[name])
         variable, number, timed = at_one_time(dataset[name], time, number, path.name)
+        lines = wrf_lines(dataset, time, number)
         values, axes, told = _along_axes(variable, lines, path.name)
         values, sized, radius = _sized(dataset, dataset[name], time, number, values, path.name)
         made = placed(values, axes, path.name)
@@ -71,143 +61,55 @@ def read_xarray(path: Path, wanted: str) -> DenseGrid:
     # height.
     density, optics = optical(made.values, made.heights_m, units, radius)
     density, mended = _mended(density, path.name)
-    return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics)
+    at = None if time is None else number
+    return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics, time=at)
 
 
 def xarray_names(path: Path) -> list[str]:
-    """The variables of three dimensions or more. Raises SceneError."""
-    with _opened(path) as dataset:
+    """The variables of three dimensions or more, times apart. Raises SceneError."""
+    with opened_dataset(path) as dataset:
         return _names(dataset)
 
 
+def time_count(path: Path, wanted: str) -> int:
+    """How many times the variable has that `read_xarray` would read; 1 without a dimension of them.
+
+    Raises SceneError.
+    """
+    with opened_dataset(path) as dataset:
+        variable = dataset[_chosen(dataset, name_and_number(wanted, _names(dataset))[0])]
+        time = _time_axis(variable)
+        return 1 if time is None else int(variable.sizes[time])
+
+
 def _names(dataset: Any) -> list[str]:
-    # Numbers along three axes at least that have more than one cell.
+    # Numbers along three axes at least that have more than one cell; times are no direction.
     return [
         str(name)
         for name, variable in dataset.data_vars.items()
-        if sum(n > 1 for n in variable.shape) >= 3 and variable.dtype.kind in "fiub"
+        if _directions(variable) >= 3 and variable.dtype.kind in "fiub"
     ]
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[Any]:
-    """The dataset, its values still in the file. Raises SceneError."""
-    engine = _engine(path)
-    try:
-        import xarray
-    except ImportError:
-        raise _missing("xarray") from None
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of attributes that are not as the conventions say
-            # Times stay numbers: only one is read.
-            with xarray.open_dataset(
-                path, engine=engine, decode_times=False, cache=False
-            ) as dataset:
-                yield dataset
-    except AirlightError:
-        raise
-    except ImportError as error:
-        raise _missing(engine) from error
-    except ValueError as error:
-        if "unrecognized engine" in str(error):
-            raise _missing(engine) from error
-        raise _unreadable(error) from error
-    except Exception as error:  # each of the libraries has its own
-        raise _unreadable(error) from error
+def _directions(variable: Any) -> int:
+    axes = (_axis(variable, str(name), {}) for name in variable.dims)
+    return sum(axis.size > 1 and axis.letter != "T" for axis in axes)
 
 
-def _missing(package: str) -> SceneError:
-    return SceneError(f"needs the package {package}, which is not installed", remedy=_GET)
-
-
-def _unreadable(error: Exception) -> SceneError:
-    text = " ".join(str(error).split())[:200]
-    return SceneError(f"is not readable ({type(error).__name__}: {text})", remedy="Write it again.")
-
-
-def _engine(path: Path) -> str:
-    """xarray's name of what reads the file, which names nothing outside of itself."""
-    if path.suffix.lower() == ZARR:
-        _check_folder(path)
-        return "zarr"
-    with opened(path) as stream:
-        start = stream.read(8)
-    if start.startswith(b"CDF"):
-        return "scipy"
-    if start != b"\x89HDF\r\n\x1a\n":
-        raise SceneError("is no NetCDF: it begins neither as NetCDF 3 nor as HDF5")
-    _check_hdf5(path)
-    return "h5netcdf"
-
-
-def _check_folder(path: Path) -> None:
-    """Raise SceneError for what is no folder of regular files, or has links out of it."""
-    note_read(path)
-    if not is_folder(path):
-        regular_file(path)
-        raise SceneError("is no zarr folder", remedy="Unpack it: a zarr store is a folder here.")
-    count = 0
-    # Reading a store opens any of its files, so none of them may lead out of it.
-    for folder, _, files in os.walk(path):
-        count += len(files)
-        if count > _MOST_PARTS:
-            raise SceneError(f"has over {_MOST_PARTS:,} files", remedy="Write larger chunks.")
-        for name in files:
-            part = Path(folder, name)
-            if part.is_symlink():
-                inside(path, str(part.relative_to(path)), path)
-            if not part.is_file():
-                raise SceneError(f"holds '{name}', which is no file")
-
-
-def _check_hdf5(path: Path) -> None:
-    """Raise SceneError where links or data of an HDF5 file lie in other files."""
-    try:
-        import h5py
-    except ImportError:
-        raise _missing("h5netcdf") from None
-    outside = SceneError("has data in other files, which are not followed", remedy="Repack it.")
-
-    # External links and virtual datasets would read files that nobody named.
-    def look(group: Any, depth: int) -> None:
-        for name in group:
-            link = group.get(name, getlink=True)
-            if isinstance(link, h5py.ExternalLink):
-                raise outside
-            # Soft links lead to what the file holds, under its own name.
-            if not isinstance(link, h5py.HardLink):
-                continue
-            found = group[name]
-            if isinstance(found, h5py.Dataset) and (found.external or found.is_virtual):
-                raise outside
-            if isinstance(found, h5py.Group) and depth < 32:
-                look(found, depth + 1)
-
-    try:
-        with h5py.File(path, "r") as file:
-            look(file, 0)
-    except AirlightError:
-        raise
-    except Exception as error:
-        raise _unreadable(error) from error
-
-
-def _wrf_lines(dataset: Any) -> dict[str, F64]:
-    """Centres of cells, m, in files of the model WRF, which has them as attributes and potentials.
-
-    Heights are those of the geopotential's mean over each level.
-    """
-    lines = {}
-    for name, key in (("west_east", "DX"), ("south_north", "DY")):
-        if key in dataset.attrs and name in dataset.sizes:
-            lines[name] = (np.arange(dataset.sizes[name]) + 0.5) * float(dataset.attrs[key])
-    if "PH" in dataset and "PHB" in dataset and "bottom_top_stag" in dataset["PH"].dims:
-        whole = (dataset["PH"] + dataset["PHB"]).isel(Time=0) / _GRAVITY
-        # Levels lie between the edges of a staggered grid.
-        edges = np.asarray(whole.mean(("south_north", "west_east")).values, np.float64)
-        lines["bottom_top"] = 0.5 * (edges[1:] + edges[:-1])
-    return lines
+def _chosen(dataset: Any, wanted: str) -> str:
+    """The variable called `wanted`, or the likeliest. Raises SceneError."""
+    names = _names(dataset)
+    # A flat field is named with its dimensions: maps of clouds hold no heights.
+    flat = dataset.data_vars.get(wanted)
+    if flat is None and not names:
+        flat = max(dataset.data_vars.values(), key=lambda v: (v.ndim, v.size), default=None)
+    if wanted not in names and flat is not None and flat.ndim > 0:
+        along = " x ".join(f"{name} ({size})" for name, size in flat.sizes.items())
+        raise SceneError(
+            f"holds no grid of three dimensions in '{flat.name}': that is {along}",
+            remedy=f"Grids in space: {', '.join(names[:20])}." if names else "",
+        )
+    return chosen_name(wanted, names, _LIKELY)
 
 
 def _along_axes(
@@ -256,14 +158,14 @@ def _sized(
         text = f"{file}: '{name}' is no radius of droplets: its units '{units}' are no length"
         return values, (text,), ""
     at = radius if time is None else radius.isel({time: number})
-    sizes, _, _ = _along_axes(at, _wrf_lines(dataset), file)
+    sizes, _, _ = _along_axes(at, wrf_lines(dataset, time, number), file)
     return as_opaque(values, sizes, radius), (f"{file}: '{name}' is the droplets' radius",), name
 
 
-def _time_axis(variable: Any, lines: dict[str, F64]) -> str | None:
-    """The dimension of times, of a variable of more than three dimensions."""
-    axes = [_axis(variable, str(name), lines) for name in variable.dims]
-    return next((a.name for a in axes if a.letter == "T" and len(axes) > 3), None)
+def _time_axis(variable: Any) -> str | None:
+    """The dimension of times, if there is one."""
+    axes = (_axis(variable, str(name), {}) for name in variable.dims)
+    return next((axis.name for axis in axes if axis.letter == "T"), None)
 
 
 def _axis(variable: Any, name: str, lines: dict[str, F64]) -> Axis:

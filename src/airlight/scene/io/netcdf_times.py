@@ -24,6 +24,11 @@ def name_and_number(wanted: str, names: list[str]) -> tuple[str, int | None]:
     return found[1], int(found[2])
 
 
+def at_time(name: str, number: int | None) -> str:
+    """The grid's name at a time, as `name_and_number` takes it apart; of None the name alone."""
+    return name if number is None else f"{name}[{number}]"
+
+
 def at_one_time(
     variable: Any, axis: str | None, number: int | None, file: str
 ) -> tuple[Any, int, tuple[str, ...]]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from ..checks import F64
+from .dense_grid import HOW
 from .files import read_bytes
 from .nanovdb import SparseGrid
 from .openvdb_tree import VdbError, VdbStream, read_tree
@@ -54,7 +55,7 @@ def read_openvdb(path: Path, wanted: str) -> SparseGrid:
         names = [grid.name for grid in found]
         # Of several grids one has to be named.
         if len(found) != 1 and wanted not in names:
-            raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names))
+            raise SceneError(f"has no grid '{wanted}'", remedy=nearest(wanted, names) + HOW)
         chosen = found[0] if len(found) == 1 else found[names.index(wanted)]
         return _grid(stream, chosen, found)
     except (VdbError, struct.error, UnicodeDecodeError, OverflowError) as error:

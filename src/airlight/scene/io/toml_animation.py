@@ -19,6 +19,7 @@ from ..checks import F64
 from ..lights import Light
 from ..scene import Scene
 from .files import check_named, named_file
+from .grid_times import Times
 from .toml_keys import ANIMATION, KEYS
 from .toml_schema import Table, check_table
 from .volumes import NOWHERE, VolumeGrid, is_grid_file
@@ -144,9 +145,10 @@ def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Trac
 def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
     """The files of a sequence, sorted by the numbers in their names. Raises SceneError."""
     path = named_file(pattern, "", folder)
-    # A folder stands for all files in it; * may stand in the name alone.
+    # A folder stands for all files in it, unless it is a grid's own; * may stand in the name alone.
     try:
-        base, name = (path, "*") if path.is_dir() else (path.parent, path.name)
+        is_folder = path.is_dir() and not is_grid_file(path)
+        base, name = (path, "*") if is_folder else (path.parent, path.name)
         if "**" in name:
             raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
         found = [f for f in base.glob(name) if is_grid_file(f) and not f.name.startswith(".")]
@@ -170,12 +172,14 @@ def _by_numbers(path: Path) -> tuple[Any, ...]:
 def file_sequence(
     values: dict[str, Any],
     files: tuple[Path, ...],
+    times: Times,
     grid: VolumeGrid,
     emission_grid: str | None,
     colours: Mapping[str, str],
 ) -> FileSequence:
     """The sequence that a [[volume]]'s keys describe; takes them out of `values`.
 
+    `times` as `FileSequence` has them.
     `grid`: of the file that says where it lies. Where the table has `bounds`, or files do not say
     where they are, all files have its box. `colours`: names of grids, by coefficient.
     """
@@ -197,6 +201,7 @@ def file_sequence(
         colours=tuple(colours.items()),
         bounds=grid.bounds if has_own_box else None,
         turn=grid.world_from_volume,
+        times=times,
     )
 
 

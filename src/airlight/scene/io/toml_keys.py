@@ -116,7 +116,7 @@ SEQUENCE_KEYS = (
         "instead of a file: many, one after the other; a folder, or a pattern with `*`, sorted by "
         "the numbers in their names",
     ),
-    Key("sequence_fps", above_zero, "number", "files per second", "s^-1", "24"),
+    Key("sequence_fps", above_zero, "number", "files, or their times, per second", "s^-1", "24"),
     Key("sequence_start_s", checks.number, "number", "the first file's time", "seconds", "0"),
     Key("sequence_loop", checks.boolean, "boolean", "over and over", default="false"),
     Key(

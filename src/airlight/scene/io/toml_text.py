@@ -32,7 +32,7 @@ from .ground import ground_tables
 from .light_groups import is_group
 from .toml_sky import sky_table
 from .toml_syntax import toml_lines
-from .toml_text_moving import has_own_camera, moves_light, with_motion
+from .toml_text_moving import has_own_camera, moves_light, name_times, with_motion
 
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
 _NO_MAP = "# The environment's image is no file: its mean stands for it.\n"
@@ -53,10 +53,11 @@ def scene_text(
 
     `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will
     stand. `settings` by technique are written over the scene's own; `model` are the keys with
-    which a model or grid was loaded (up, scale, variant). A comment says what could not be written.
+    which a model or grid was loaded (up, scale, grid). A comment says what could not be written.
     """
     scene = followed(scene)
     raw, notes = _original(source, folder, model or {})
+    name_times(raw, original)
     raw["sky"] = sky_table(scene, original, raw.get("sky", {}))
     if raw["sky"]:
         raw.pop("environment", None)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..animation import Animation
 from ..animation.density import VolumeTrack
+from ..animation.file_sequence import FileSequence
 from ..animation.rig import Rig
 from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack, MeshTrack
 from ..scene import Scene
@@ -47,6 +48,18 @@ def with_motion(raw: dict[str, Any], scene: Scene, original: Scene, notes: list[
         elif _place(track) not in kept or not _is_in_file(track, raw):
             notes.append(_NOT_WRITTEN.format(what=_name(track)))
     raw["animation"] = _times(scene.animation, raw) if _moves(raw, from_file, kept) else {}
+
+
+def name_times(raw: Mapping[str, Any], original: Scene) -> None:
+    """A bare grid that shows its file's times one after the other is a sequence in its table."""
+    for track in original.animation.tracks if original.animation else ():
+        if not isinstance(track, VolumeTrack) or not isinstance(track.density, FileSequence):
+            continue
+        tables, of = raw.get("volume", ()), track.density
+        if track.index < len(tables) and "file" in tables[track.index]:
+            table = tables[track.index]
+            table["sequence"] = table.pop("file")
+            table |= {"sequence_fps": of.fps, "sequence_start_s": of.start_s}
 
 
 def _place(track: Any) -> tuple[type, int]:

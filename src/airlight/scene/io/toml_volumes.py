@@ -17,7 +17,9 @@ from ..volume import Volume
 from .coefficient_files import NAMES, density_or_first, read_coefficients, taken_grids
 from .emission_files import taken_emission
 from .files import named_file
+from .grid_times import Times, frames_of
 from .ledger import note_read
+from .netcdf_times import at_time
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
 from .toml_media_tables import VOLUME
@@ -48,37 +50,47 @@ def placed_volume(
     matrix = world_from_mesh(values, label)
     turn = {"up": values.pop("up", "y")}
     values = {name: value for name, value in values.items() if name not in _PLACING}
-    if "shape" in values:  # which a turn by a right angle leaves as it is
-        for name in (
-            *(name for name in _OF_FILES if name in values),
-            *(f"{n}_grid" for n in grids),
-        ):
-            raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
-        with inside(label):
-            emission, _ = taken_emission(values, None, None)
-            return Volume(world_from_volume=matrix, emission=emission, **values), (), None
+    if "shape" in values:
+        return _shape(values, grids, matrix, label), (), None
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
         (_grid_file(written, label, folder),) if is_file else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
-    shown, grid = _first_filled(files, values, grids)
-    # Emission and coefficients may need a larger box than the density's.
+    times: Times = (None,)
+    if not is_file:
+        files, times = frames_of(files, values.get("grid", "density"), grids)
+    first, grid = _first_filled(files, times, values, grids)
+    # Emission and coefficients, of that time, may need a larger box than the density's.
     glowing = values.get("emission_grid", values.get("temperature_grid"))
+    for name in ("emission_grid", "temperature_grid"):
+        if name in values:
+            values[name] = at_time(values[name], times[first])
+    now = {name: at_time(of, times[first]) for name, of in grids.items()}
     with inside(label):
-        emission, grown = taken_emission(values, shown, grid)
+        emission, grown = taken_emission(values, files[first], grid)
         grid = grown or grid
         if grids:
-            values, grid = _with_coefficients(values, given, shown, grid, grids)
-    sequence = file_sequence(values, files, grid, glowing, grids)
+            values, grid = _with_coefficients(values, given, files[first], grid, now)
+    sequence = file_sequence(values, files, times, grid, glowing, grids)
     upright, told = upright_from_grid(turn, files[0])
     values, warnings = _in_its_box(values, grid, matrix @ upright, upright)
     with inside(label):
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
-        if shown != files[0]:  # a sequence may begin empty
+        if first:  # a sequence may begin empty
             volume = sequence.of(volume, sequence.start_s)
     return volume, (*told, *warnings), None if is_file else sequence
+
+
+def _shape(values: dict[str, Any], grids: dict[str, str], matrix: F64, label: str) -> Volume:
+    """A shape of density 1, which a turn by a right angle leaves as it is."""
+    of_files = [name for name in _OF_FILES if name in values]
+    for name in (*of_files, *(f"{n}_grid" for n in grids)):
+        raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
+    with inside(label):
+        emission, _ = taken_emission(values, None, None)
+        return Volume(world_from_volume=matrix, emission=emission, **values)
 
 
 def upright_from_grid(values: Mapping[str, Any], file: Path) -> tuple[F64, tuple[str, ...]]:
@@ -112,22 +124,24 @@ def _before(box: Bounds, turn: F64) -> Bounds:
 
 
 def _first_filled(
-    files: tuple[Path, ...], values: dict[str, Any], grids: dict[str, str]
-) -> tuple[Path, VolumeGrid]:
-    """The file that says how large a volume is and where it lies, and its grid.
+    files: tuple[Path, ...], times: Times, values: dict[str, Any], grids: dict[str, str]
+) -> tuple[int, VolumeGrid]:
+    """The number of the file that says how large a volume is and where it lies, and its grid.
 
-    That is the first one that holds any density, or the first of all where none does. Warnings of
-    the first of all are among the grid's.
+    `times`: which of its times it is. That is the first one that holds any density, or the first of
+    all where none does. Warnings of the first of all are among the grid's.
     """
     name, channels = (values.get(key, "density") for key in _OF_FILES)
-    first = density_or_first(files[0], name, channels, grids)
-    grid = first
-    for k, path in enumerate(files):
-        grid = density_or_first(path, name, channels, grids) if k else first
+    first: VolumeGrid | None = None
+    for k, (path, time) in enumerate(zip(files, times, strict=True)):
+        now = {of: at_time(written, time) for of, written in grids.items()}
+        grid = density_or_first(path, at_time(name, time), channels, now)
+        first = first or grid
         if grid.density.any():
             more = tuple(text for text in first.warnings if text not in grid.warnings)
-            return path, replace(grid, warnings=(*more, *grid.warnings))
-    return files[0], first
+            return k, replace(grid, warnings=(*more, *grid.warnings))
+    assert first is not None
+    return 0, first
 
 
 def _grid_file(written: str, label: str, folder: Path) -> Path:

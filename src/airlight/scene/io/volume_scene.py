@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..animation import Animation
+from ..animation.density import VolumeTrack
+from ..animation.file_sequence import FileSequence
 from ..checks import F32, F64, Bounds
 from ..emission import Emission
 from ..scene import Scene
@@ -29,12 +32,17 @@ ORANGE = (1.0, 0.25, 0.02)
 FLAMES = ("temperature", "flame", "flames", "heat", "fire")
 """Names of grids of what glows."""
 _COOLEST_K = 600.0
+FPS = 12.0
+"""Times of a simulation that a bare grid shows in a second."""
+DENSITY = "density"
+"""The grid, or the channel, that nobody asked for by name."""
 
 
 def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scene:
     """The grid in `file` as whitish smoke; no light, no camera. Raises SceneError.
 
-    `keys` are up and scale, as a [[volume]] has them. Unless its units say how dense density 1 is,
+    `keys` are up, scale, grid and channels, as a [[volume]] has them; of grids with several times
+    that follow each other the scene is a sequence. Unless its units say how dense density 1 is,
     sigma_t is chosen for the grid as it stands then, and a warning says so; what units say is per
     metre whatever the scale. Where the file has flames or temperatures, too, it is a fire.
     """
@@ -42,23 +50,53 @@ def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scen
     from .toml_meshes import world_from_mesh
     from .toml_volumes import upright_from_grid
 
-    upright, said = upright_from_grid(keys or {}, file)
-    matrix = world_from_mesh(keys or {}, file.name) @ upright
-    grid, emission, told = _with_emission(read_volume(file), file, matrix)
-    volume, chosen = grid_volume(grid, file, matrix)
+    keys = keys or {}
+    name, channels = keys.get("grid", DENSITY), keys.get("channels", DENSITY)
+    upright, said = upright_from_grid(keys, file)
+    matrix = world_from_mesh(keys, file.name) @ upright
+    read = read_volume(file, name, channels)
+    grid, emission, told = _with_emission(read, file, matrix, name)
+    volume, chosen = grid_volume(grid, file, matrix, name)
     shown = replace(volume, emission=emission)
-    return Scene(volumes=(shown,), name=file.stem, warnings=(*said, *told, *chosen))
+    scene = Scene(volumes=(shown,), name=file.stem, warnings=(*said, *told, *chosen))
+    return _with_times(scene, file, grid, name, channels)
+
+
+def _with_times(scene: Scene, file: Path, grid: VolumeGrid, name: str, channels: str) -> Scene:
+    """The scene as a sequence of its file's times, if it has several; 0 s is the one it shows."""
+    from .grid_times import frames_of
+
+    files, times = frames_of((file,), name, {})
+    (volume,) = scene.volumes
+    # Flames and colours are chosen for one time alone.
+    if len(files) == 1 or volume.emission is not None or volume.albedo_grid is not None:
+        return scene
+    sequence = FileSequence(
+        files,
+        grid.density.shape,
+        FPS,
+        -(grid.time or 0) / FPS,
+        grid=name,
+        channels=channels,
+        bounds=grid.bounds,
+        turn=grid.world_from_volume,
+        times=times,
+    )
+    text = f"{file.name}: its times follow each other {FPS:g} a second (airlight sequence, --time)"
+    moving = Animation((VolumeTrack(0, sequence),))
+    return replace(scene, animation=moving, warnings=(*scene.warnings, text))
 
 
 def grid_volume(
-    grid: VolumeGrid, file: Path, world_from_file: F64 = IDENTITY
+    grid: VolumeGrid, file: Path, world_from_file: F64 = IDENTITY, name: str = DENSITY
 ) -> tuple[Volume, tuple[str, ...]]:
     """A grid as a medium of what its units say, or else as smoke, and what was chosen for it.
 
-    `world_from_file` (4, 4) moves it. Coefficients are per metre of the world.
+    `world_from_file` (4, 4) moves it; `name` is what it is called. Coefficients are per metre of
+    the world.
     """
     # Units settle the optics; where there are none smoke is assumed, and said.
-    colours, said = _colours(grid, file)
+    colours, said = _colours(grid, file, name)
     matrix = world_from_file @ grid.world_from_volume
     optics = grid.optics or _chosen_optics(grid, matrix)
     volume = Volume(
@@ -92,15 +130,16 @@ def _chosen_optics(grid: VolumeGrid, world_from_volume: F64) -> Optics:
 
 
 def _with_emission(
-    grid: VolumeGrid, file: Path, world_from_file: F64
+    grid: VolumeGrid, file: Path, world_from_file: F64, density: str
 ) -> tuple[VolumeGrid, Emission | None, tuple[str, ...]]:
     """The grid on a box that holds its fire, the fire if there is one, and what was chosen for it.
 
-    Its brightest path is as bright as FLAME; temperatures in units of their own end at HOTTEST_K.
+    `density` is the grid's name, which is no fire then. The brightest path is as bright as FLAME;
+    temperatures in units of their own end at HOTTEST_K.
     """
     # Where the units say that it is a cloud, temperatures are those of its air.
     name = None if grid.optics else next((n for n in grid_names(file) if n in FLAMES), None)
-    if name is None:
+    if name is None or name == density:
         return grid, None, ()
     return fire(grid, read_values(file, name), name, file.name, world_from_file)
 
@@ -135,10 +174,10 @@ def fire(
     return grown, replace(found, radiance=(r, g, b)), (text,)
 
 
-def _colours(grid: VolumeGrid, file: Path) -> tuple[F32 | None, tuple[str, ...]]:
+def _colours(grid: VolumeGrid, file: Path, density: str) -> tuple[F32 | None, tuple[str, ...]]:
     """The file's colours, which ALBEDO is multiplied with, and what was chosen for them."""
     name = colours_of(file)
-    if name is None:
+    if name is None or name == density:
         return None, ()
     # Colours are read on the density's own voxels.
     _, values = on_one_grid(grid, read_values(file, name), grows=False)

@@ -6,7 +6,6 @@ Every header is checked against the file's size before anything is allocated.
 from __future__ import annotations
 
 import math
-import struct
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
@@ -18,12 +17,14 @@ from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
 from ..one_grid import LONGEST_SIDE
-from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, check_count
-from .files import is_file, is_folder, naming, opened
+from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics
+from .files import is_file, is_folder, naming
 from .nanovdb import SparseGrid, read_nanovdb
-from .netcdf import ZARR, read_xarray, xarray_names
+from .netcdf import read_xarray, xarray_names
+from .netcdf_opened import ZARR
 from .numpy_files import opened_npz, read_npy
 from .openvdb import openvdb_names, read_openvdb
+from .vol import read_vol
 from .vti import read_vti, vti_names
 
 NOWHERE = "does not say where it is"
@@ -33,8 +34,6 @@ UPRIGHT_SUFFIXES = (".nc", ".nc4", ZARR)
 """Of files whose own axes say which way is up: their grids are read with +Y up."""
 
 _CHANNELS = {"density": 0, "r": 0, "g": 1, "b": 2, "a": 3}
-_VOL_HEADER = struct.Struct("<3sBiiiii6f")
-_VOL_FLOAT32 = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +43,7 @@ class VolumeGrid:
     `density` is (z, y, x) float32; `bounds` the world box in metres that the file gives it, or a
     box 2 m along its longest side where the file gives none, which `warnings` then says.
     `world_from_volume` (4, 4) comes after the box, where the file turns it. `optics`: the medium
-    that the file's units say it is.
+    that the file's units say it is. `time`: which of the file's times it is, if it has any.
     """
 
     density: F32
@@ -52,6 +51,7 @@ class VolumeGrid:
     warnings: tuple[str, ...] = ()
     world_from_volume: F64 = field(default_factory=lambda: np.eye(4))
     optics: Optics | None = None
+    time: int | None = None
 
 
 def read_volume(path: str | Path, grid: str = "density", channels: str = "density") -> VolumeGrid:
@@ -68,7 +68,8 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
     with naming(path):
         # Sparse grids say where they are; of vectors one channel is the density.
         if suffix in _SPARSE:
-            sparse = _from_sparse(_SPARSE[suffix](path, grid))
+            read = _SPARSE[suffix](path, grid)
+            sparse = replace(_from_sparse(read), warnings=_other_name(path, grid, read.name))
             if sparse.density.ndim == 4:
                 sparse = replace(sparse, density=_density(sparse.density, channels))
             return _fitting(sparse, path)
@@ -81,7 +82,9 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
         placed = _in_own_box(density, path)
         if found.bounds is not None:
             placed = VolumeGrid(density, found.bounds, found.warnings, found.world_from_volume)
-        return _fitting(replace(placed, optics=found.optics), path)
+        named = _unnamed(path, grid)
+        placed = replace(placed, optics=found.optics, time=found.time)
+        return _fitting(replace(placed, warnings=(*placed.warnings, *named)), path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +132,20 @@ def grid_names(path: Path) -> list[str]:
 def is_grid_file(path: Path) -> bool:
     """Whether there is a file, or the folder that a zarr store is."""
     return is_file(path) or (path.suffix.lower() == ZARR and is_folder(path))
+
+
+def _unnamed(path: Path, wanted: str) -> tuple[str, ...]:
+    """A warning where a grid is asked for by name of a file whose only one has none."""
+    if wanted == "density" or path.suffix.lower() in _NAMES:
+        return ()
+    return (f"{path.name}: its only grid has no name: grid '{wanted}' is left out",)
+
+
+def _other_name(path: Path, wanted: str, name: str) -> tuple[str, ...]:
+    """A warning where a file's only grid has another name than the one asked for."""
+    if wanted in ("density", name):
+        return ()
+    return (f"{path.name}: its only grid is '{name}', not '{wanted}'",)
 
 
 def _from_sparse(grid: SparseGrid) -> VolumeGrid:
@@ -214,7 +231,7 @@ def _density(values: NDArray[Any], channels: str) -> F32:
     if channels == "density" and count != 1:
         raise SceneError(
             f"has {count} channels, which one is the density is not clear",
-            remedy='Say channels = "r", "g", "b" or "a".',
+            remedy='Say channels = "r", "g", "b" or "a", or --channels.',
         )
     if wanted >= count:
         raise SceneError(f"has {count} channels, there is no channel '{channels}'")
@@ -250,38 +267,10 @@ def _read_npz(path: Path, grid: str) -> DenseGrid:
         return DenseGrid(archive.array(grid, most_values=LARGEST_VALUE_COUNT), bounds)
 
 
-def _read_vol(path: Path, grid: str) -> DenseGrid:
-    """Mitsuba 3's grid volume: version 3, float32, x fastest, channels interleaved."""
-    with opened(path) as stream:
-        size_bytes = path.stat().st_size
-        header = stream.read(_VOL_HEADER.size)
-        if len(header) < _VOL_HEADER.size or not header.startswith(b"VOL"):
-            raise SceneError("is not a Mitsuba volume: it does not start with 'VOL' and a header")
-        _, version, encoding, nx, ny, nz, channel_count, *box = _VOL_HEADER.unpack(header)
-        if version != 3 or encoding != _VOL_FLOAT32:
-            raise SceneError(
-                f"has version {version} and encoding {encoding}, only version 3 with encoding 1 "
-                "(float32) is read"
-            )
-        if min(nx, ny, nz, channel_count) < 1:
-            raise SceneError(f"has an impossible size {nx} x {ny} x {nz} x {channel_count}")
-        # The size that the header asks for has to be the file's, to the byte.
-        count = nx * ny * nz * channel_count
-        check_count(count)
-        if size_bytes != _VOL_HEADER.size + 4 * count:
-            raise SceneError(
-                f"has {size_bytes:,} bytes, its header of {nx} x {ny} x {nz} voxels and "
-                f"{channel_count} channels needs {_VOL_HEADER.size + 4 * count:,}"
-            )
-        values = np.frombuffer(stream.read(4 * count), dtype="<f4")
-    bounds = checks.bounds((box[:3], box[3:]), "the bounding box in its header")
-    return DenseGrid(values.reshape(nz, ny, nx, channel_count), bounds)
-
-
 _DENSE = {
     ".npy": _read_npy,
     ".npz": _read_npz,
-    ".vol": _read_vol,
+    ".vol": read_vol,
     ".vti": read_vti,
     ".nc": read_xarray,
     ".nc4": read_xarray,

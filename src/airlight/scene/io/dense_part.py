@@ -1,0 +1,88 @@
+"""Where the media of a scene are that is air alone: grids of simulations are mostly empty."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+
+import numpy as np
+
+from ...errors import SceneError
+from ..animation.density import VolumeTrack
+from ..checks import F32, F64
+from ..scene import Scene
+from ..volume import Volume
+
+_MOMENTS = 5
+_LEFT_OUT = 0.005
+"""Of all there is, beyond each of a box's six sides."""
+_ROOM = 0.03
+"""Of the box's own size, kept around it on each side: a full grid's box is all of it again."""
+
+
+def dense_box(scene: Scene) -> tuple[F64, F64]:
+    """Lower and upper corner (3,), metres, of the boxes that hold nearly all of each volume.
+
+    What glows counts as well as what is dense; of what moves, a few moments. Scenes of empty
+    grids have `whole_bounds`.
+    """
+    found = [_corners(v) for moment in _moments(scene) for v in moment.volumes if _holds_any(v)]
+    if not found:
+        return scene.whole_bounds
+    points = np.concatenate(found)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _moments(scene: Scene) -> Iterator[Scene]:
+    """The scene, and as it is at a few more times where its volumes change.
+
+    A file that cannot be read is told of when it is shown.
+    """
+    yield scene
+    moving = scene.animation
+    if moving is None or not any(isinstance(track, VolumeTrack) for track in moving.tracks):
+        return
+    for time in np.linspace(moving.start_s, moving.last_s, _MOMENTS):
+        with suppress(SceneError):
+            yield scene.at(float(time))
+
+
+def _grids(volume: Volume) -> list[F32]:
+    """What says where a volume is seen, (z, y, x); none of a shape, which is full."""
+    glow = volume.emission.values if volume.emission else None
+    grids = [volume.density] if glow is None else [volume.density, glow]
+    return [g if g.ndim == 3 else g.max(axis=-1) for g in grids if g is not None]
+
+
+def _holds_any(volume: Volume) -> bool:
+    grids = _grids(volume)
+    return not grids or any(bool(grid.any()) for grid in grids)
+
+
+def _corners(volume: Volume) -> F64:
+    """Corners (8, 3) in the world of the box that holds nearly all of a volume."""
+    low, high = (np.array(corner) for corner in volume.bounds)
+    parts = [_part(grid) for grid in _grids(volume) if grid.any()]
+    if parts:
+        first = np.min([part[0] for part in parts], axis=0)
+        last = np.max([part[1] for part in parts], axis=0)
+        low, high = low + first * (high - low), low + last * (high - low)
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+    matrix = volume.world_from_volume
+    placed: F64 = corners @ matrix[:3, :3].T + matrix[:3, 3]
+    return placed
+
+
+def _part(grid: F32) -> tuple[F64, F64]:
+    """Shares (x, y, z) of a grid's sides between which nearly all of its values lie."""
+    across = grid.sum(axis=2, dtype=np.float64)
+    lines = (grid.sum(axis=(0, 1), dtype=np.float64), across.sum(axis=0), across.sum(axis=1))
+    first, last = np.empty(3), np.empty(3)
+    # Along each axis, where the sum up to a place passes the share left out.
+    for k, line in enumerate(lines):
+        sums = np.concatenate([[0.0], np.cumsum(line)]) / line.sum()
+        places = np.linspace(0.0, 1.0, len(sums))
+        low, high = np.interp((_LEFT_OUT, 1.0 - _LEFT_OUT), sums, places)
+        room = _ROOM * (high - low)
+        first[k], last[k] = max(low - room, 0.0), min(high + room, 1.0)
+    return first, last

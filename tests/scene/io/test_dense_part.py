@@ -1,0 +1,72 @@
+"""Which part of a grid a camera is to show: where nearly all of it is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from airlight.scene import Emission, Scene, Volume
+from airlight.scene.animation import Animation
+from airlight.scene.animation.density import MadeDensity, VolumeTrack
+from airlight.scene.io.defaults import with_default_camera
+from airlight.scene.io.dense_part import dense_box
+
+BOX = ((-10.0, 0.0, 0.0), (10.0, 20.0, 40.0))
+
+
+def grid(*parts, shape=(40, 20, 20)):
+    values = np.zeros(shape, np.float32)
+    for z, y, x in parts:
+        values[z, y, x] = 1.0
+    return values
+
+
+def of(density, **values):
+    return Volume(sigma_t=1.0, density=density, bounds=BOX, **values)
+
+
+def test_a_full_grid_is_its_box():
+    low, high = dense_box(Scene(volumes=(of(np.ones((4, 5, 6), np.float32)),)))
+    np.testing.assert_array_equal((low, high), BOX)
+
+
+def test_empty_space_and_faint_dust_are_left_out():
+    density = grid((slice(10, 20), slice(4, 8), slice(0, 5)))
+    dusty = density + np.float32(1e-6)
+    for values in (density, dusty):
+        low, high = dense_box(Scene(volumes=(of(values),)))
+        # Of 10, 4 and 5 voxels of 1 m no half is lost, and none of the emptiness is kept.
+        np.testing.assert_allclose(low, (-10, 4, 10), atol=0.4)
+        np.testing.assert_allclose(high, (-5, 8, 20), atol=0.4)
+
+
+def test_it_turns_with_its_volume_and_holds_all_volumes_and_fires():
+    turned = np.array([[0, 0, 1.0, 5], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]])
+    density = grid((slice(10, 20), slice(4, 8), slice(0, 5)))
+    placed = of(density, world_from_volume=turned)
+    low, high = dense_box(Scene(volumes=(placed,)))
+    np.testing.assert_allclose((low, high), ((15, 4, 5), (25, 8, 10)), atol=0.4)
+    ball = Volume(sigma_t=1.0, shape="sphere", bounds=((50, 0, 0), (51, 1, 1)))
+    glow = grid((slice(30, 31), slice(19, 20), slice(0, 1)))
+    fire = of(density, emission=Emission((1, 1, 1), glow))
+    assert dense_box(Scene(volumes=(placed, ball)))[1][0] == 51
+    np.testing.assert_allclose(dense_box(Scene(volumes=(fire,)))[1], (-5, 20, 31), atol=0.4)
+
+
+def test_what_grows_is_framed_whole():
+    def grown(time_s):
+        return grid((slice(0, 1 + int(39 * time_s)), slice(0, 20), slice(0, 20)))
+
+    moving = Animation((VolumeTrack(0, MadeDensity(grown, 1.0)),))
+    low, high = dense_box(Scene(volumes=(of(grown(0.0)),), animation=moving))
+    np.testing.assert_allclose((low, high), BOX, atol=0.4)
+
+
+def test_a_small_cloud_in_a_large_domain_fills_the_view():
+    whole = with_default_camera(Scene(volumes=(of(np.ones((40, 20, 20), np.float32)),)))
+    small = with_default_camera(
+        Scene(volumes=(of(grid((slice(18, 22), slice(8, 12), slice(8, 12)))),))
+    )
+    away = [np.linalg.norm(np.subtract(s.camera.position, s.camera.target)) for s in (whole, small)]
+    assert away[1] < 0.3 * away[0]
+    assert small.camera.target == pytest.approx((0, 10, 20), abs=1.0)
