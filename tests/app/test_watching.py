@@ -9,6 +9,7 @@ import pytest
 from airlight.app import watching
 from airlight.app.cli import run
 from airlight.errors import SceneError
+from airlight.scene.io.ledger import note_read
 
 
 class Stop(Exception):
@@ -18,20 +19,25 @@ class Stop(Exception):
 def test_each_save_is_one_more_piece_of_work(tmp_path, monkeypatch, capsys):
     file, done = tmp_path / "a.toml", []
     file.write_text("one")
+    texture = tmp_path / "wood.png"
+    texture.write_text("1")
     clock = [0.0]
 
     def later(seconds: float) -> None:
         """Half a second passes; at some of them somebody saves."""
         clock[0] += 0.5
+        if clock[0] == 7.0:
+            os.utime(texture, ns=(10**18, 10**18))
         if clock[0] in (2.0, 5.0):
             file.write_text(f"saved at {clock[0]}")
             os.utime(file, ns=(int(clock[0] * 1e9), int(clock[0] * 1e9)))
 
     def work() -> None:
+        note_read(texture)
         done.append(file.read_text())
         if len(done) == 2:
             raise SceneError("is broken", where=file)
-        if len(done) == 3:
+        if len(done) == 4:
             raise Stop
 
     monkeypatch.setattr(watching.time, "sleep", later)
@@ -40,10 +46,10 @@ def test_each_save_is_one_more_piece_of_work(tmp_path, monkeypatch, capsys):
     )
     with pytest.raises(Stop):
         watching.watched(str(file), work)
-    assert done == ["one", "saved at 2.0", "saved at 5.0"]
+    assert done == ["one", "saved at 2.0", "saved at 5.0", "saved at 5.0"]
     said = capsys.readouterr().err
     assert "error: " in said and "is broken" in said
-    assert said.count("watching") == 2
+    assert said.count("watching") == 3
 
 
 def _watch(path, clock):

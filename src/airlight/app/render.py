@@ -56,7 +56,11 @@ _STARTED_S = time.perf_counter()
     metavar="FILE.json",
     help="Write device, timings and sizes as JSON.",
 )
-@click.option("--watch", is_flag=True, help="Render again whenever the scene file is saved.")
+@click.option(
+    "--watch",
+    is_flag=True,
+    help="Render again whenever the scene file, or one that it uses, is saved.",
+)
 @click.option(
     "--denoise",
     is_flag=True,

@@ -10,6 +10,7 @@ import click
 
 from ..errors import AirlightError, SettingsError
 from ..scene.io import BUILTIN_PREFIX
+from ..scene.io.ledger import noted
 from .streams import say
 from .view.watch import INTERVAL_S, Watch
 
@@ -24,10 +25,13 @@ def watched(scene: str, work: Callable[[], None]) -> None:
     watch = Watch(Path(scene))
     while True:
         # An error is said, and the next save may mend it.
-        try:
-            work()
-        except AirlightError as error:
-            say(f"error: {error}")
+        with noted() as files:
+            try:
+                work()
+            except AirlightError as error:
+                say(f"error: {error}")
+        # Materials and textures of its models are among what was read.
+        watch.follow(files.read)
         click.echo(f"watching {scene}; Ctrl-C ends it", err=True)
         while not watch.changed():
             time.sleep(INTERVAL_S / 2.0)

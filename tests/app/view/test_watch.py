@@ -6,7 +6,9 @@ import os
 
 import pytest
 
+from airlight.app.view.source import Source
 from airlight.app.view.watch import Watch, named_files
+from airlight.scene import Scene
 
 
 class Clock:
@@ -108,3 +110,32 @@ def test_groups_of_lights_and_grids_of_a_sequence_are_watched(tmp_path):
         (tmp_path / name).write_bytes(b"22")
         os.utime(tmp_path / name, ns=(number * 10**18, number * 10**18))
         assert edits(watch) == 1
+
+
+def test_what_was_read_beside_is_followed_too(scene):
+    mtl, png = scene.parent / "room.mtl", scene.parent / "wood.png"
+    for path in (mtl, png):
+        path.write_text("1")
+    watch = Watch(scene, Clock())
+    watch.follow([mtl, png, scene, scene.parent / "gone.png"])
+    assert edits(watch) == 0
+    for number, path in enumerate((mtl, png), start=1):
+        rewrite(path, "22", number * 10**18)
+        assert edits(watch) == 1
+    # A file that changed while the scene was loaded is an edit.
+    rewrite(mtl, "333", 3 * 10**18)
+    watch.follow([mtl])
+    assert edits(watch) == 1
+
+
+def test_a_source_follows_the_materials_and_textures_of_its_models(tmp_path):
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n")
+    (tmp_path / "a.mtl").write_text("newmtl m\nKd 1 0 0\n")
+    (tmp_path / "a.toml").write_text('[[mesh]]\nfile = "a.obj"\n')
+    source = Source(str(tmp_path / "a.toml"), Scene())
+    assert source.again().meshes[0].material.base_color == (1, 0, 0)
+    for file in (source, source.opened(str(tmp_path / "a.obj"))):
+        file.watch._clock = Clock()
+        rewrite(tmp_path / "a.mtl", "newmtl m\nKd 0 1 0\n", 10**18 + id(file) % 1000)
+        assert edits(file.watch) == 1
+    assert source.again().meshes[0].material.base_color == (0, 1, 0)

@@ -8,6 +8,7 @@ from typing import Any
 
 from ...scene.builtin import BUILTIN
 from ...scene.io import BUILTIN_PREFIX, load
+from ...scene.io.ledger import files_read, noted
 from ...scene.scene import Scene
 from .watch import Watch
 
@@ -25,15 +26,25 @@ class Source:
         self.name, self.loaded, self.model = name, loaded, dict(model or {})
         is_file = bool(name) and not name.startswith(BUILTIN_PREFIX)
         self.watch = Watch(Path(name)) if is_file else None
+        if self.watch is not None:
+            self.watch.follow(files_read())
         self._first = Path(name).parent if is_file else None
 
     def again(self) -> Scene:
         """The scene as its file has it now. Raises AirlightError."""
-        return load(self.name, **self.model)
+        with noted() as files:
+            try:
+                return load(self.name, **self.model)
+            finally:
+                if self.watch is not None:
+                    self.watch.follow(files.read)
 
     def opened(self, name: str) -> Source:
         """Another scene, with the options of this one. Raises AirlightError."""
-        made = Source(name, load(name, **self.model), self.model)
+        with noted() as files:
+            made = Source(name, load(name, **self.model), self.model)
+        if made.watch is not None:
+            made.watch.follow(files.read)
         made._first = self._first
         return made
 

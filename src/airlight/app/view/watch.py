@@ -1,10 +1,10 @@
-"""Whether the scene file, or a file beside it that it names, was written again."""
+"""Whether the scene file, or one of the files that it is made of, was written again."""
 
 from __future__ import annotations
 
 import time
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,13 @@ class Watch:
         self._seen = self._stamps(named_files(path))
         self._pending: tuple[dict[Path, tuple[int, int]], float] | None = None
         self._looked_s = float("-inf")
+
+    def follow(self, paths: Iterable[Path]) -> None:
+        """Look at these, too: what was read when the scene was loaded, as textures of its models.
+
+        Those that are followed already are as they were when they were looked at last.
+        """
+        self._seen = {**self._stamps(set(paths)), **self._seen}
 
     def changed(self) -> bool:
         """Look, at most every INTERVAL_S."""

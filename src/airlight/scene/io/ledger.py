@@ -53,6 +53,7 @@ class Ledger:
         self._written[_place(path)] = str(Path(path).absolute())
 
 
+_LISTENING: ContextVar[tuple[Ledger, ...]] = ContextVar("listening", default=())
 _NOW: ContextVar[Ledger | None] = ContextVar("ledger", default=None)
 
 
@@ -68,22 +69,40 @@ def recorded() -> Iterator[Ledger]:
 
 
 @contextmanager
+def noted() -> Iterator[Ledger]:
+    """What is read in the block, which a command's own ledger is told, too."""
+    ledger = Ledger()
+    token = _LISTENING.set((*_LISTENING.get(), ledger))
+    try:
+        yield ledger
+    finally:
+        _LISTENING.reset(token)
+
+
+@contextmanager
 def own_files() -> Iterator[None]:
     """In the block airlight reads what it wrote itself and may write again: caches, and notes."""
-    # The ledger is out of sight for the block, and the same one comes back after it.
-    token = _NOW.set(None)
+    # Ledgers are out of sight for the block, and the same ones come back after it.
+    token, listening = _NOW.set(None), _LISTENING.set(())
     try:
         yield
     finally:
         _NOW.reset(token)
+        _LISTENING.reset(listening)
 
 
 def note_read(*paths: str | os.PathLike[str]) -> None:
     """Files were read, or will be: none of them may be an output of the same command."""
-    ledger = _NOW.get()
-    if ledger is not None:
+    now = _NOW.get()
+    for ledger in (*_LISTENING.get(), *((now,) if now else ())):
         for path in paths:
             ledger.note_read(path)
+
+
+def files_read() -> tuple[Path, ...]:
+    """What the command has read so far, none outside of `recorded`."""
+    ledger = _NOW.get()
+    return ledger.read if ledger else ()
 
 
 def check_output(path: Path) -> None:

@@ -170,7 +170,7 @@ def _read_instance(node: Node, found: _Found, source: Source) -> None:
     if group is None or group.kind != "shapegroup":
         raise SceneError(f"{node} has no shapegroup inside")
     # The group's meshes are read once, and placed once for each instance.
-    key = id(group.children)  # which all references to a group share
+    key = group.element
     if key not in found.groups:
         own = _Found()
         for child in group.all("shape"):

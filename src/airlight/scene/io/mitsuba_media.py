@@ -169,7 +169,7 @@ def _joined(held: list[Held], source: Source) -> list[Held]:
     """The same, where open shapes that hold one medium close a body together as one."""
     groups: dict[int, list[Held]] = {}
     for one in held:
-        groups.setdefault(id(one.node.children), []).append(one)
+        groups.setdefault(one.node.element, []).append(one)
     found = []
     for group in groups.values():
         regions = joined([one.region for one in group], source)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,8 @@ class Node:
     """A plugin of the scene: what it is, its values and the plugins inside it, in order.
 
     `name` is the role it plays for its parent. Reading a value marks it as read, so that what
-    was left out can be told in the end.
+    was left out can be told in the end. `element` is the number of the element of the file that it
+    was read from: references to one plugin in other roles are nodes of one element.
     """
 
     tag: str
@@ -29,6 +31,7 @@ class Node:
     values: dict[str, Any] = field(default_factory=dict)
     children: list[Node] = field(default_factory=list)
     read: set[str] = field(default_factory=set)
+    element: int = field(default_factory=count().__next__)
 
     def get(self, name: str, default: Any = None) -> Any:
         """The value called `name`."""
@@ -113,30 +116,28 @@ def refuse_cycles(scene: Node) -> None:
     """Raise SceneError where references make a node contain itself."""
 
     def visit(node: Node, above: tuple[int, ...]) -> None:
-        # Nodes in another role share their list of children: that is what makes them the same.
-        if id(node.children) in above:
+        if node.element in above:
             raise SceneError(f"{node} contains itself")
         if len(above) > 2 * MAX_DEPTH:
             raise SceneError("references are chained too deep")
         # A node without a cycle below it is searched once, however many refer to it.
-        key = id(node.children)
-        if key in done:
+        if node.element in done:
             return
         for child in node.children:
-            visit(child, (*above, key))
-        done.add(key)
+            visit(child, (*above, node.element))
+        done.add(node.element)
 
     done: set[int] = set()
     visit(scene, ())
 
 
 def walk(node: Node) -> Iterator[Node]:
-    """Every node below `node`, each once."""
+    """`node` and every one below it, those of one element once."""
     seen: set[int] = set()
     stack = [node]
     while stack:
         here = stack.pop()
-        if id(here.read) not in seen:
-            seen.add(id(here.read))
+        if here.element not in seen:
+            seen.add(here.element)
             yield here
             stack.extend(here.children)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -195,9 +195,7 @@ def _solve_references(reader: _Reader) -> None:
         name = node.children[place].name
         if name and name != found.name:
             # The same plugin in another role: it shares values, and what was read of them.
-            found = Node(
-                found.tag, found.kind, name, found.id, found.values, found.children, found.read
-            )
+            found = replace(found, name=name)
         node.children[place] = found
 
 
