@@ -138,7 +138,7 @@ def _refuse_loss(scene: Scene, source: str, target: Path) -> None:
     held = []
     if scene.meshes and target.exists() and not target.is_file():
         held.append("meshes")  # beside a device there is no place
-    if any(volume.density is not None for volume in scene.volumes):
+    if any(volume.density is not None and volume.body is None for volume in scene.volumes):
         held.append("density grids")
     if held:
         raise SettingsError(
@@ -166,7 +166,8 @@ def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any
     from ..scene.io.writing import whole_file
 
     original = scene
-    # Meshes that no file holds get one beside the scene file.
+    # Meshes that no file holds get one beside the scene file, and so do those around media.
+    scene = _with_body_files(scene, target)
     if scene.meshes and not (source.startswith(BUILTIN_PREFIX) or _is_nameable(source)):
         source = str(_write_meshes(scene, target))
         # Of that file nothing else comes, so that the scene file says all the rest.
@@ -178,15 +179,36 @@ def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any
     return [line[2:] for line in text.splitlines() if line.startswith("# ")]
 
 
-def _write_meshes(scene: Scene, target: Path) -> Path:
-    """The meshes of a scene as NAME_meshes.glb beside the scene file `target`.
+def _with_body_files(scene: Scene, target: Path) -> Scene:
+    """The scene, its media in meshes with NAME_volume_1.glb and so on as their source files.
+
+    Raises OutputError.
+    """
+    from ..scene import Mesh
+    from ..scene.mesh import Geometry
+
+    made = []
+    for number, volume in enumerate(scene.volumes, start=1):
+        # What has a file keeps it.
+        if volume.body is not None and not volume.source:
+            body = volume.body
+            around = Mesh(Geometry(body.positions.astype("f4"), body.triangles.astype("u4")))
+            alone = replace(scene, meshes=(around,))
+            path = _write_meshes(alone, target, f"volume_{number}")
+            volume = replace(volume, source=str(path))
+        made.append(volume)
+    return replace(scene, volumes=tuple(made))
+
+
+def _write_meshes(scene: Scene, target: Path, kind: str = "meshes") -> Path:
+    """The meshes of a scene as NAME_KIND.glb beside the scene file `target`.
 
     Raises OutputError where a file of that name is there that `convert` did not write.
     """
     from ..scene.io.gltf_write import is_written_here, write_gltf
     from ..scene.scene import Scene
 
-    path = target.with_name(f"{target.stem}_meshes.glb")
+    path = target.with_name(f"{target.stem}_{kind}.glb")
     # What another program has put there is not overwritten.
     if path.exists() and not is_written_here(path):
         raise OutputError(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from .checks import F32, F64, Bounds, Rgb
 from .coefficients import as_grids, coefficient_grid, density_and_tint, parts_of
 from .emission import Emission
 from .medium import mean_cosine
+
+if TYPE_CHECKING:
+    from .enclosed import Body, Placed
 
 IDENTITY: F64 = np.eye(4)
 
@@ -32,8 +36,9 @@ class Volume:
     density, (z, y, x) or (z, y, x, 3): `tint` and `albedo_grid`, in [0, 1], are multiplied with
     sigma_t and `albedo`; `g_grid`, in (-1, 1), takes the place of `g`, which is its mean. A density
     with three channels is taken apart into one and a tint. `of_coefficients` takes any of them.
-    `source`: the file that the grid came from, if any. `part_of` is airlight's own: the volume that
-    this is one colour of.
+    `source`: the file that the grid came from, if any. `body`: the closed surface, before
+    `world_from_volume`, whose inside the density is, of `in_meshes`. `part_of` is airlight's own:
+    the volume that this is one colour of.
     Raises SceneError.
     """
 
@@ -50,6 +55,7 @@ class Volume:
     tint: F32 | None = None
     albedo_grid: F32 | None = None
     g_grid: F32 | None = None
+    body: Body | None = None
     part_of: object = None
 
     def __post_init__(self) -> None:
@@ -135,6 +141,28 @@ class Volume:
         """
         given = {"sigma_s": sigma_s, "sigma_a": sigma_a, "sigma_t": sigma_t, "albedo": albedo}
         return cls(**as_grids({**given, "g": g}), **others)
+
+    @classmethod
+    def in_meshes(cls, meshes: Sequence[Placed], *, sigma_t: Any, **others: Any) -> Volume:
+        """A volume of density 1 in what closed meshes enclose together, where they stand.
+
+        Each mesh has a `geometry` and a `world_from_object`, as a `Mesh` has; holes are closed by
+        plane lids. Where all triangles face one way the inside is what they wind around, else what
+        an odd number of surfaces lies before. It is made of up to 128 voxels a side, of which those
+        that the surface cuts are partly dense. `others`: albedo, g, emission, detail. Raises
+        SceneError for meshes that enclose nothing.
+        """
+        from .enclosed import Body
+
+        of_density_1 = checks.rgb(sigma_t, "sigma_t")
+        body = Body.of(meshes) if meshes else None
+        found = body.density(1.0 / max(*of_density_1, 1e-30)) if body else None
+        if found is None:
+            raise SceneError(
+                "the meshes enclose nothing that a medium could fill",
+                remedy="A surface has to close around it; check it for holes.",
+            )
+        return cls(of_density_1, found[0], bounds=found[1], body=body, **others)
 
     @cached_property
     def parts(self) -> tuple[Volume, ...]:

@@ -5,7 +5,7 @@
     a Scene, changed -> toml_text*, gltf_write* or images, exr -> writing -> a file
 
 toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml_*_keys list keys,
-                 toml_schema checks, toml_meshes, _volumes, _sky and _animation read what they name;
+                 toml_schema checks, toml_meshes, _volumes, _volume_shapes, _sky, _animation read what they name;
                  toml_text* write, as toml_syntax spells; toml_page prints the reference
 light_groups     thousands of point lights in an .npz file
 gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give

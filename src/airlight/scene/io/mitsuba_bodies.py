@@ -70,7 +70,7 @@ class Region:
         if found is None:
             source.note(f"{self.node} encloses nothing: its medium is left out")
             return None
-        return {"density": found[0], "bounds": found[1]}
+        return {"density": found[0], "bounds": found[1], "body": self.body}
 
 
 def region_of(shape: Node, source: Source) -> Region:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
+from ...errors import SceneError, nearest
 from .. import checks
-from ..keys import Key, one_of
+from ..keys import Key
 from .toml_keys import SEQUENCE_KEYS
 from .toml_schema import COLOUR, PLACEMENT, UP, Table, mean_cosine, unit_rgb
 
@@ -88,6 +91,28 @@ _EMISSION_GRIDS = (
     Key("temperature_offset", checks.number, "number", "see temperature_scale", default="0"),
 )
 
+SHAPES = ("box", "sphere")
+
+
+def _shape(value: Any, name: str) -> str:
+    """A shape's name, or the path of a mesh file. Raises SceneError."""
+    from . import MESH_SUFFIXES, VOLUME_SUFFIXES
+
+    written = checks.text(value, name)
+    suffix = Path(written).suffix.lower()
+    if written in SHAPES or suffix in MESH_SUFFIXES:
+        return written
+    if suffix in VOLUME_SUFFIXES:
+        raise SceneError(f"{name}: '{written}' is a density grid", remedy="Name it as the file.")
+    if suffix:
+        known = f"Known endings: {', '.join(MESH_SUFFIXES)}."
+        raise SceneError(f"{name}: '{written}' is no mesh file", remedy=known)
+    raise SceneError(
+        f"{name} must be 'box', 'sphere' or the path of a mesh file, not '{written}'",
+        remedy=nearest(written, SHAPES),
+    )
+
+
 MEDIUM = Table(
     "medium",
     "A homogeneous medium. Without bounds it fills the scene's bounds, the camera included.",
@@ -129,9 +154,10 @@ VOLUME = Table(
         ),
         Key(
             "shape",
-            one_of("box", "sphere"),
-            '"box" or "sphere"',
-            "instead of a file: fills its bounds with density 1",
+            _shape,
+            '"box", "sphere" or a path',
+            "instead of a file: fills its bounds with density 1; of a mesh file, which has no "
+            "bounds, what its meshes enclose together",
         ),
         Key("grid", checks.text, "text", "which of a file's named grids", default='"density"'),
         Key(

@@ -86,7 +86,7 @@ def scene_text(
         raw["mesh"] = [*raw.get("mesh", ()), *ground_tables(scene)]
     # Media, and what moves.
     raw["medium"] = _medium(scene.medium, raw.get("medium", {}))
-    raw["volume"] = _volumes(scene.volumes, raw.get("volume", []), notes)
+    raw["volume"] = _volumes(scene.volumes, raw.get("volume", []), notes, folder)
     with_motion(raw, scene, original, notes)
     # Settings by technique; then all tables in the order of the reference page.
     techniques = dict(scene.settings)
@@ -106,14 +106,14 @@ def _original(
     source: str, folder: Path, model: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
     path = Path(source)
-    # A scene file as it was written, its paths from the new file's folder.
     if path.suffix.lower() == ".toml":
         raw = tomllib.loads(read_text(path))
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
         for table in (*many, raw.get("environment", {})):
-            for key in ("file", "sequence"):
-                if key in table and table[key] != STUDIO:
-                    table[key] = _relative(path.parent / table[key], folder)
+            for key in ("file", "sequence", "shape"):
+                written = table.get(key, STUDIO)
+                if written != STUDIO and (key != "shape" or Path(written).suffix):
+                    table[key] = _relative(path.parent / written, folder)
         return raw, []
     # Of another file, a table that names it.
     placed = {name: model[name] for name in model if name not in _NO_KEYS}
@@ -244,7 +244,7 @@ def _scattering(of: Medium | Volume) -> dict[str, Any]:
 
 
 def _volumes(
-    volumes: Sequence[Volume], raw: Sequence[Mapping[str, Any]], notes: list[str]
+    volumes: Sequence[Volume], raw: Sequence[Mapping[str, Any]], notes: list[str], folder: Path
 ) -> list[dict[str, Any]]:
     tables = []
     # Volumes of the file stand in its order: each keeps its table, with new coefficients.
@@ -253,11 +253,14 @@ def _volumes(
         tables.append({**kept, **_by_voxel(_scattering(volume), table, notes)})
     # Volumes that were added have no file; a shape needs none.
     for volume in volumes[len(raw) :]:
+        matrix = volume.world_from_volume
+        placed = {} if (matrix == np.eye(4)).all() else {"matrix": matrix.ravel()}
         if volume.density is None:
-            matrix = volume.world_from_volume
-            placed = {} if np.array_equal(matrix, np.eye(4)) else {"matrix": matrix.ravel()}
             shaped = {"shape": volume.shape, "bounds": volume.bounds, **placed}
             tables.append({**shaped, **_scattering(volume)})
+        elif volume.body is not None and volume.source:
+            placed["shape"] = _relative(Path(volume.source), folder)
+            tables.append({**placed, **_scattering(volume)})
         else:
             notes.append(_NO_GRID)
     return tables

@@ -25,6 +25,7 @@ from .toml_keys import SEQUENCE_KEYS
 from .toml_media_tables import VOLUME
 from .toml_meshes import existing_file, upright_from_file, world_from_mesh
 from .toml_schema import check_table, inside
+from .toml_volume_shapes import shape_volume
 from .volumes import NOWHERE, UPRIGHT_SUFFIXES, VolumeGrid, is_grid_file
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
@@ -51,7 +52,10 @@ def placed_volume(
     turn = {"up": values.pop("up", "y")}
     values = {name: value for name, value in values.items() if name not in _PLACING}
     if "shape" in values:
-        return _shape(values, grids, matrix, label), (), None
+        of_files = [name for name in _OF_FILES if name in values]
+        for name in (*of_files, *(f"{n}_grid" for n in grids)):
+            raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
+        return *shape_volume(values, matrix, upright_from_file(turn), label, folder), None
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
@@ -81,16 +85,6 @@ def placed_volume(
         if first:  # a sequence may begin empty
             volume = sequence.of(volume, sequence.start_s)
     return volume, (*told, *warnings), None if is_file else sequence
-
-
-def _shape(values: dict[str, Any], grids: dict[str, str], matrix: F64, label: str) -> Volume:
-    """A shape of density 1, which a turn by a right angle leaves as it is."""
-    of_files = [name for name in _OF_FILES if name in values]
-    for name in (*of_files, *(f"{n}_grid" for n in grids)):
-        raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
-    with inside(label):
-        emission, _ = taken_emission(values, None, None)
-        return Volume(world_from_volume=matrix, emission=emission, **values)
 
 
 def upright_from_grid(values: Mapping[str, Any], file: Path) -> tuple[F64, tuple[str, ...]]:
