@@ -478,7 +478,11 @@ def test_includes_follow_the_rule_of_files(tmp_path: Path, monkeypatch: pytest.M
         ),
         ("<shap/>", "scene.xml: <shap> is no element of a scene. Did you mean 'shape'?"),
         ("<shape/>", "scene.xml: <shape> without a type"),
-        ('<ref id="x"/>', "scene.xml: it refers to 'x', which is nowhere"),
+        (
+            '<ref id="x"/>',
+            "scene.xml: it refers to 'x', which is nowhere. A part of a scene is read by the file "
+            "that includes it.",
+        ),
         ('<include filename="scene.xml"/>', "scene.xml: elements are nested more than 60 deep"),
         (
             '<float name="x" value="$y"/>',
@@ -616,6 +620,35 @@ def test_textures_of_roughness_are_read(tmp_path: Path) -> None:
         roughness, told = made(inner)
         assert roughness == pytest.approx(np.sqrt(alpha), abs=0.004)
         assert told == is_mean
+
+
+def test_a_default_may_stand_behind_its_use_in_a_file_that_is_included(tmp_path: Path) -> None:
+    shape = '<shape type="Sphere"><float name="radius" value="$radius"/></shape>'
+    path = tmp_path / "a.xml"
+    path.write_text(f'<scene version="3.0.0">{shape}<include filename="b.xml"/></scene>')
+    part = '<scene version="3.0.0"><default name="radius" value="{}"/>{}</scene>'
+    # The first default wins, and a file that includes itself is looked at once.
+    again = '<include filename="c.xml"/>'
+    (tmp_path / "b.xml").write_text(part.format(3, again))
+    (tmp_path / "c.xml").write_text(part.format(7, ""))
+    (mesh,) = load(path).meshes
+    np.testing.assert_allclose(np.array(mesh.world_bounds)[:, 0], [-3, 3], atol=1e-5)
+    (tmp_path / "c.xml").write_text(part.format(7, again * 9))
+    with pytest.raises(SceneError, match=r"files are included|nested"):
+        load(path)
+
+
+def test_a_part_of_a_scene_says_that_it_may_be_one(tmp_path: Path) -> None:
+    path, told = tmp_path / "a.xml", "A part of a scene is read by the file that includes it."
+    shape = '<shape type="obj"><string name="filename" value="meshes/a.obj"/></shape>'
+    for held in (shape, '<shape type="sphere"><ref id="wood"/></shape>'):
+        path.write_text(f'<scene version="3.0.0">{held}</scene>')
+        with pytest.raises(SceneError) as caught:
+            load(path)
+        assert told in str(caught.value)
+    with pytest.raises(SceneError) as caught:
+        load(tmp_path / "none.xml")
+    assert told not in str(caught.value)
 
 
 def test_parameters_are_given_from_outside_and_win_over_defaults(tmp_path: Path) -> None:

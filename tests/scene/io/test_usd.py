@@ -13,7 +13,7 @@ from airlight.app.cli import run
 from airlight.errors import SceneError
 from airlight.exports.vdb import VdbGrid, vdb_bytes
 from airlight.scene.io import load, load_meshes
-from airlight.scene.lights import AreaLight, DirectionalLight, PointLight
+from airlight.scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
 
 pytestmark = pytest.mark.needs("usd_core")
 QUAD = """
@@ -216,6 +216,76 @@ def test_lights_give_what_their_units_say(tmp_path):
     assert made.environment.radiance == pytest.approx((0.5, 1, 2))
 
 
+SHAPED = """
+    def SphereLight "a" (prepend apiSchemas = ["ShapingAPI"])
+    {
+        float inputs:intensity = 5
+        float inputs:radius = 0.1
+        float inputs:shaping:cone:angle = 40
+        float inputs:shaping:cone:softness = 0.25
+        %s
+    }
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "strength", "radius"),
+    [
+        ("", 5 * math.pi * 0.01, 0.1),
+        ("bool treatAsPoint = 1", 5 * math.pi * 0.01, 0.0),
+        ("bool inputs:normalize = 1", 5 / 4, 0.1),
+        ("bool inputs:normalize = 1\nbool treatAsPoint = 1", 5 / 4, 0.0),
+    ],
+)
+def test_a_sphere_with_a_cone_is_a_spot_light(tmp_path, more, strength, radius):
+    turned = "double3 xformOp:rotateXYZ = (-90, 0, 0)"
+    order = 'uniform token[] xformOpOrder = ["xformOp:rotateXYZ"]'
+    made = scene(tmp_path, QUAD % "" + SHAPED % f"{more}\n{turned}\n{order}", "metersPerUnit = 1")
+    (light,) = made.lights
+    assert isinstance(light, SpotLight) and made.warnings == ()
+    assert (light.inner_deg, light.outer_deg) == pytest.approx((30, 40))
+    np.testing.assert_allclose(light.direction, (0, -1, 0), atol=1e-9)
+    assert light.intensity[0] == pytest.approx(strength)
+    assert light.radius == pytest.approx(radius)
+
+
+def test_a_cone_of_90_degrees_is_none_and_a_whole_point_has_its_power(tmp_path):
+    open_cone = (SHAPED % "").replace("angle = 40", "angle = 90")
+    (light,) = scene(tmp_path, QUAD % "" + open_cone).lights
+    assert isinstance(light, AreaLight)
+    point = SHAPED.replace("radius = 0.1", "radius = 0").replace("angle = 40", "angle = 180")
+    (light,) = scene(tmp_path, QUAD % "" + point % "bool inputs:normalize = 1").lights
+    assert isinstance(light, PointLight) and light.intensity == (1.25,) * 3
+
+
+@pytest.mark.parametrize(
+    ("more", "emission"),
+    [
+        ("", (3.0, 1.5, 0.0)),
+        ("bool inputs:normalize = 1", (0.75, 0.375, 0.0)),
+        ('uniform token light:materialSyncMode = "noMaterialResponse"', (3.0, 1.5, 0.0)),
+    ],
+)
+def test_a_mesh_that_is_a_light_glows(tmp_path, more, emission):
+    light = f"color3f inputs:color = (1, 0.5, 0)\nfloat inputs:intensity = 3\n{more}"
+    quad = (QUAD % light).replace('"MaterialBindingAPI"', '"MaterialBindingAPI", "MeshLightAPI"')
+    made = scene(tmp_path, quad.replace("(1, 1, 0), (0, 1, 0)", "(1, 4, 0), (0, 4, 0)"),
+                 "metersPerUnit = 1")  # fmt: skip
+    (mesh,) = made.meshes
+    assert mesh.material.emission == pytest.approx(emission)
+    assert (max(mesh.material.base_color) == 0) == ("noMaterial" in more)
+    assert not [text for text in made.warnings if "light" in text]
+
+
+def test_a_glowing_material_tints_the_light_of_its_mesh(tmp_path):
+    bound = "float inputs:intensity = 3\nrel material:binding = </World/red>"
+    quad = (QUAD % bound).replace('"MaterialBindingAPI"', '"MaterialBindingAPI", "MeshLightAPI"')
+    (mesh,) = scene(tmp_path, quad + MATERIAL).meshes
+    assert mesh.material.emission == (0, 0, 6)
+    alone = quad.replace(bound, bound + '\nuniform token light:materialSyncMode = "independent"')
+    assert scene(tmp_path, alone + MATERIAL).meshes[0].material.emission == (3, 3, 3)
+
+
 def test_a_camera_sees_the_stages_field_of_view(tmp_path):
     text = """
     def Camera "cam"
@@ -398,7 +468,7 @@ def prim(kind: str, name: str, body: str, more: str = "") -> str:
             "the input 'inputs:intensty' is unknown and left out. Did you mean 'inputs:intensity'?",
         ),
         (
-            prim("SphereLight", "l", "float inputs:shaping:cone:angle = 20",
+            prim("DiskLight", "l", "float inputs:shaping:cone:angle = 20",
                  '(prepend apiSchemas = ["ShapingAPI"])'),
             "'/World/l': inputs:shaping:cone:angle is set",
         ),

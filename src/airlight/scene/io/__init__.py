@@ -5,8 +5,9 @@
     a Scene, changed -> toml_text*, gltf_write* or images, exr -> writing -> a file
 
 toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml_*_keys list keys,
-                 toml_schema checks, toml_meshes, _volumes, _volume_shapes, _sky, _animation read what they name;
-                 toml_text* write, as toml_syntax spells; toml_page prints the reference
+                 toml_schema checks, toml_meshes, _volumes (_volume_shapes), _sky and _animation
+                 read what they name; toml_text* write, as toml_syntax spells; toml_page prints the
+                 reference
 light_groups     thousands of point lights in an .npz file
 gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give
                  values; _nodes, _camera, _mesh, _material, _uv, _variants, _deform and _animation
@@ -14,8 +15,8 @@ gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt:
                  gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
-usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume; usd_losses
-                 says what is not read
+usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume, _motion;
+                 usd_losses says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
                  _serialized), _materials, _textures, _emitters, _lights, _camera; _media: where
                  (_bodies) and what of (_coefficients)

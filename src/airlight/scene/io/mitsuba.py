@@ -34,7 +34,7 @@ from .mitsuba_media import Held, held_medium, medium_and_volumes
 from .mitsuba_nodes import Node, walk
 from .mitsuba_shapes import shape_geometries
 from .mitsuba_textures import Source
-from .mitsuba_xml import read_tree
+from .mitsuba_xml import A_PART, read_tree
 
 # Values that say how to render, not what: leaving them out changes no image.
 _HOW = frozenset(
@@ -84,6 +84,12 @@ def load_mitsuba(path: Path, parameters: Mapping[str, str] | None = None) -> Sce
                     "is looked for in it"
                 )
             scene = _scene(tree, source)
+    except SceneError as error:
+        # A part of a scene names files from the folder of the file that includes it.
+        if error.problem != "file not found" or str(error.where) == str(path):
+            raise
+        told = SceneError(error.problem, where=error.where, remedy=f"{error.remedy} {A_PART}")
+        raise told from None
     except (TypeError, AttributeError) as error:
         # A value of another kind than its place asks for: a vector as a field of view, say.
         raise SceneError(f"a value does not fit its place ({error})", where=path) from error

@@ -6,7 +6,8 @@ The file is not trusted: a document type (where entities would be declared) is r
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -39,10 +40,16 @@ OBJECT_TAGS = frozenset(
 )
 
 
+MOST_AHEAD = 100_000
+"""Elements of a file that are searched for defaults further on."""
+A_PART = "A part of a scene is read by the file that includes it."
+
+
 @dataclass
 class _Reader:
     """What holds for the whole scene while its files are read."""
 
+    path: Path
     folders: Folders
     parameters: dict[str, str]
     asked: set[str] = field(default_factory=set)
@@ -50,6 +57,7 @@ class _Reader:
     references: list[tuple[Node, int, str, Path]] = field(default_factory=list)
     includes: int = 0
     expanded: int = 0
+    has_looked_ahead: bool = False
 
 
 def read_tree(path: Path, parameters: Mapping[str, str]) -> tuple[Node, Folders]:
@@ -58,7 +66,7 @@ def read_tree(path: Path, parameters: Mapping[str, str]) -> tuple[Node, Folders]
     `parameters` are values of $names, which win over the file's defaults. Raises SceneError for XML
     that is broken, dangerous or refers to what is not there, and for a parameter that it has not.
     """
-    reader = _Reader(Folders.of(path), dict(parameters))
+    reader = _Reader(path, Folders.of(path), dict(parameters))
     root = _parse(path)
     if root.tag != "scene":
         raise SceneError(f"this is XML, but its root is <{root.tag}>, not <scene>", where=path)
@@ -137,7 +145,7 @@ def _object(child: ElementTree.Element, reader: _Reader, path: Path, depth: int)
     attributes = child.attrib
     made = Node(
         tag=child.tag,
-        kind=attributes.get("type", ""),
+        kind=attributes.get("type", "").lower(),  # where letters' case does not count for files
         name=_snake(attributes.get("name", "")),
         id=attributes.get("id", ""),
     )
@@ -186,10 +194,11 @@ def _solve_references(reader: _Reader) -> None:
     for node, place, target, path in reader.references:
         found = reader.nodes.get(target)
         if found is None:
+            known = nearest(target, reader.nodes)
             raise SceneError(
                 f"it refers to '{target}', which is nowhere",
                 where=path,
-                remedy=nearest(target, reader.nodes),
+                remedy=f"{known} {A_PART}" if known else A_PART,
             )
         # Without a name of its own, the reference plays the role that the plugin has.
         name = node.children[place].name
@@ -216,6 +225,12 @@ def _with_values(text: str, reader: _Reader, path: Path) -> str:
     lengths = sorted({len(name) for name in reader.parameters if name}, reverse=True)
     for part in rest:
         name = next((part[:n] for n in lengths if part[:n] in reader.parameters), None)
+        # A default may stand further on, in a file that is included later.
+        if name is None and not reader.has_looked_ahead:
+            reader.has_looked_ahead = True
+            for found, value in _defaults(reader.path, reader.folders, set()):
+                reader.parameters.setdefault(found, value)
+            return _with_values(text, reader, path)
         if name is None:
             asked = re.match(r"\w+", part)
             if asked:
@@ -237,6 +252,27 @@ def _with_values(text: str, reader: _Reader, path: Path) -> str:
             )
         parts += [value, part[len(name) :]]
     return "".join(parts)
+
+
+def _defaults(path: Path, folders: Folders, seen: set[Path]) -> Iterator[tuple[str, str]]:
+    """The defaults of a file and of those that it includes, in the order in which they are read.
+
+    Each file is looked at once, and is then `seen`. What cannot be read is told where it is
+    included.
+    """
+    seen.add(path)
+    try:
+        elements = list(_parse(path).iter())
+    except SceneError:
+        return
+    for element in elements[:MOST_AHEAD]:
+        if element.tag == "default" and element.get("name"):
+            yield element.get("name", ""), element.get("value", "")
+        elif element.tag == "include" and len(seen) < MAX_INCLUDES:
+            with suppress(SceneError):
+                target = folders.find(element.get("filename", ""), path)
+                if target not in seen:
+                    yield from _defaults(target, folders, seen)
 
 
 def _snake(name: str) -> str:

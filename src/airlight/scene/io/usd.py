@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.closing import surface_area
 from ..camera import Camera
 from ..checks import F64
 from ..environment import Environment
@@ -22,7 +23,7 @@ from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from ..volume import Volume
 from .images import read_radiance
-from .usd_lights import dome, usd_camera, usd_light
+from .usd_lights import dome, glowing, usd_camera, usd_light
 from .usd_losses import UsdLosses
 from .usd_material import UsdMaterials
 from .usd_mesh import is_shape, prim_geometries
@@ -159,8 +160,6 @@ class _Reader:
         if not is_shape(prim):
             self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
             return
-        if prim.HasAPI(UsdLux.LightAPI):
-            self.warnings.append(f"'{prim.GetPath()}': the light that it is is left out")
         # Instances share a prototype's geometry, which is read once.
         prototype = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
         key = str(prototype.GetPath())
@@ -171,9 +170,14 @@ class _Reader:
             self._shapes[key] = [
                 (geometry, "" if bound == prim else bound.GetName()) for geometry, bound in found
             ]
-        for geometry, name in self._shapes[key]:
+        shapes = self._shapes[key]
+        is_light = prim.HasAPI(UsdLux.LightAPI)
+        area_m2 = sum(_area(geometry, world) for geometry, _ in shapes) if is_light else 0.0
+        for geometry, name in shapes:
             bound = prim.GetChild(name) if name else prim
             material = self._materials.of(bound, has_colors=geometry.colors is not None)
+            if is_light:
+                material = glowing(material, prim, area_m2, self._time)
             self._meshes.append(Mesh(geometry, material, world, str(prim.GetPath())))
 
     def _note(self, prim: Any) -> None:
@@ -224,3 +228,9 @@ class _Reader:
         self._environment, is_tilted = dome(prim, world, self._time, image)
         if is_tilted:
             self.warnings.append(f"'{prim.GetPath()}': a tilted dome is taken upright")
+
+
+def _area(geometry: Geometry, world: F64) -> float:
+    """Of a geometry that `world` (4, 4) places, m^2."""
+    placed = geometry.positions @ world[:3, :3].T
+    return surface_area(placed, geometry.indices.astype(np.int64))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ from ...maths.transforms import triple
 from ..camera import Camera, film_of
 from ..checks import F64, Vec3
 from ..environment import Environment
-from ..lights import AreaLight, DirectionalLight, Light, PointLight
+from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..material import Material
 
 _RGB_FROM_XYZ = np.array(
     [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
 )
 _SMALL_M = 1e-6
+_CONE_DEG = (0.1, 89.0)  # half angles that spot lights have
 
 
 def strength(light: Any, time: Any) -> F64:
@@ -65,14 +68,62 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
         )
     if not prim.IsA(UsdLux.SphereLight):
         return None
-    # A sphere too small to see is a point of the same intensity, pi r^2 times its radiance.
     sphere = UsdLux.SphereLight(prim)
     radius = sphere.GetRadiusAttr().Get(time) * (wide * high * deep) ** (1.0 / 3.0)
-    if is_whole:
-        radiance = radiance / max(4.0 * math.pi * radius**2, 1e-12)
-    if radius <= _SMALL_M or sphere.GetTreatAsPointAttr().Get(time):
-        return PointLight(position, triple(radiance * math.pi * radius**2))
+    # From afar a sphere has the intensity pi r^2 times its radiance, 1 / (4 pi r^2) of a whole.
+    intensity = triple(radiance / 4.0 if is_whole else radiance * math.pi * radius**2)
+    is_point = radius <= _SMALL_M or bool(sphere.GetTreatAsPointAttr().Get(time))
+    cone = cone_of(prim, time)
+    if cone is not None:
+        return SpotLight(position, ahead, intensity, *cone, radius=0.0 if is_point else radius)
+    # One too small to see is a point.
+    if is_point:
+        return PointLight(position, intensity)
+    radiance = radiance / (4.0 * math.pi * radius**2) if is_whole else radiance
     return AreaLight(position, triple(radiance), "sphere", radius=radius)
+
+
+def cone_of(prim: Any, time: Any) -> tuple[float, float] | None:
+    """The half angles, degrees, that a light's shaping lights in full and at all; None without.
+
+    It fades over the share `softness` of the outer one.
+    """
+    from pxr import UsdLux
+
+    if not prim.HasAPI(UsdLux.ShapingAPI):
+        return None
+    shaping = UsdLux.ShapingAPI(prim)
+    outer = shaping.GetShapingConeAngleAttr().Get(time)
+    softness = shaping.GetShapingConeSoftnessAttr().Get(time) or 0.0
+    # At 90 degrees, its fallback, nothing is cut off.
+    if outer is None or not math.isfinite(outer) or outer >= 90.0:
+        return None
+    outer = float(np.clip(outer, *_CONE_DEG))
+    share = 1.0 - float(np.clip(softness, 0.0, 1.0)) if math.isfinite(softness) else 1.0
+    return min(outer * share, outer), outer
+
+
+def glowing(material: Material, prim: Any, area_m2: float, time: Any) -> Material:
+    """The material of a mesh that is a light, of this area in the world.
+
+    A material that glows itself tints the light, unless the light says that it does not.
+    """
+    from pxr import UsdLux
+
+    api = UsdLux.LightAPI(prim)
+    radiance = strength(api, time)
+    if not np.isfinite(radiance).all():
+        raise SceneError(f"'{prim.GetPath()}': its light is no finite number")
+    if api.GetNormalizeAttr().Get(time):
+        radiance = radiance / max(area_m2, 1e-12)
+    mode = str(prim.GetAttribute("light:materialSyncMode").Get(time) or "materialGlowTintsLight")
+    if mode == "materialGlowTintsLight" and material.is_emissive:
+        return replace(material, emission=triple(radiance * np.array(material.emission)))
+    glow: dict[str, Any] = {"emission": triple(radiance), "emission_texture": None}
+    # A surface that answers no light is black but for what it sends.
+    if mode == "noMaterialResponse":
+        glow |= {"base_color": (0.0, 0.0, 0.0), "base_color_texture": None, "specular": 0.0}
+    return replace(material, **glow)
 
 
 def dome(prim: Any, world: F64, time: Any, image: Any) -> tuple[Environment, bool]:

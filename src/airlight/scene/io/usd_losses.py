@@ -33,6 +33,11 @@ _LOST_FAMILIES = (
     "collection:lightLink:",
     "collection:shadowLink:",
 )
+_READ_OF = {
+    "DomeLight": ("inputs:texture:file",),
+    "SphereLight": ("inputs:shaping:cone:angle", "inputs:shaping:cone:softness"),
+}
+"""What others lack, by the kind of prim that has it."""
 _BESIDE = ("expansionRule", "includeRoot", "mode")
 """Of a collection, what says nothing without its members."""
 _NOT_NEGATIVE = (
@@ -66,13 +71,13 @@ class UsdLosses:
         if kind and not prim.GetPrimTypeInfo().GetSchemaType():
             self._note(f"type {kind}", prim, f"a {kind} is left out")
         known = prim.GetPrimDefinition().GetPropertyNames()
-        is_dome = kind.startswith("DomeLight")
+        read = _READ_OF.get(kind.partition("_")[0], ())
         for prop in prim.GetAuthoredProperties():
             name = str(prop.GetName())
             if isinstance(prop, Usd.Attribute) and prop.GetNumTimeSamples() > 1:
                 self._moving.append(f"'{prim.GetPath()}' {name}")
             if name in known:
-                self._check(prim, prop, name, is_dome=is_dome)
+                self._check(prim, prop, name, read=read)
             elif name.startswith("inputs:") and "inputs:intensity" in known:
                 close = difflib.get_close_matches(name, known, n=1)
                 meant = f". Did you mean '{close[0]}'?" if close else ""
@@ -90,7 +95,7 @@ class UsdLosses:
         more = f" (and {len(self._moving) - 1:,} more)" if len(self._moving) > 1 else ""
         return [f"what moves stands as at {at}: {self._moving[0]}{more}", *told]
 
-    def _check(self, prim: Any, prop: Any, name: str, *, is_dome: bool) -> None:
+    def _check(self, prim: Any, prop: Any, name: str, *, read: tuple[str, ...]) -> None:
         from pxr import Usd
 
         if not isinstance(prop, Usd.Attribute):
@@ -98,8 +103,7 @@ class UsdLosses:
             if self._words(name) and prop.HasAuthoredTargets() and prop.GetTargets():
                 self._note(name, prim, f"{name} is set: {self._words(name)}")
             return
-        # Domes have images, and reading them is not this module's.
-        words = "" if is_dome and name == "inputs:texture:file" else self._words(name)
+        words = "" if name in read else self._words(name)
         # Values of other properties, long arrays among them, are not read.
         value = prop.Get(self._time) if words or name in _NOT_NEGATIVE else None
         if value is None:
