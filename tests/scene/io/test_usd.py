@@ -505,11 +505,6 @@ def prim(kind: str, name: str, body: str, more: str = "") -> str:
             prim("Sphere", "s", "double radius.timeSamples = {1: 1, 5: 2}"),
             "what moves stands as at the first time: '/World/s' radius",
         ),
-        (
-            prim("Xform", "x", "double3 xformOp:translate.timeSamples = {1: (0,0,0), 5: (1, 0, 0)}"
-                 '; uniform token[] xformOpOrder = ["xformOp:translate"]'),
-            "'/World/x' xformOp:translate",
-        ),
     ],
 )  # fmt: skip
 def test_what_a_stage_asks_for_and_does_not_get_is_named(tmp_path, text, words):

@@ -253,16 +253,16 @@ def _volumes(
         tables.append({**kept, **_by_voxel(_scattering(volume), table, notes)})
     # Volumes that were added have no file; a shape needs none.
     for volume in volumes[len(raw) :]:
-        matrix = volume.world_from_volume
-        placed = {} if (matrix == np.eye(4)).all() else {"matrix": matrix.ravel()}
+        is_moved = not np.array_equal(volume.world_from_volume, np.eye(4))
+        placed: dict[str, Any] = {"matrix": volume.world_from_volume.ravel()} if is_moved else {}
         if volume.density is None:
-            shaped = {"shape": volume.shape, "bounds": volume.bounds, **placed}
-            tables.append({**shaped, **_scattering(volume)})
+            placed |= {"shape": volume.shape, "bounds": volume.bounds}
         elif volume.body is not None and volume.source:
             placed["shape"] = _relative(Path(volume.source), folder)
-            tables.append({**placed, **_scattering(volume)})
         else:
             notes.append(_NO_GRID)
+            continue
+        tables.append({**placed, **_scattering(volume)})
     return tables
 
 

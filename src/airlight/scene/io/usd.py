@@ -2,8 +2,8 @@
 
 Read: meshes and the schema's simple shapes, GeomSubsets, instances, point instancers, variants as
 selected, UsdPreviewSurface with images, UsdLux lights and domes, cameras, OpenVDB volumes, the up
-axis and metersPerUnit. What moves stands as it does at the first time; `usd_losses` says what else
-is asked for and not read.
+axis and metersPerUnit. Places of prims move; what else moves stands as it does at the first time;
+`usd_losses` says what is asked for and not read.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.closing import surface_area
+from ..animation import Animation
 from ..camera import Camera
 from ..checks import F64
 from ..environment import Environment
@@ -27,6 +28,7 @@ from .usd_lights import dome, glowing, usd_camera, usd_light
 from .usd_losses import UsdLosses
 from .usd_material import UsdMaterials
 from .usd_mesh import is_shape, prim_geometries
+from .usd_motion import STILL, Place, UsdMotion
 from .usd_stage import opened_stage, refused_by_usd, resolved_asset, told_by_usd
 from .usd_volume import UsdVolumes
 
@@ -74,23 +76,29 @@ class _Reader:
         self._materials = UsdMaterials(self._folder, self._time)
         self._volume_reader = UsdVolumes(stage, self._folder, self._time, self.warnings)
         self._shapes: dict[str, list[tuple[Geometry, str]]] = {}
-        self._meshes: list[Mesh] = []
-        self._lights: list[Light] = []
+        self._motion = UsdMotion(stage, self._root, self._time)
+        self._meshes: list[tuple[Place, Mesh]] = []
+        self._lights: list[tuple[Place, Light]] = []
         self._volumes: list[Volume] = []
         self._environment: Environment | None = None
-        self._camera: Camera | None = None
+        self._camera: tuple[Place, Camera] | None = None
 
     def scene(self) -> Scene:
         """Everything that the stage shows."""
         self._walk(self._stage.GetPseudoRoot(), self._root)
         if not self._meshes and not self._volumes:
             raise SceneError("it has no triangles and no volumes", where=self._path)
-        told = dict.fromkeys([*self.warnings, *self._losses.texts(), *self._materials.warnings])
+        rig = self._motion.rig([p for p, _ in self._meshes], self._lights, self._camera)
+        lost = (self._losses, self._materials)
+        told = dict.fromkeys(
+            [*self.warnings, *lost[0].texts(), *lost[1].warnings, *self._motion.warnings]
+        )
         return Scene(
-            meshes=tuple(self._meshes),
-            lights=tuple(self._lights),
+            meshes=tuple(mesh for _, mesh in self._meshes),
+            lights=tuple(light for _, light in self._lights),
             environment=self._environment,
-            camera=self._camera or Camera(),
+            camera=self._camera[1] if self._camera else Camera(),
+            animation=Animation((rig,)) if rig else None,
             volumes=tuple(self._volumes),
             name=self._path.stem,
             warnings=tuple(f"{self._path}: {text}" for text in told),
@@ -106,7 +114,7 @@ class _Reader:
             if self._is_hidden(prim):
                 visited.PruneChildren()
                 continue
-            self._losses.look(prim)
+            self._losses.look(prim, moves=root is self._root)
             if prim.IsA(UsdGeom.PointInstancer):
                 # Prototypes below an instancer are shown at its places only.
                 visited.PruneChildren()
@@ -131,30 +139,36 @@ class _Reader:
         world = root @ np.array(self._places.GetLocalToWorldTransform(prim)).T
         if not np.isfinite(world).all():
             raise SceneError(f"'{prim.GetPath()}': its place is no finite number")
+        # Places that an instancer gives do not move.
+        place = Place(STILL, world)
+        if root is self._root:
+            place = self._motion.place(prim, world)
         # A volume is a gprim, too, and a light is told by its API, whatever its type.
         if prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdVol.Volume):
-            self._gprim(prim, world)
+            self._gprim(prim, place)
         elif prim.IsA(UsdVol.Volume):
+            self._motion.left_still(prim)
             volume = self._volume_reader.of(prim, world)
             self._volumes += [volume] if volume is not None else []
         elif prim.IsA(UsdLux.DomeLight) or prim.GetTypeName() == "DomeLight_1":
+            self._motion.left_still(prim)
             self._dome(prim, world)
         elif prim.HasAPI(UsdLux.LightAPI):
             light = usd_light(prim, world, self._time)
             if light is None:
                 self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
             else:
-                self._lights.append(light)
+                self._lights.append((place, light))
         elif prim.IsA(UsdGeom.Camera):
             if self._camera is not None:
                 self.warnings.append("it has several cameras: the first perspective one is used")
                 return
             try:
-                self._camera = usd_camera(prim, world, self._time, self._metres)
+                self._camera = place, usd_camera(prim, world, self._time, self._metres)
             except SceneError as error:
                 self.warnings.append(f"'{prim.GetPath()}': {error.problem}: it is left out")
 
-    def _gprim(self, prim: Any, world: F64) -> None:
+    def _gprim(self, prim: Any, place: Place) -> None:
         from pxr import UsdLux
 
         if not is_shape(prim):
@@ -172,13 +186,14 @@ class _Reader:
             ]
         shapes = self._shapes[key]
         is_light = prim.HasAPI(UsdLux.LightAPI)
-        area_m2 = sum(_area(geometry, world) for geometry, _ in shapes) if is_light else 0.0
+        area_m2 = sum(_area(geometry, place.world) for geometry, _ in shapes) if is_light else 0.0
         for geometry, name in shapes:
             bound = prim.GetChild(name) if name else prim
             material = self._materials.of(bound, has_colors=geometry.colors is not None)
             if is_light:
                 material = glowing(material, prim, area_m2, self._time)
-            self._meshes.append(Mesh(geometry, material, world, str(prim.GetPath())))
+            mesh = Mesh(geometry, material, place.world, str(prim.GetPath()))
+            self._meshes.append((place, mesh))
 
     def _note(self, prim: Any) -> None:
         """What of a mesh is shown otherwise than it asks for."""
@@ -192,6 +207,7 @@ class _Reader:
         instancer = UsdGeom.PointInstancer(prim)
         prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
         which = instancer.GetProtoIndicesAttr().Get(self._time)
+        self._motion.left_still(prim)
         if not prototypes or which is None or not len(which):
             return
         if len(which) > _MOST_INSTANCES:

@@ -58,8 +58,8 @@ class UsdLosses:
         self._count: Counter[str] = Counter()
         self._moving: list[str] = []
 
-    def look(self, prim: Any) -> None:
-        """Take note of a prim; of one in a prototype only once."""
+    def look(self, prim: Any, *, moves: bool) -> None:
+        """Take note of a prim; of one in a prototype only once. `moves`: its place may."""
         from pxr import Usd
 
         owner = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
@@ -74,7 +74,8 @@ class UsdLosses:
         read = _READ_OF.get(kind.partition("_")[0], ())
         for prop in prim.GetAuthoredProperties():
             name = str(prop.GetName())
-            if isinstance(prop, Usd.Attribute) and prop.GetNumTimeSamples() > 1:
+            is_place = moves and name.startswith("xformOp:")
+            if isinstance(prop, Usd.Attribute) and prop.GetNumTimeSamples() > 1 and not is_place:
                 self._moving.append(f"'{prim.GetPath()}' {name}")
             if name in known:
                 self._check(prim, prop, name, read=read)
