@@ -38,6 +38,7 @@ from .gltf_material import Materials, PlacedMaterial
 from .gltf_mesh import Primitive, read_primitive, read_surface
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
 from .gltf_schema import schema_doubts
+from .gltf_tangents import tangents_apart
 from .gltf_variants import listed_variants
 
 WATTS_PER_LUMEN = 1.0
@@ -174,6 +175,10 @@ class GltfFile:
                 self._warn(
                     primitive, f"it has no TEXCOORD_{k}, by which images of its material lie"
                 )
+        if placed.material.normal_texture is not None:
+            apart = tangents_apart(primitive, self.buffers, read)
+            if apart:
+                self._warn(primitive, apart)
         if not placed.apart:
             return read, None
         # The others' images are drawn again in one set, on the triangles of this primitive, hence a
