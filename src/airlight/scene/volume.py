@@ -146,6 +146,7 @@ class Volume:
     def in_meshes(cls, meshes: Sequence[Placed], *, sigma_t: Any, **others: Any) -> Volume:
         """A volume of density 1 in what closed meshes enclose together, where they stand.
 
+        `sigma_t` is its extinction coefficient, m^-1, a number or a colour.
         Each mesh has a `geometry` and a `world_from_object`, as a `Mesh` has; holes are closed by
         plane lids. Where all triangles face one way the inside is what they wind around, else what
         an odd number of surfaces lies before. It is made of up to 128 voxels a side, of which those
