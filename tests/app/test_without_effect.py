@@ -27,6 +27,7 @@ SAYS = NO_GROUND + "scene files say what there is"
 DOES = ""
 ALONE = "nothing to leave out"
 """It has no ground without the option either: what was asked for is what there is."""
+FOR_GRIDS = "for density grids ("
 OPTIONS = {
     "--up": ["--up", "z"],
     "--scale": ["--scale", ".5"],
@@ -35,14 +36,66 @@ OPTIONS = {
     "--ground": ["--ground"],
     "--no-ground": ["--no-ground"],
     "--param": ["--param", "size=2"],
+    "--grid": ["--grid", "smoke"],
+    "--channels": ["--channels", "g"],
 }
 EXPECTED = {
-    "model.obj": [DOES, DOES, "only glTF files have variants", DOES, DOES, DOES, FOR_MITSUBA],
-    "floor.obj": [DOES, DOES, "only glTF files have variants", DOES, NO_GROUND, ALONE, FOR_MITSUBA],
-    "smoke.npy": [DOES, DOES, FOR_MESHES, DOES, DOES, ALONE, FOR_MITSUBA],
-    "scene.toml": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, FOR_MITSUBA],
-    "scene.xml": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, DOES],
-    "builtin:cornell": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, FOR_MITSUBA],
+    "model.obj": [
+        DOES,
+        DOES,
+        "only glTF files have variants",
+        DOES,
+        DOES,
+        DOES,
+        FOR_MITSUBA,
+        FOR_GRIDS,
+        FOR_GRIDS,
+    ],
+    "floor.obj": [
+        DOES,
+        DOES,
+        "only glTF files have variants",
+        DOES,
+        NO_GROUND,
+        ALONE,
+        FOR_MITSUBA,
+        FOR_GRIDS,
+        FOR_GRIDS,
+    ],
+    "smoke.npy": [
+        DOES,
+        DOES,
+        FOR_MESHES,
+        DOES,
+        DOES,
+        ALONE,
+        FOR_MITSUBA,
+        "its only grid has no name",
+        "there is no channel 'g'",
+    ],
+    "scene.toml": [
+        FOR_FILES,
+        FOR_FILES,
+        FOR_MESHES,
+        DOES,
+        SAYS,
+        ALONE,
+        FOR_MITSUBA,
+        FOR_GRIDS,
+        FOR_GRIDS,
+    ],
+    "scene.xml": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, DOES, FOR_GRIDS, FOR_GRIDS],
+    "builtin:cornell": [
+        FOR_FILES,
+        FOR_FILES,
+        FOR_MESHES,
+        DOES,
+        SAYS,
+        ALONE,
+        FOR_MITSUBA,
+        FOR_GRIDS,
+        FOR_GRIDS,
+    ],
 }
 """What each option of OPTIONS, in their order, does to a file, or the words that say why not."""
 
