@@ -26,6 +26,7 @@ pytestmark = pytest.mark.needs("mitsuba", "numba")
 CUBE = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 TRAVEL = (0.0, 0.0, 1.0)
 DISTANCE_M, HALF_WIDTH_M = 200.0, 1.0
+SIDE, ASLANT = (1.0, 0.0, 0.0), (0.0, 0.6, 0.8)
 
 
 def intensity(image, variance):
