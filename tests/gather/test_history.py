@@ -14,6 +14,7 @@ from airlight.scene.shapes import box
 
 SIZE = (48, 32)
 LPV = {"resolution": 8, "shadow_resolution": 128, "lamp_resolution": 128, "map_resolution": 32}
+LPV |= {"iterations": 16, "surfels": 10_000}
 FRAMES = {**LPV, "gather": "always", "ambient_occlusion": False}
 WALLS = Mesh(box(), Material(base_color=(0.7, 0.6, 0.5), specular=0.0), np.diag((6, 3, 6, 1.0)))
 LIGHT = PointLight((1.0, 1.0, -1.0), (10, 10, 10))
