@@ -76,7 +76,6 @@ def test_at_rest_frames_converge_to_the_still():
         errors = [off(flat(r.frame().layers["indirect"]), flat(truth)) for _ in range(32)]
         last = r.frame().layers["indirect"]
     # .016 in the first, .0106 in the fourth, .0048 in the 32nd: the still's own noise is in that.
-    print("OFF", errors)
     assert errors[-1] < 0.4 * errors[0]
     assert flat(last).sum() == pytest.approx(flat(truth).sum(), rel=0.01)
 

@@ -1,8 +1,8 @@
 """A scene that is turned as a whole, camera and lights with it, is the same image.
 
 Lattices turn with the walls. What differs are the texels of shadow maps, and fog without bounds,
-which fills a box of the world. The bounds are twice what was measured: .003 to .016 of relative L2
-without fog. The fog that fills the world's box around a turned one is another: .06 of what it
+which fills a box of the world. The bounds are twice what was measured in 16 samples: .003 to .016 of
+relative L2 without fog; the four here have up to .023. The fog that fills the world's box around a turned one is another: .06 of what it
 scatters, and .02 and .07 of what lights the walls. How much of this is right was not shown.
 """
 
@@ -84,14 +84,6 @@ def test_a_turned_scene_is_the_same_image(made, technique, settings, matrix, bou
         for x in (scene, turned)
     )
     for layer, bound in bounds.items():
-        a, b = before.layers[layer], after.layers[layer]
-        print(
-            "OFF",
-            layer,
-            bound,
-            np.sqrt(((a - b) ** 2).sum() / (a**2).sum()),
-            abs(b.sum() / a.sum() - 1.0),
-        )
         a, b = before.layers[layer], after.layers[layer]
         assert np.sqrt(((a - b) ** 2).sum() / (a**2).sum()) < bound, layer
         assert abs(b.sum() / a.sum() - 1.0) < 0.5 * bound, layer
