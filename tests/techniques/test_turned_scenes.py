@@ -1,9 +1,10 @@
 """A scene that is turned as a whole, camera and lights with it, is the same image.
 
 Lattices turn with the walls. What differs are the texels of shadow maps, and fog without bounds,
-which fills a box of the world. The bounds are twice what was measured in 16 samples: .003 to .016 of
-relative L2 without fog; the four here have up to .023. The fog that fills the world's box around a turned one is another: .06 of what it
-scatters, and .02 and .07 of what lights the walls. How much of this is right was not shown.
+which fills a box of the world. The bounds are twice what was measured in 16 samples: .003 to .016
+of relative L2 without fog; the four here have up to .023. The fog that fills the world's box around
+a turned one is another: .06 of what it scatters, and .02 and .07 of what lights the walls. How much
+of this is right was not shown.
 """
 
 from __future__ import annotations
