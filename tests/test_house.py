@@ -76,6 +76,7 @@ def _trees_go():
     """A million nodes would slow every collection of garbage after this file."""
     yield
     imported_by.cache_clear()
+    nodes.cache_clear()
     tree.cache_clear()
 
 
@@ -85,11 +86,17 @@ def tree(path: Path) -> ast.Module:
 
 
 @cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    """All of a module's tree, walked once."""
+    return tuple(ast.walk(tree(path)))
+
+
+@cache
 def imported_by(path: Path) -> frozenset[str]:
     """Absolute dotted names that a file imports anywhere, `from a import b` as a and a.b."""
     names: set[str] = set()
     package = dotted(path) if path.name == "__init__.py" else dotted(path).rpartition(".")[0]
-    for node in ast.walk(tree(path)):
+    for node in nodes(path):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -182,7 +189,7 @@ MANY_FOR_A_REASON = {
 
 def functions(path: Path) -> Iterator[tuple[str, int]]:
     """(name, lines) of every function, decorators and docstring counted."""
-    for node in ast.walk(tree(path)):
+    for node in nodes(path):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
             yield node.name, (node.end_lineno or first) - first + 1
@@ -213,12 +220,12 @@ def parameters(path: Path) -> Iterator[tuple[str, int]]:
     module = dotted(path).removeprefix("airlight.")
     makers = {
         id(member): node.name
-        for node in ast.walk(tree(path))
+        for node in nodes(path)
         if isinstance(node, ast.ClassDef)
         for member in node.body
         if isinstance(member, ast.FunctionDef) and member.name == "__init__"
     }
-    for node in ast.walk(tree(path)):
+    for node in nodes(path):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             a = node.args
             named = [x for x in a.posonlyargs + a.args + a.kwonlyargs if x.arg not in _OWN]
@@ -256,19 +263,17 @@ def test_every_module_has_a_test():
     A module that tested ones import, of its folder or its room in parts, is tested through them.
     """
     files = [path for path in sorted(TESTS.rglob("*.py")) if path.name != "test_house.py"]
-    imported = {name for path in files for name in _test_imports(path)}
     # One search of all tests for dotted names, of which every beginning counts as named.
     named = {
         ".".join(name.split(".")[:length])
         for path in files
-        for name in set(re.findall(r"\bairlight(?:\.\w+)*", path.read_text(encoding="utf-8")))
+        for name in names_of_modules(path.read_text(encoding="utf-8"))
         for length in range(1, name.count(".") + 2)
     }
     tested = {
         path
         for path in modules()
-        if dotted(path) in imported
-        or dotted(path) in named
+        if dotted(path) in named
         or (TESTS / path.relative_to(SOURCE)).with_name(f"test_{path.name}").exists()
     }
     reached: set[Path] = set()
@@ -295,13 +300,25 @@ def _same_room(name: str, path: Path) -> bool:
     return own == other or is_in_parts
 
 
-def _test_imports(path: Path) -> Iterator[str]:
-    for node in ast.walk(tree(path)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+def names_of_modules(text: str) -> set[str]:
+    """What a test names dotted, and what it imports from a package. Its text is searched only:
+    the trees of all tests would take seconds."""
+    names = set(re.findall(r"\bairlight(?:\.\w+)*", text))
+    for package, imported in re.findall(
+        r"\bfrom +(airlight[.\w]*) +import +(\([^)]*\)|[^\n]*)", text
+    ):
+        names |= {f"{package}.{name}" for name in re.findall(r"\w+", imported)}
+    return names
+
+
+def test_names_of_modules_are_found():
+    text = (
+        "from airlight import scenes\nfrom airlight.pop import (\n    walls,\n    grid as g,\n)\n"
+    )
+    assert {"airlight.scenes", "airlight.pop.walls", "airlight.pop.grid"} <= names_of_modules(text)
+    assert "airlight.maths.tone" in names_of_modules(
+        'monkeypatch.setattr("airlight.maths.tone", 1)'
+    )
 
 
 def _is_only_a_docstring(path: Path) -> bool:
@@ -434,7 +451,7 @@ def test_one_module_opens_files_for_reading():
         f"{relative(path)}:{node.lineno}: {ast.unparse(node)[:60]}"
         for path in modules()
         if path.relative_to(SOURCE).as_posix() not in (OPENS, *_READS_ITS_OWN)
-        for node in ast.walk(tree(path))
+        for node in nodes(path)
         if isinstance(node, ast.Call) and opens_for_reading(node)
     ]
     assert not found, f"read these by {OPENS}:\n" + "\n".join(found)

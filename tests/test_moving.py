@@ -38,7 +38,7 @@ SETTINGS = {
     "lpv": {**SURFACES, "map_resolution": 32, "iterations": 8},
     "lpv-scatter": {**SURFACES, "map_resolution": 32, "iterations": 4},
     "pop": {**SURFACES, "ordinates": 8, "grid": 6, "solver_steps": 6},
-    "auto": SURFACES,
+    "auto": {**SURFACES, "map_resolution": 32, "ordinates": 8, "grid": 6, "solver_steps": 6},
 }
 TIMES = (0.0, 0.7, 1.6)
 

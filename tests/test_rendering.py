@@ -405,7 +405,7 @@ def test_the_image_of_a_scene_does_not_depend_on_its_size(gpu, scale, technique)
             environment=Environment(radiance=(1, 1, 2)),
             camera=Camera(position=tuple(size * v for v in (1.2, 0.9, 2.0)), target=(0, 0, 0)),
         )
-        settings = DIRECT if technique == "direct" else {"resolution": 8, "iterations": 8}
+        settings = DIRECT if technique == "direct" else {**LPV, "resolution": 8, "iterations": 8}
         images.append(render(scene, technique, (32, 18), settings=settings, samples=1).radiance)
     # Blue light of the sky reaches the shadow, and what is farthest is the sky itself. Measured:
     # 2e-5 (`direct`), .0022 (`lpv`).

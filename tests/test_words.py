@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -113,12 +114,19 @@ def words_of(text: str) -> str:
     return re.sub(r"[_\s]+", " ", split).lower()
 
 
-def found_in(text: str) -> Iterator[tuple[str, str]]:
-    """(pattern, what it matched) of each replaced word in `text`."""
-    plain = words_of(text)
-    for pattern in INSTEAD:
-        for match in re.finditer(rf"(?<![a-z]){pattern}(?![a-z])", plain):
-            yield pattern, match[0]
+@cache
+def whole_words(patterns: tuple[str, ...]) -> re.Pattern[str]:
+    """What finds any of these patterns as words of their own."""
+    return re.compile(f"(?<![a-z])(?:{'|'.join(patterns)})(?![a-z])")
+
+
+def found_in(plain: str, patterns: Iterable[str] = tuple(INSTEAD)) -> Iterator[tuple[str, str]]:
+    """(pattern, what it matched) of each of the replaced words in what `words_of` gives."""
+    # Nearly all texts have none of them, which one search says.
+    if whole_words(tuple(patterns)).search(plain):
+        for pattern in patterns:
+            for match in whole_words((pattern,)).finditer(plain):
+                yield pattern, match[0]
 
 
 def names_in(tree: ast.AST) -> Iterator[str]:
@@ -136,12 +144,8 @@ def names_in(tree: ast.AST) -> Iterator[str]:
 
 def replaced_names(text: str) -> set[str]:
     """Those names of a module in which a word of `IN_NAMES` stands."""
-    return {
-        name
-        for name in names_in(ast.parse(text))
-        for pattern in IN_NAMES
-        if re.search(rf"(?<![a-z]){pattern}(?![a-z])", words_of(name))
-    }
+    words = whole_words(tuple(IN_NAMES))
+    return {name for name in names_in(ast.parse(text)) if words.search(words_of(name))}
 
 
 def is_allowed(pattern: str, name: str) -> bool:
@@ -153,28 +157,33 @@ def files() -> list[Path]:
     return sorted({path for glob in READ for path in REPOSITORY.glob(glob)} - own)
 
 
-def test_replaced_words_do_not_come_back():
+@pytest.fixture(scope="module")
+def words() -> dict[Path, str]:
+    """What `words_of` gives of each file that is read."""
+    return {path: words_of(path.read_text(encoding="utf-8")) for path in files()}
+
+
+def test_replaced_words_do_not_come_back(words):
     found: dict[str, int] = {}
-    for path in files():
+    for path, plain in words.items():
         name = path.relative_to(REPOSITORY).as_posix()
-        for text in (path.read_text(encoding="utf-8"), path.stem):
-            for pattern, word in found_in(text):
-                if not is_allowed(pattern, name):
-                    line = f"{name}: '{word}'; write: {INSTEAD[pattern]}"
-                    found[line] = found.get(line, 0) + 1
+        patterns = tuple(pattern for pattern in INSTEAD if not is_allowed(pattern, name))
+        for text in (plain, words_of(path.stem)):
+            for pattern, word in found_in(text, patterns):
+                line = f"{name}: '{word}'; write: {INSTEAD[pattern]}"
+                found[line] = found.get(line, 0) + 1
     assert not found, "\n".join(f"{line} ({count} times)" for line, count in found.items())
 
 
-def test_what_is_allowed_is_there():
+def test_what_is_allowed_is_there(words):
     """A use that is gone needs no permission."""
-    text = {path.relative_to(REPOSITORY).as_posix(): path for path in files()}
+    names = {path: path.relative_to(REPOSITORY).as_posix() for path in words}
     for pattern, places in ALLOWED.items():
         for place in places:
-            inside = [path for name, path in text.items() if is_allowed(pattern, name)]
-            used = [p for p in inside if place in p.as_posix()]
-            assert any(
-                known == pattern for p in used for known, _ in found_in(p.read_text("utf-8"))
-            ), f"'{pattern}' is not used in {place}"
+            inside = [p for p, name in names.items() if f"{name}/".startswith(f"{place}/")]
+            assert any(whole_words((pattern,)).search(words[path]) for path in inside), (
+                f"'{pattern}' is not used in {place}"
+            )
 
 
 @pytest.mark.parametrize(
@@ -182,19 +191,21 @@ def test_what_is_allowed_is_there():
     ["SeenTriangles", "a picture\n    of it", "has_suns", "even\nair", "drawn anew", "dead_ends"],
 )
 def test_the_check_catches_what_it_forbids(text):
-    assert list(found_in(text))
+    assert list(found_in(words_of(text)))
 
 
 @pytest.mark.parametrize("text", ["pictured", "evening air", "sunset", "a fair", "renewed"])
 def test_the_check_passes_other_words(text):
-    assert not list(found_in(text))
+    assert not list(found_in(words_of(text)))
 
 
-def test_names_are_the_fields_own():
+def test_names_are_the_fields_own(words):
+    # A file without the words has no such names, and need not be parsed.
+    used = whole_words(tuple(re.sub(r"\(\?!.*?\)", "", pattern) for pattern in IN_NAMES))
     found = [
         f"{name}: {word}"
-        for path in files()
-        if path.suffix == ".py"
+        for path, plain in words.items()
+        if path.suffix == ".py" and used.search(plain)
         for name in [path.relative_to(REPOSITORY).as_posix()]
         if not any(name.startswith(place) for place in NAMES_ALLOWED)
         for word in sorted(replaced_names(path.read_text(encoding="utf-8")))

@@ -74,14 +74,23 @@ LIGHTS = {  # out of sight, since pixels beside a lamp are no samples of their c
 }
 
 
-@pytest.mark.parametrize("g", [0.0, 0.6])
-@pytest.mark.parametrize("kind", LIGHTS)
+@pytest.mark.parametrize(
+    ("kind", "g"),
+    [
+        *((kind, 0.6) for kind in LIGHTS),
+        ("point", 0.0),
+        pytest.param("spot", 0.0, marks=pytest.mark.slow),
+        pytest.param("directional", 0.0, marks=pytest.mark.slow),
+    ],
+)
 def test_light_scattered_once_is_the_quadrature(judged, camera_rays, error, kind, g):
     light, albedo = LIGHTS[kind], 0.9
     air = Medium(tuple(SIGMA), (albedo,) * 3, (g,) * 3, CUBE)
     camera = Camera((0.3, 0.2, 0.9), (0.0, 0.1, -1.0), fov_y_deg=60.0)
     scene = Scene(lights=(light,), camera=camera, medium=air)
-    image = judged.air_image(scene, needs=["single_scatter"])
+    # What scatters again is not asked for.
+    once = {"ordinates": 4, "solver_steps": 1, "iterations": 1}
+    image = judged.air_image(scene, needs=["single_scatter"], **once)
     rays = camera_rays(camera, SIZE)
     eye = np.asarray(camera.position)
     _, length = quadrature.box_path(eye, rays, CUBE)
@@ -137,7 +146,7 @@ GROWS = {"lpv-scatter": 1.15, "auto": 1.15}
 is too bright in thin air. Measured 2026-11-21: pop .999, lpv-scatter 1.13 for g 0, 1.04 for .7."""
 
 
-@pytest.mark.parametrize("g", [0.0, 0.7])
+@pytest.mark.parametrize("g", [0.0, pytest.param(0.7, marks=pytest.mark.slow)])
 def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
     air = Medium((1.0,) * 3, WHITE, (g,) * 3, CUBE)
     scene = Scene(environment=Environment(), camera=OUTSIDE, medium=air)
@@ -148,7 +157,7 @@ def test_white_air_cannot_be_seen_in_a_white_world(judged, g):
         assert centre > 0.95
 
 
-@pytest.mark.parametrize("g", [0.0, 0.7])
+@pytest.mark.parametrize("g", [pytest.param(0.0, marks=pytest.mark.slow), 0.7])
 def test_a_cube_of_air_sends_out_what_it_gets(judged, g):
     """White air in parallel light: what was not transmitted leaves again, to all sides.
 

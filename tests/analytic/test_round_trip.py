@@ -50,8 +50,8 @@ def test_a_scene_read_back_is_the_same_image(name, judged, tmp_path):
     write_mitsuba(scene, tmp_path / "scene.xml")
     size = (48, 27)
     # Virtual lights are texels of maps: one that flips is a larger step than what is asked here.
-    before = judged.image(scene, size, virtual_lights=0)
-    after = judged.image(load(tmp_path / "scene.xml"), size, virtual_lights=0)
+    before = judged.image(scene, size, virtual_lights=0, ordinates=16)
+    after = judged.image(load(tmp_path / "scene.xml"), size, virtual_lights=0, ordinates=16)
     for layer, truth in before.layers.items():
         a, b = (
             np.nan_to_num(x.astype(np.float64), posinf=0.0) for x in (after.layers[layer], truth)

@@ -232,8 +232,14 @@ MOVES = {
 }
 
 
-@pytest.mark.parametrize("roof", [False, True])
-@pytest.mark.parametrize("name", MOVES)
+@pytest.mark.parametrize(
+    ("name", "roof"),
+    [
+        *((name, True) for name in MOVES),
+        ("leaves", False),
+        *(pytest.param(name, False, marks=pytest.mark.slow) for name in ("grows", "tilts", "ball")),
+    ],
+)
 def test_a_light_that_moves_grows_and_dims_is_as_if_made_so(name, roof) -> None:
     first, then = MOVES[name]
     scene = Scene(meshes=(FLOOR, ROOF) if roof else (FLOOR,), lights=(first,), camera=CAMERA)

@@ -14,6 +14,7 @@ from airlight.scene.shapes import box
 
 SIZE = (48, 32)
 LPV = {"resolution": 8, "shadow_resolution": 128, "lamp_resolution": 128, "map_resolution": 32}
+LPV |= {"iterations": 16, "surfels": 10_000}
 FRAMES = {**LPV, "gather": "always", "ambient_occlusion": False}
 WALLS = Mesh(box(), Material(base_color=(0.7, 0.6, 0.5), specular=0.0), np.diag((6, 3, 6, 1.0)))
 LIGHT = PointLight((1.0, 1.0, -1.0), (10, 10, 10))
@@ -70,7 +71,7 @@ def test_the_first_frame_is_that_of_none_and_none_depends_on_another():
 
 
 def test_at_rest_frames_converge_to_the_still():
-    truth = still(ROOM, 48)
+    truth = still(ROOM, 32)
     with Renderer(ROOM, "lpv", SIZE, settings={**FRAMES, "gather_history": 64}) as r:
         errors = [off(flat(r.frame().layers["indirect"]), flat(truth)) for _ in range(32)]
         last = r.frame().layers["indirect"]

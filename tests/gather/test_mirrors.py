@@ -93,7 +93,7 @@ def test_a_mirror_in_a_mirror_shows_what_a_twice_mirrored_camera_sees():
     assert np.sqrt((error**2).sum() / (truth[inside] ** 2).sum()) < 0.15
 
 
-@pytest.mark.parametrize("roughness", [0.1, 0.3])
+@pytest.mark.parametrize("roughness", [0.1, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_a_coat_in_a_mirror_shines_as_it_does_to_a_mirrored_camera(roughness):
     """A dark floor in a mirror that stands on it, under a uniform sky: its coat grazes the eye.
 

@@ -16,7 +16,7 @@ from airlight.rendering import Renderer
 from airlight.scene.io import load
 
 GATHERED = {**SMALL, "gather": "always"}
-SIZE = (96, 40)
+SIZE = (24, 16)
 MAIN = "@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(%s) id: vec3u) {\n    f(id);\n}\n"
 
 

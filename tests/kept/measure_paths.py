@@ -21,8 +21,12 @@ from airlight.scene.image import Image
 
 CEILINGS = Path(__file__).with_name("paths.toml")
 SIZE, SAMPLES = (160, 90), 2
-QUICK_SETTINGS = {name: {"resolution": 16} for name in ("lpv-scatter", "auto")}
-"""Of quick cases, in whose lattices light is scattered: most of the time went there."""
+_FEW = {"sky_lights": 32, "surfels": 50_000}
+QUICK_SETTINGS = {
+    **{name: {**_FEW, "resolution": 16} for name in ("lpv", "lpv-scatter", "auto")},
+    "pop": {**_FEW, "virtual_lights": 0, "ordinates": 16},
+}
+"""Of quick cases: most of the time went into their lattices."""
 SETTINGS = {"pop": {"virtual_lights": 0}}
 """Virtual lights are texels of maps: one that flips is a larger step than what is asked here."""
 LAYERS = ("direct", "indirect", "single_scatter", "multiple_scatter")

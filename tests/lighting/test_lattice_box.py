@@ -31,6 +31,7 @@ from airlight.scene.shapes import box
 
 FOG = Medium((0.3, 0.3, 0.3))
 OUTSIDE = Camera((1.0, 0.5, 1.4), (0.0, 0.0, 0.0))
+SMALL = {"resolution": 12, "sky_lights": 16, "sky_resolution": 32, "surfels": 10_000}
 CUBE = Scene((Mesh(box(), Material()),), camera=OUTSIDE)
 
 
@@ -129,7 +130,7 @@ def test_images_with_and_without_bounds_are_the_same(gpu: Gpu):
     filled = medium_box(FOG, *CUBE.bounds, OUTSIDE.position)
     explicit = replace(open_fog, medium=replace(FOG, bounds=filled))
     images = [
-        airlight.render(scene, technique, size=(24, 16), settings={"resolution": 12})
+        airlight.render(scene, technique, size=(24, 16), settings=SMALL, samples=1)
         for technique in ("single", "lpv-scatter")
         for scene in (open_fog, explicit)
     ]
@@ -145,7 +146,8 @@ def test_what_the_fog_before_an_object_scatters_many_times_is_there(gpu: Gpu, tm
     file = tmp_path / "room.toml"
     file.write_text(ROOM, encoding="utf-8")
     scene = airlight.load(file)
-    image = airlight.render(scene, "lpv-scatter", size=(128, 72))
+    settings = {"resolution": 24, "shadow_resolution": 512, "sky_lights": 32, "surfels": 20_000}
+    image = airlight.render(scene, "lpv-scatter", size=(64, 36), settings=settings, samples=4)
     scattered = image.layers["single_scatter"] + image.layers["multiple_scatter"]
     assert image.radiance.mean() == pytest.approx(2.633, rel=0.06)
     assert scattered.mean() == pytest.approx(2.453, rel=0.06)

@@ -23,6 +23,16 @@ PLATE = Scene(
     medium=THIN,
     camera=NEAR,
 )
+SETTINGS = {
+    "resolution": 12,
+    "shadow_resolution": 256,
+    "sky_lights": 16,
+    "sky_resolution": 32,
+    "surfels": 10_000,
+    "map_resolution": 32,
+    "iterations": 16,
+    "gather": "off",
+}
 BOUNDS = ((-20.0,) * 3, (20.0,) * 3)
 
 
@@ -77,14 +87,14 @@ def test_a_medium_with_bounds_is_reached_as_far_as_it_is_seen():
 @pytest.mark.parametrize("eye", [(12.0, 6.0, 20.0), (4.0, 2.0, -12.0)])
 def test_frames_of_a_camera_that_goes_away_are_those_of_one_that_was_there(eye):
     far = seen(PLATE, eye)
-    settings = {"resolution": 16}
-    with Renderer(PLATE, size=(48, 27), settings=settings) as renderer:
+    size = (24, 14)
+    with Renderer(PLATE, size=size, settings=SETTINGS) as renderer:
         renderer.frame()
         went = renderer.frame(camera=far.camera)
         back = renderer.frame(camera=NEAR)
-    with Renderer(far, size=(48, 27), settings=settings) as renderer:
+    with Renderer(far, size=size, settings=SETTINGS) as renderer:
         was = renderer.frame()
-    with Renderer(PLATE, size=(48, 27), settings=settings) as renderer:
+    with Renderer(PLATE, size=size, settings=SETTINGS) as renderer:
         stayed = renderer.frame()
     # Cells are others, but not more than twice as large: 16 % to 30 % were lost beyond lattices.
     assert went.radiance.sum() == pytest.approx(was.radiance.sum(), rel=0.02)

@@ -13,6 +13,8 @@ from airlight.scene import Camera, DirectionalLight, Environment, Material, Mesh
 from airlight.scene.shapes import box, quad
 
 SIZE = (32, 18)
+SETTINGS = {"shadow_resolution": 256, "sky_lights": 16, "sky_resolution": 32, "surfels": 10_000}
+LPV = {**SETTINGS, "resolution": 12, "map_resolution": 64, "ambient_occlusion": False}
 COLOUR = (0.5, 0.25, 0.125)  # exact in half floats
 
 
@@ -33,7 +35,7 @@ def _scene(stops: float | None, *, alpha: float = 1.0) -> Scene:
 @pytest.mark.both_paths
 @pytest.mark.parametrize("stops", [-3.0, 2.0])
 def test_the_exposed_image_shows_the_base_colour(stops: float) -> None:
-    image = render(_scene(stops), "direct", SIZE, samples=1)
+    image = render(_scene(stops), "direct", SIZE, samples=1, settings=SETTINGS)
     seen = tone_map(image.radiance[9, 16], image.exposure_stops, "none")
     np.testing.assert_allclose(seen, COLOUR, rtol=2e-3)
 
@@ -41,13 +43,13 @@ def test_the_exposed_image_shows_the_base_colour(stops: float) -> None:
 @pytest.mark.parametrize("samples", [1, 4])
 def test_an_image_that_exposes_itself_leaves_them_out_of_the_metering(samples: int) -> None:
     scene = _scene(None)
-    image = render(scene, "direct", SIZE, samples=samples)
+    image = render(scene, "direct", SIZE, samples=samples, settings=SETTINGS)
     seen = tone_map(image.radiance[9, 16], image.exposure_stops, "none")
     np.testing.assert_allclose(seen, COLOUR, rtol=2e-3)
     # Metered is what is lit: as of the same image with a black wall in their place.
     black = Material(base_color=(0.0, 0.0, 0.0), specular=0.0)
     dark = replace(scene, meshes=(replace(scene.meshes[0], material=black), scene.meshes[1]))
-    alone = render(dark, "direct", SIZE, samples=1)
+    alone = render(dark, "direct", SIZE, samples=1, settings=SETTINGS)
     assert image.exposure_stops == pytest.approx(alone.exposure_stops, abs=0.01)
     assert abs(image.exposure_stops) > 0.5
 
@@ -60,9 +62,8 @@ def test_they_light_nothing_and_stand_in_the_light_as_any_surface() -> None:
     scene = _scene(0.0)
     matt = replace(scene.meshes[0].material, is_unlit=False, specular=0.0)
     lit = replace(scene, meshes=(replace(scene.meshes[0], material=matt), scene.meshes[1]))
-    settings = {"ambient_occlusion": False}
     with_unlit, without = (
-        render(s, "lpv", SIZE, samples=1, settings=settings).radiance for s in (scene, lit)
+        render(s, "lpv", SIZE, samples=1, settings=LPV).radiance for s in (scene, lit)
     )
     is_wall = np.abs(with_unlit - COLOUR).max(axis=-1) < 2e-3
     assert 0.1 < is_wall.mean() < 0.6
@@ -70,15 +71,15 @@ def test_they_light_nothing_and_stand_in_the_light_as_any_surface() -> None:
 
 
 def test_of_a_blended_one_its_share_is_seen() -> None:
-    image = render(_scene(0.0, alpha=0.5), "direct", SIZE, samples=1)
-    clear = render(_scene(0.0, alpha=0.0), "direct", SIZE, samples=1)
+    image = render(_scene(0.0, alpha=0.5), "direct", SIZE, samples=1, settings=SETTINGS)
+    clear = render(_scene(0.0, alpha=0.0), "direct", SIZE, samples=1, settings=SETTINGS)
     # Front and back of the box, one behind the other, leave a quarter of what is behind.
     both = 0.75 * np.array(COLOUR) + 0.25 * clear.radiance[9, 16]
     np.testing.assert_allclose(image.radiance[9, 16], both, rtol=4e-3)
 
 
 def test_an_exposure_for_all_frames_replaces_the_cameras() -> None:
-    with Renderer(_scene(None), "direct", SIZE) as renderer:
+    with Renderer(_scene(None), "direct", SIZE, settings=SETTINGS) as renderer:
         renderer.exposure_stops = -2.0
         image = renderer.frame()
     assert image is not None and image.exposure_stops == -2.0

@@ -101,7 +101,7 @@ def test_a_moving_camera_changes_still_surfaces_by_little(gpu):
     with Still(scene, cascades=2) as still:
         fine = still.lattices.placements[0].cell
         before, origins, changes = None, set(), []
-        for step in range(16):
+        for step in range(10):
             offset = -0.3 * fine * step * np.array([0.5, 0.2, 0.8])
             now = still.image(camera=moved(scene.camera, offset))
             origins.add(still.lattices.placements[0].origin)
@@ -118,7 +118,7 @@ def test_a_moving_light_changes_light_by_little(gpu):
     scene = dataclasses.replace(inside(), lights=(local_light,))
     with Still(scene, cascades=2) as still:
         fine, changes, before = still.lattices.placements[0].cell, [], None
-        for step in range(8):
+        for step in range(5):
             place = tuple(np.add(local_light.position, (0.25 * fine * step, 0.0, 0.0)))
             now = still.image(lights=(dataclasses.replace(local_light, position=place),))
             if before is not None:

@@ -93,7 +93,7 @@ def photons(air: Air, elevation: float, count: int, rng) -> tuple[float, float]:
         (1.0, 0.2, 50.0, 0.03),
         (3.0, 0.0, 30.0, 0.09),
         (3.0, 0.8, 60.0, 0.06),
-        (6.0, 0.2, 40.0, 0.15),
+        pytest.param(6.0, 0.2, 40.0, 0.15, marks=pytest.mark.slow),
     ],
 )
 def test_the_sky_gives_the_ground_what_wandering_photons_give(

@@ -28,7 +28,7 @@ def solved(cells: int) -> list[tuple[int, int, db.Solution]]:
     return found
 
 
-@pytest.mark.parametrize("cells", [8, 16])
+@pytest.mark.parametrize("cells", [pytest.param(8, marks=pytest.mark.slow), 16])
 def test_seven_cubes_have_the_brightness_and_fluence_of_monte_carlo(cells):
     """Mean |log| over side, forward, back views: measured .069 at 8^3, .070 at 16^3.
 

@@ -71,8 +71,15 @@ def test_its_light_is_attenuated_as_that_of_its_parts(
     assert found == pytest.approx(truth, rel=0.05)
 
 
-@pytest.mark.parametrize("g", [0.35, 0.7])
-@pytest.mark.parametrize("half", [(1.0, 1.0), (1.25, 1.75)])
+@pytest.mark.parametrize(
+    ("half", "g"),
+    [
+        ((1.0, 1.0), 0.35),
+        ((1.25, 1.75), 0.7),
+        pytest.param((1.0, 1.0), 0.7, marks=pytest.mark.slow),
+        pytest.param((1.25, 1.75), 0.35, marks=pytest.mark.slow),
+    ],
+)
 def test_its_light_is_scattered_as_that_of_its_parts(half: tuple[float, float], g: float) -> None:
     """Into all directions, and straight on to an eye that looks at a part of the light."""
     rng = np.random.default_rng(4)

@@ -14,7 +14,7 @@ from airlight.media import media_slots
 from airlight.scene import Camera, DirectionalLight, Geometry, Material, Mesh, PointLight, Scene
 from airlight.scene.volume import Volume
 
-SIZE = (48, 32)
+SIZE = (24, 16)
 SMALL = {"resolution": 8, "shadow_resolution": 64, "lamp_resolution": 32, "sky_lights": 4}
 
 

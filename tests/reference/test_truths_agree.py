@@ -26,6 +26,7 @@ pytestmark = pytest.mark.needs("mitsuba", "numba")
 CUBE = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 TRAVEL = (0.0, 0.0, 1.0)
 DISTANCE_M, HALF_WIDTH_M = 200.0, 1.0
+SIDE, ASLANT = (1.0, 0.0, 0.0), (0.0, 0.6, 0.8)
 
 
 def intensity(image, variance):
@@ -50,8 +51,17 @@ def cube_seen_along(view, sigma_s, g):
     )
 
 
-@pytest.mark.parametrize("view", [(1.0, 0.0, 0.0), (0.0, 0.6, 0.8)])
-@pytest.mark.parametrize(("sigma_s", "g"), [(0.05, 0.0), (4.0, 0.0), (4.0, 0.7)])
+@pytest.mark.parametrize(
+    ("sigma_s", "g", "view"),
+    [
+        (0.05, 0.0, SIDE),
+        (4.0, 0.0, SIDE),
+        (4.0, 0.7, ASLANT),
+        pytest.param(0.05, 0.0, ASLANT, marks=pytest.mark.slow),
+        pytest.param(4.0, 0.0, ASLANT, marks=pytest.mark.slow),
+        pytest.param(4.0, 0.7, SIDE, marks=pytest.mark.slow),
+    ],
+)
 def test_a_cube_of_air_is_as_bright_in_all_of_them(sigma_s, g, view):
     light = trace(BoxMedium(sigma_s, 1.0, g), Beam(TRAVEL), photons=200_000, views=[view])
     is_compiled = choose_variant() != SCALAR_VARIANT

@@ -11,7 +11,7 @@ from .rooms import sheet
 
 LOW, HIGH = np.array([0.0, 0.0, 0.0]), np.array([12.0, 3.0, 12.0])
 CELL_M = 12.0 / 24
-SMALL = {"resolution": 24, "map_resolution": 64, "shadow_resolution": 256}
+SMALL = {"resolution": 24, "map_resolution": 64, "shadow_resolution": 256, "surfels": 50_000}
 
 
 def hall() -> Scene:

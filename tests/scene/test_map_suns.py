@@ -15,6 +15,8 @@ from airlight.maths.latlong import (
 )
 from airlight.scene.map_suns import SunlessEnvironment, SunLights, map_suns
 
+SMALL = {"resolution": 8, "iterations": 8, "map_resolution": 32, "surfels": 10_000}
+SMALL |= {"shadow_resolution": 1024, "sky_lights": 32, "sky_resolution": 32}
 SKY = (0.4, 0.6, 1.0)
 SUN = np.array((5.0, 4.0, 3.0))
 TOWARDS = np.array((0.4, 0.7, -0.59))
@@ -113,7 +115,9 @@ def test_a_sun_in_a_map_is_as_one_that_is_a_light(square, samples):
     )
     photo = replace(scene, environment=al.Environment(map=photographed(TOWARDS)))
     images = [
-        al.render(s, technique="lpv", size=(48, 32), samples=samples).layers["direct"]
+        al.render(s, technique="lpv", size=(48, 32), samples=samples, settings=SMALL).layers[
+            "direct"
+        ]
         for s in (lit, photo)
     ]
     # The direction of a map's sun is that of texels, .7 degrees apart: edges move by .02 m.

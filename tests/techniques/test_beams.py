@@ -40,7 +40,7 @@ def smoke_on_a_floor(g: float, albedo: float = 0.9) -> Scene:
 
 
 @pytest.mark.parametrize("technique", ["auto", "pop"])
-@pytest.mark.parametrize("g", [0.0, 0.6, 0.85])
+@pytest.mark.parametrize("g", [0.0, pytest.param(0.6, marks=pytest.mark.slow), 0.85])
 def test_a_floor_under_lit_smoke_gathers_what_a_tracer_counts(technique, g):
     """What the cube sends onto the floor under it, forwards alone or not.
 

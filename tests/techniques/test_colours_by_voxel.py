@@ -10,7 +10,12 @@ from airlight.scene import Camera, DirectionalLight, Environment, PointLight, Sc
 from airlight.scene.builtin.noise import fractal_noise
 
 BOX = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
-SETTINGS = {"pop": {"ordinates": 16, "grid": 10}, "lpv-scatter": {"resolution": 10}, "single": {}}
+MAPS = {"shadow_resolution": 256, "lamp_resolution": 64, "sky_lights": 16, "sky_resolution": 32}
+SETTINGS = {
+    "pop": {**MAPS, "ordinates": 16, "grid": 10},
+    "lpv-scatter": {**MAPS, "resolution": 10, "map_resolution": 64},
+    "single": MAPS,
+}
 # Steps and noise are the same. Of pop the diffusion's bound is that of all channels; of lpv-scatter
 # the length of its corrections is, and its iterations leave 2 % where channels differ so much.
 OFF = {"pop": 0.01, "lpv-scatter": 0.035, "single": 0.003}

@@ -38,15 +38,16 @@ SMALL = {
     "sky_lights": 4,
     "sky_resolution": 16,
 }
-POP = {"ordinates": 4, "grid": 6}
+LPV = {**SMALL, "map_resolution": 32, "iterations": 8}
+POP = {"ordinates": 4, "grid": 6, "solver_steps": 8, "surfels": 2000}
 ALL = [
     ("direct", SMALL),
     ("single", SMALL),
-    ("lpv", SMALL),
-    ("lpv", {**SMALL, "cascades": 2}),
-    ("lpv-sum", SMALL),
-    ("lpv-scatter", SMALL),
-    ("lpv-scatter", {**SMALL, "cascades": 2}),
+    ("lpv", LPV),
+    ("lpv", {**LPV, "cascades": 2}),
+    ("lpv-sum", LPV),
+    ("lpv-scatter", LPV),
+    ("lpv-scatter", {**LPV, "cascades": 2}),
     ("pop", POP),
     ("pop", {**POP, "scheme": "split"}),
     ("pop", {**POP, "scheme": "paper"}),
@@ -84,7 +85,7 @@ def test_many_volumes_are_the_same(monkeypatch, everything, technique):
     )
     scene, given = (
         dataclasses.replace(everything, volumes=volumes),
-        POP if technique == "pop" else SMALL,
+        {"pop": POP, "single": SMALL}.get(technique, LPV),
     )
     plain, usual = (
         drawn(monkeypatch, scene, technique, given, asked) for asked in ("default", "auto")

@@ -47,9 +47,16 @@ MEDIA: dict[str, dict[str, Any]] = {
 }
 SKY = Environment((0.2, 0.3, 0.4))
 SMALL: dict[str, dict[str, Any]] = {
-    "pop": {"grid": 6, "ordinates": 4, "virtual_lights": 4, "virtual_resolution": 16},
-    "direct": {},
+    "pop": {
+        "grid": 6,
+        "ordinates": 4,
+        "virtual_lights": 4,
+        "virtual_resolution": 16,
+        "surfels": 4000,
+    },
 }
+SURFACES = {"resolution": 8, "shadow_resolution": 128, "lamp_resolution": 64, "surfels": 4000}
+SURFACES |= {"sky_lights": 8, "sky_resolution": 16}
 ALL_LIGHTS = tuple(light for lights in LIGHTS.values() for light in lights)
 SOME_LIGHTS = ((), LIGHTS["sun"], (*LIGHTS["point"], *LIGHTS["spot"]), ALL_LIGHTS)
 SCHEMES: list[dict[str, Any]] = [
@@ -75,7 +82,7 @@ def check(scene: Scene, technique: str, settings: dict[str, Any]) -> None:
 
 
 def small(technique: str) -> dict[str, Any]:
-    return SMALL.get(technique, {"resolution": 8})
+    return SMALL.get(technique, SURFACES)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=str)

@@ -35,7 +35,9 @@ def intensity(scene: Scene, technique: str, **settings: object) -> float:
     return float(made.radiance[..., 0].astype(np.float64).sum() * pixel_m**2)
 
 
-@pytest.mark.parametrize(("sigma_t", "albedo"), [(2.0, 0.8), (6.0, 0.6)])
+@pytest.mark.parametrize(
+    ("sigma_t", "albedo"), [pytest.param(2.0, 0.8, marks=pytest.mark.slow), (6.0, 0.6)]
+)
 def test_a_puff_of_fire_has_the_tracers_energy(sigma_t: float, albedo: float) -> None:
     volume = puff(sigma_t, albedo)
     camera = Camera((0, 0, DISTANCE_M), (0, 0, 0), fov_y_deg=FOV_DEG)

@@ -24,6 +24,7 @@ SETTINGS = {
     "sky_lights": 4,
     "surfels": 2000,
 }
+POP = {"ordinates": 8, "grid": 6, "solver_steps": 8}
 THIN, THICK = (Medium((s,) * 3, (0.9, 0.8, 0.7)) for s in (0.1, 0.6))
 
 
@@ -150,7 +151,7 @@ def test_other_air_is_recorded_once_and_drawn_as_from_the_start(gpu, recordings,
 @pytest.mark.parametrize(
     ("technique", "settings", "expected"),
     [
-        ("auto", {"cascades": 2}, 5),  # shadow bounds; lattices of surfaces, and of volumes
+        ("auto", {"cascades": 2, **POP}, 5),  # shadow bounds; lattices of surfaces, and of volumes
         ("lpv-scatter", {"occlusion": False, "iterations": 8}, 2),
         ("lpv-scatter", {"iterations": 8}, 2),
     ],

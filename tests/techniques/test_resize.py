@@ -12,6 +12,7 @@ from airlight.scene.shapes import box
 
 SIZE, OTHER = (24, 14), (36, 20)
 SMALL = {"resolution": 8, "shadow_resolution": 64, "sky_lights": 0, "surfels": 2000}
+POP = {"ordinates": 8, "grid": 8, "solver_steps": 12, "virtual_lights": 8}
 
 
 def hazy(with_volume: bool = False) -> Scene:
@@ -28,7 +29,7 @@ def hazy(with_volume: bool = False) -> Scene:
 @pytest.mark.parametrize("technique", ["single", "pop"])
 def test_resized_is_as_if_made_so(technique):
     scene = hazy(with_volume=technique == "single")
-    settings = SMALL
+    settings = {**SMALL, **POP} if technique == "pop" else SMALL
     with Renderer(scene, technique, OTHER, settings=settings) as made:
         wanted = made.frame()
     with Renderer(scene, technique, SIZE, settings=settings) as resized:

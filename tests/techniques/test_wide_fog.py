@@ -26,7 +26,9 @@ SETTINGS = {
     "resolution": 16,
     "shadow_resolution": 128,
     "lamp_resolution": 128,
-    "sky_resolution": 64,
+    "sky_lights": 32,
+    "sky_resolution": 32,
+    "surfels": 10_000,
 }
 SUN = DirectionalLight((0.0, -1.0, 0.0), (3.0, 3.0, 3.0))
 SKY = Environment((0.5, 0.6, 0.8))
@@ -47,8 +49,15 @@ def drawn(scene: Scene, layer: str, technique: str = "lpv-scatter") -> np.ndarra
     return np.asarray(render(scene, technique, SIZE, settings=SETTINGS, samples=1).layers[layer])
 
 
-@pytest.mark.parametrize("technique", ["auto", "lpv-scatter"])
-@pytest.mark.parametrize("light", ["sun", "sky"])
+@pytest.mark.parametrize(
+    ("light", "technique"),
+    [
+        ("sun", "auto"),
+        ("sky", "lpv-scatter"),
+        pytest.param("sun", "lpv-scatter", marks=pytest.mark.slow),
+        pytest.param("sky", "auto", marks=pytest.mark.slow),
+    ],
+)
 def test_fog_scatters_more_than_once_as_it_does_without_surfaces(technique, light):
     """About a black cube of 5 cm, whose lattices reach as far as 10 cm."""
     camera = Camera((0.0, 0.0, 1.5), (0.0, 0.0, 0.0), fov_y_deg=20.0)

@@ -8,17 +8,21 @@ from __future__ import annotations
 
 from ..fields import AirLight
 from ..gpu.device import Gpu
+from ..lattice.placement import Placement
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
+from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
+from ..scene.camera import Camera
 from ..surface.hits import Hits
 from .calibration import RAYS
-from .cells import CellPoints, CellSums
+from .cells import CellPoints, CellSums, rows_of
 from .filtering import Filtering
 from .guided import GuidedRays
 from .history import History
 from .paths import Paths
 from .points import Points
+from .seen_cells import SeenCells, seen_cells
 from .settings import GatherSettings
 from .sky_cells import SkyCells
 from .sums import Sums
@@ -63,23 +67,48 @@ class ViewBatches:
 
 
 class CellBatches:
-    """Of so many `cells` of lattices; `rays` of each at once, and what samples before found."""
+    """Of the cells of lattices that a view reads; what samples before found in all of them."""
 
     def __init__(
-        self, gpu: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells, media: GpuMedia
+        self, scope: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells, media: GpuMedia
     ) -> None:
-        self.cells, self.points = cells, CellPoints(gpu, cells, media)
-        # As many rays of every point at once as an image of hits can hold.
-        width, height = self.points.reduced
-        most = gpu.limits["max-texture-dimension-2d"] // height
-        self.rays = max(1, min(rays, most, MOST_HITS // self.points.count))
-        hits = (width, height * self.rays)
-        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
-        self.paths = Paths(gpu, self.points, sky, self.rays, has_air=True)
-        self.sums = CellSums(gpu, self.points, kit.lattices.texture_size)
+        """`cells` of all lattices; `rays` that a cell sends in a sample, if so many fit."""
+        self._kit, self._sky, self._media, self.cells = kit, sky, media, cells
+        # As many rays of every cell at once as an image of hits can hold, however many are seen.
+        most = kit.gpu.limits["max-texture-dimension-2d"] // rows_of(cells)
+        self.rays = max(1, min(rays, most, MOST_HITS // cells))
+        self.sums = CellSums(scope, cells, kit.lattices.texture_size)
         self.found: AirLight | None = None
         self._given: AirLight | None = None
         self._sample, self._number = -1, 0
+        # Buffers are made once it is known how many cells are seen.
+        self._scope = scope.scope()
+        self._rows = 0
+        self._looked: tuple[Camera, float, tuple[Placement, ...]] | None = None
+        self._seen: SeenCells | None = None
+
+    def look(self, view: View, placements: tuple[Placement, ...]) -> SeenCells:
+        """The cells of these lattices that the view reads; all is made for them."""
+        aspect = view.size[0] / view.size[1]
+        looked = (view.camera, aspect, placements)
+        if self._seen is None or looked != self._looked:
+            seen = seen_cells(placements, view.camera, aspect)
+            self._fit(rows_of(seen.cells.size))
+            self.points.write(seen)
+            self.sums.write(seen)
+            self._looked, self._seen = looked, seen
+        return self._seen
+
+    def _fit(self, rows: int) -> None:
+        """Make points for so many rows of them, and what their rays need."""
+        if rows == self._rows:
+            return
+        self._scope.release()
+        self._rows, gpu = rows, self._scope
+        self.points = CellPoints(gpu, rows, self._media)
+        hits = (self.points.reduced[0], rows * self.rays)
+        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
+        self.paths = Paths(gpu, self.points, self._sky, self.rays, has_air=True)
 
     def number_of(self, sample: int, given: AirLight) -> int:
         """How many samples in a row there were of this light before this one."""

@@ -1,9 +1,10 @@
-// The middles of a lattice's cells as gather points, one after the other in rows of texels; for each, the
-// direction to the eye, and by what mean cosine media scatter there.
+// The middles of the cells of a lattice that a view reads, as gather points, one after the other in rows of texels;
+// for each, the direction to the eye, and by what mean cosine media scatter there.
 //! use lattice_space
 //! use media
 //! use cell_order
 
+const NO_POINT = 0xffffffffu;
 const AROUND = 0.75;        // cells
 const FARTHER = 1e-3;       // of each step's weight
 
@@ -21,12 +22,18 @@ fn cosine_around(id: vec3u) -> vec3f {
     return forward / max(scattering, vec3f(1e-20));
 }
 
-@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id >= lattice.count)) {
+@compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) at: vec3u) {
+    let point = params.begin + at.y * params.width + at.x;
+    if (at.x >= params.width || point >= params.end) {
         return;
     }
-    let cell = cell_in(lattice.count, id);
-    let texel = vec2u((params.first + cell) % params.width, (params.first + cell) / params.width);
+    let texel = vec2u(point % params.width, point / params.width);
+    // Texels of the last row may have no cell.
+    if (seen[point] == NO_POINT) {
+        textureStore(places, texel, vec4f(0.0));
+        return;
+    }
+    let id = cell_at_index(lattice.count, seen[point] - params.first);
     let p = unwarped_point(lattice, id, vec3f(0.5));
     textureStore(places, texel, vec4f(p, 1.0));
     // What the eye sees is before it. So is all of the cell that it is in, seen from a cell behind it.

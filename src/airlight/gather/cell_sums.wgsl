@@ -1,15 +1,26 @@
 // The radiance along the rays of each cell: its mean, and what of it media there scatter towards the eye.
 //! use gather
+// Cells that the view does not read sent no rays, and keep what the lattice solved.
 //! use cell_order
 
+const NO_POINT = 0xffffffffu;
 const LARGEST_HALF = 65504.0;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
     }
+    let cell = params.first + cell_in(lattice.count, id);
+    let texel = id + vec3u(0u, lattice.first_row, 0u);
+    let point = points_of_cells[cell];
+    if (point == NO_POINT) {
+        let scattered = textureLoad(solved, texel, 0).rgb - textureLoad(unscattered, texel, 0).rgb;
+        let mean = params.solved_scale * max(scattered, vec3f(0.0));
+        before[cell] = vec4f(mean, 0.0);
+        textureStore(inscattered, texel, vec4f(min(params.scale * mean, vec3f(LARGEST_HALF)), 1.0));
+        return;
+    }
     // The gather point of the cell, as cell_points.wgsl laid it.
-    let point = params.first + cell_in(lattice.count, id);
     let at = vec2u(point % params.width, point / params.width);
     let axis = textureLoad(axes, at, 0);
     let g = textureLoad(cosines, at, 0).rgb;
@@ -27,10 +38,10 @@ const LARGEST_HALF = 65504.0;
         towards_eye += scattering_phase(cosine, g) * found;
         k++;
     }
-    let texel = id + vec3u(0u, lattice.first_row, 0u);
     // What rays of the next sample meet in the air: the mean of this and earlier samples, the later ones more.
-    let kept = mix(before[point].rgb, mean_radiance / f32(params.rays), params.weight);
-    before[point] = vec4f(kept, 0.0);
+    let kept = mix(before[cell].rgb, mean_radiance / f32(params.rays), params.weight);
+    before[cell] = vec4f(kept, 0.0);
     // The sum as marching reads it, scaled to half floats.
-    textureStore(inscattered, texel, vec4f(min(params.scale * towards_eye, vec3f(LARGEST_HALF)), 1.0));
+    let seen = params.scale / f32(params.rays) * towards_eye;
+    textureStore(inscattered, texel, vec4f(min(seen, vec3f(LARGEST_HALF)), 1.0));
 }

@@ -6,7 +6,7 @@ middles of the cells find instead what surfaces and the air beyond send there, a
 do. Half of them go into all directions alike, half where the media's phase function towards the eye
 is large; what it scatters of their radiance is kept, and the mean for the rays of the next sample.
 The first sample's rays meet the light in air that the lattice solved, later ones' what earlier
-samples found.
+samples found. Cells that the view does not read send none, and keep what the lattice solved.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from ..gpu.slots import FILTERED, image, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
+from .seen_cells import NO_POINT, SeenCells
 
 # Texels in a row of the images whose points are cells.
 _WIDTH = 1024
@@ -34,9 +35,11 @@ CellLight = tuple[LatticeSource, AirLight]
 
 
 class CellPointParams(Struct):
-    """Where a lattice's cells begin among the points, and the width of their texture."""
+    """Which points are cells of a lattice, and where these begin among the cells of all."""
 
-    first = u32("points")
+    first = u32("cell")
+    begin = u32("point")
+    end = u32("point")
     width = u32("texels")
     eye = vec3f("world, m")
     ahead = vec3f("unit length, where it looks")
@@ -45,19 +48,20 @@ class CellPointParams(Struct):
 class CellSumParams(Struct):
     """Where a lattice's cells begin, which rays they sent, and the scale of their sums."""
 
-    first = u32("points")
+    first = u32("cell")
     width = u32("texels")
     points = u32("from one ray of a point to its next")
     rays = u32("of a point")
     first_ray = u32()
-    scale = f32("stored units per W m^-2 sr^-1, over the number of rays")
+    scale = f32("stored units per W m^-2 sr^-1")
+    solved_scale = f32("W m^-2 sr^-1 per stored unit of what the lattice solved")
     weight = f32("of this sample in what the next one's rays meet")
 
 
 class CellAirParams(Struct):
-    """Where a lattice's cells begin among the points, and the scale of their light."""
+    """Where a lattice's cells begin, and the scale of their light."""
 
-    first = u32("points")
+    first = u32("cell")
     scale = f32("stored units per W m^-2 sr^-1")
 
 
@@ -68,6 +72,7 @@ class _CellPoints(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", CellPointParams),
             uniform("lattice", LatticeParams),
+            storage("seen", "u32"),
             texture("lattice_walls", "3d"),
             *media.medium_slots,
             image("places", "rgba32float"),
@@ -83,9 +88,12 @@ class _CellSums(ComputePass):
     slots = (
         uniform("params", CellSumParams),
         uniform("lattice", LatticeParams),
+        storage("points_of_cells", "u32"),
         storage("paths", "vec4f"),
         texture("axes", "2d", "unfilterable-float"),
         texture("cosines", "2d", "unfilterable-float"),
+        texture("solved", "3d", "unfilterable-float"),
+        texture("unscattered", "3d", "unfilterable-float"),
         image("inscattered", FILTERED, "3d"),
         storage("before", "vec4f", "read_write"),
     )
@@ -106,21 +114,22 @@ class _CellAir(ComputePass):
 
 
 class CellPoints:
-    """The middles of all cells of nested lattices, as `points.Points` has those of an image.
+    """The middles of cells that a view reads, as `points.Points` has those of an image.
 
     `normals`: in place of a surface's the direction to the eye, with the mean of the three
     `cosines`, by which the media of the cell scatter.
     """
 
-    def __init__(self, gpu: Gpu, cells: int, media: GpuMedia) -> None:
-        """For so many `cells`, of all lattices together, in `media`."""
+    def __init__(self, gpu: Gpu, rows: int, media: GpuMedia) -> None:
+        """For so many `rows` of cells, of all lattices together, in `media`."""
         # Cells are points of an image, so that their rays are traced like those of pixels.
-        self.reduced = (_WIDTH, -(-cells // _WIDTH))
+        self.reduced = (_WIDTH, rows)
         self.places = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
         self.normals, self.cosines = (
             Texture(gpu, f"cell {name}", self.reduced, "rgba16float", written=True)
             for name in ("axes", "mean cosines")
         )
+        self._seen = Buffer(gpu, "seen cells", 4 * self.count)
         self._pass, self._media = _CellPoints(gpu, media), media
 
     @property
@@ -128,22 +137,42 @@ class CellPoints:
         """How many there are room for: whole rows of texels."""
         return self.reduced[0] * self.reduced[1]
 
+    def write(self, seen: SeenCells) -> None:
+        """Take these cells, for which there is room."""
+        listed = np.full(self.count, NO_POINT, np.uint32)
+        listed[: seen.cells.size] = seen.cells
+        self._seen.write(listed)
+
     def encode(
-        self, commands: Commands, view: View, placements: tuple[Placement, ...], walls: Texture
+        self,
+        commands: Commands,
+        view: View,
+        placements: tuple[Placement, ...],
+        seen: SeenCells,
+        walls: Texture,
     ) -> None:
-        """Take the middles of the cells of these lattices; `walls` as of their blockers."""
+        """Take the middles of the cells that were written; `walls` as of the blockers."""
         # Directions lead to a point behind the eye, so that the cell around it is seen, too.
         ahead = np.subtract(view.camera.target, view.camera.position)
         ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
-        # Cells of all lattices are numbered in one row, and rays of all of them traced at once.
-        for first, placement in _numbered(placements):
+        # Points of all lattices lie in one row; the last's go on to the end of its texels.
+        ends = [begin for _, begin in seen.firsts[1:]] + [self.count]
+        for placement, (first, begin), end in zip(placements, seen.firsts, ends, strict=True):
+            if begin == end:
+                continue
             self._pass.dispatch(
                 commands,
-                placement.count,
+                (_WIDTH, -(-(end - begin) // _WIDTH)),
                 params=CellPointParams(
-                    first=first, width=_WIDTH, eye=view.eye, ahead=ahead.tolist()
+                    first=first,
+                    begin=begin,
+                    end=end,
+                    width=_WIDTH,
+                    eye=view.eye,
+                    ahead=ahead.tolist(),
                 ),
                 lattice=placement.params(),
+                seen=self._seen,
                 lattice_walls=walls,
                 **self._media.medium_bound,
                 places=self.places,
@@ -152,28 +181,47 @@ class CellPoints:
             )
 
 
+def rows_of(cells: int) -> int:
+    """Rows of texels for so many: a few more than they need, so that few sizes differ."""
+    rows = max(1, -(-cells // _WIDTH))
+    step = 1 << max(0, rows.bit_length() - 3)
+    return -(-rows // step) * step
+
+
 class CellSums:
     """The radiance that arrives in cells, in textures such as `LatticeSource` binds."""
 
-    def __init__(self, gpu: Gpu, points: CellPoints, size: tuple[int, int, int]) -> None:
-        """`size` in cells: of the textures that lattices share."""
+    def __init__(self, gpu: Gpu, cells: int, size: tuple[int, int, int]) -> None:
+        """Of so many `cells` of all lattices; `size` in cells: of the textures that these share."""
         # Light towards the eye and light that rays meet, in textures of all lattices.
         self._inscattered, self._air = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
             for name in ("gathered in-scattering", "gathered light in air")
         )
-        self._before = Buffer(gpu, "light in air before", 16 * points.count)
-        self._points, self._pass, self._next = points, _CellSums(gpu), _CellAir(gpu)
+        self._before = Buffer(gpu, "light in air before", 16 * cells)
+        self._points_of_cells = Buffer(gpu, "points of cells", 4 * cells)
+        self._cells, self._pass, self._next = cells, _CellSums(gpu), _CellAir(gpu)
+
+    def write(self, seen: SeenCells) -> None:
+        """Take these cells as those that have points."""
+        self._points_of_cells.write(seen.points(self._cells))
 
     def encode(
-        self, commands: Commands, paths: Buffer, numbers: range, light: CellLight, number: int
+        self,
+        commands: Commands,
+        points: CellPoints,
+        paths: Buffer,
+        numbers: range,
+        light: CellLight,
+        number: int,
     ) -> CellLight:
-        """`light` with that of the `paths` of the rays of these `numbers`.
+        """`light` with that of the `paths` of the rays of these `numbers` from `points`.
 
         `number`: how many samples of the same light there were before.
         """
         scattered, air = light
-        largest, points = scattered.placement.cell, self._points.count
+        largest = scattered.placement.cell
+        assert air.mean.mean is not None
         for first, placement in _numbered(scattered.levels):
             # Marching takes textures to hold the power of cells: of smaller ones, less.
             share = (placement.cell / largest) ** 2
@@ -183,16 +231,20 @@ class CellSums:
                 params=CellSumParams(
                     first=first,
                     width=_WIDTH,
-                    points=points,
+                    points=points.count,
                     rays=len(numbers),
                     first_ray=numbers.start,
-                    scale=share / (scattered.scale * len(numbers)),
+                    scale=share / scattered.scale,
+                    solved_scale=air.mean.scale / share,
                     weight=2.0 / (number + 2.0),
                 ),
                 lattice=placement.params(),
+                points_of_cells=self._points_of_cells,
                 paths=paths,
-                axes=self._points.normals,
-                cosines=self._points.cosines,
+                axes=points.normals,
+                cosines=points.cosines,
+                solved=air.mean.mean,
+                unscattered=air.unscattered,
                 inscattered=self._inscattered,
                 before=self._before,
             )

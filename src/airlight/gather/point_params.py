@@ -1,4 +1,4 @@
-"""What passes over gather points, or from them to pixels, must know; what those bind that choose."""
+"""What passes over gather points, or from them to pixels, must know and bind."""
 
 from __future__ import annotations
 

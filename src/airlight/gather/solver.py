@@ -170,7 +170,7 @@ class GatherSolver(Solver):
     def _gathered_air(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """`fields` with the light in media of lattices found by rays of their cells."""
         rays, source = self.settings.gather_air, fields.scattered
-        # In lattices of media that are marched, if their cells send rays.
+        # In lattices of media that are marched, if their cells send rays; those that are seen do.
         if not rays or self._air is None or source is None or fields.air is None:
             return fields
         # Buffers are for so many cells: only lattices of other sizes need new ones.
@@ -181,9 +181,10 @@ class GatherSolver(Solver):
                 self._air_scope, self.kit, cells, rays, self._cells, self._air.media
             )
         sized = self._in_air
+        seen = sized.look(view, source.levels)
         with commands.stage("gather points"):
             walls = self.kit.blockers.bound["lattice_walls"]
-            sized.points.encode(commands, view, source.levels, walls)
+            sized.points.encode(commands, view, source.levels, seen, walls)
         # Rays of later samples meet what those of earlier ones found.
         given, number = fields.air, sized.number_of(view.sample, fields.air)
         met = fields if number == 0 else replace(fields, air=sized.found)
@@ -192,7 +193,7 @@ class GatherSolver(Solver):
             pass
         with commands.stage("gather lighting"):
             scattered, sized.found = sized.sums.encode(
-                commands, sized.paths.buffer, numbers, (source, given), number
+                commands, sized.points, sized.paths.buffer, numbers, (source, given), number
             )
         return replace(fields, scattered=scattered, air=sized.found)
 

@@ -1,0 +1,92 @@
+"""Which cells of lattices the rays of a view read, in a list.
+
+Only their light is seen; what other cells scatter towards the eye nobody asks for.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..lattice.placement import Placement
+from ..maths.transforms import F64, clip_from_view_infinite, view_from_world
+from ..scene.camera import Camera
+
+U32 = NDArray[np.uint32]
+NO_POINT = 0xFFFFFFFF
+"""Of a cell that the view does not read, as in `cell_sums.wgsl`."""
+READ = 2.0
+"""From a cell's middle to where its light is read, on each axis, in cells: to the middle of its
+neighbour, and as far as walls move that."""
+
+
+class SeenCells(NamedTuple):
+    """The cells (n,) uint32 that are seen, numbered over all lattices, the finest first.
+
+    `firsts`: of each lattice the number of its first cell, and where its cells begin in the list.
+    """
+
+    cells: U32
+    firsts: tuple[tuple[int, int], ...]
+
+    def points(self, count: int) -> U32:
+        """Of each of `count` cells its place in the list (count,), or NO_POINT."""
+        places = np.full(count, NO_POINT, np.uint32)
+        places[self.cells] = np.arange(self.cells.size, dtype=np.uint32)
+        return places
+
+
+def seen_cells(placements: tuple[Placement, ...], camera: Camera, aspect: float) -> SeenCells:
+    """Those of nested lattices, the finest first, that an image of this aspect ratio reads."""
+    planes = _planes(camera, aspect)
+    found, firsts, first, begin = [], [], 0, 0
+    finer: Placement | None = None
+    for placement in placements:
+        seen = np.flatnonzero(_are_before(placement, planes) & ~_are_covered(placement, finer))
+        found.append((first + seen).astype(np.uint32))
+        firsts.append((first, begin))
+        first, begin, finer = first + placement.cells, begin + seen.size, placement
+    return SeenCells(np.concatenate(found), tuple(firsts))
+
+
+def _planes(camera: Camera, aspect: float) -> F64:
+    """(5, 4): n and d of the planes that bound a view; n p + d >= 0 within."""
+    look = np.subtract(camera.target, camera.position)
+    view = view_from_world(camera.position, look, camera.up)
+    x, y, _, w = clip_from_view_infinite(np.radians(camera.fov_y_deg), aspect, 1.0) @ view
+    return np.array([w, w + x, w - x, w + y, w - y])
+
+
+def _are_before(placement: Placement, planes: F64) -> NDArray[np.bool_]:
+    """Whether what reads each cell may lie within all planes, in the order of cells."""
+    along = planes[:, :3] @ np.array(placement.axes).T
+    # A plane's distance is a sum of one term for each axis.
+    is_before = np.ones(placement.count[::-1], bool)
+    reach = READ * placement.cell * np.abs(along).sum(axis=1)
+    for n, d, farthest in zip(along, planes[:, 3], reach, strict=True):
+        x, y, z = (n[k] * middles for k, middles in enumerate(_middles(placement)))
+        is_before &= x + y[:, None] + z[:, None, None] >= -d - farthest
+    return is_before.ravel()
+
+
+def _are_covered(placement: Placement, finer: Placement | None) -> NDArray[np.bool_]:
+    """Whether each cell is read only where the next finer lattice has all light."""
+    if finer is None:
+        return np.zeros(placement.cells, bool)
+    fade, reach = finer.borders, READ * placement.cell
+    low = np.add(fade.low, fade.low_width) + reach
+    high = np.subtract(fade.high, fade.high_width) - reach
+    x, y, z = (
+        (middles > low[k]) & (middles < high[k]) for k, middles in enumerate(_middles(placement))
+    )
+    return np.asarray(x & y[:, None] & z[:, None, None], bool).ravel()
+
+
+def _middles(placement: Placement) -> list[F64]:
+    """Where the middles of cells lie on each axis, metres along it."""
+    return [
+        np.asarray(low + placement.cell * (np.arange(count) + 0.5), np.float64)
+        for low, count in zip(placement.origin, placement.count, strict=True)
+    ]

@@ -1,0 +1,107 @@
+"""Which cells of lattices a view reads: all that its rays do, and few others."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.gather.test_solver import LPV, X, Z, rectangle
+
+from airlight.gather import batches
+from airlight.gather.seen_cells import NO_POINT, SeenCells, seen_cells
+from airlight.lattice.placement import Fade, Placement
+from airlight.rendering import render
+from airlight.scene import Camera, DirectionalLight, Material, Medium, Scene
+
+TURNED = ((0.8, 0.0, 0.6), (0.0, 1.0, 0.0), (-0.6, 0.0, 0.8))
+COARSE = Placement((-8.0, -4.0, -8.0), 1.0, (16, 8, 16), axes=TURNED)
+FINE = Placement(
+    (-4.0, -4.0, -4.0),
+    0.5,
+    (16, 16, 16),
+    fade=Fade((-4.0,) * 3, (0.5,) * 3, (4.0,) * 3, (0.5,) * 3),
+    axes=TURNED,
+)
+CAMERA = Camera((2.0, 0.5, 3.0), (-1.0, 0.0, -1.0), fov_y_deg=40.0)
+
+
+def points_in_view(camera, count):
+    """Points (count, 3) along rays of a view twice as wide as high."""
+    rng = np.random.default_rng(5)
+    forward = np.subtract(camera.target, camera.position)
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, (0.0, 1.0, 0.0))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    half = np.tan(np.radians(0.5 * camera.fov_y_deg))
+    u, v = rng.uniform(-1.0, 1.0, (2, count, 1))
+    depth = rng.uniform(0.0, 16.0, (count, 1))
+    return np.array(camera.position) + depth * (forward + half * (2.0 * u * right + v * up))
+
+
+def test_all_cells_that_rays_of_the_view_read_are_among_them():
+    """Rays read the eight cells around a point of every lattice that counts there."""
+    seen = seen_cells((FINE, COARSE), CAMERA, 2.0)
+    is_seen = np.zeros(FINE.cells + COARSE.cells, bool)
+    is_seen[seen.cells] = True
+    points = points_in_view(CAMERA, 20_000) @ np.array(TURNED).T
+    low, high = FINE.bounds
+    covered = ((points > low + 0.5) & (points < high - 0.5)).all(axis=1)
+    for placement, first, at in ((FINE, 0, points), (COARSE, FINE.cells, points[~covered])):
+        low, high = placement.bounds
+        inside = at[((at > low) & (at < high)).all(axis=1)]
+        assert len(inside) > 1000
+        lower = np.floor((inside - low) / placement.cell - 0.5).astype(int)
+        for step in np.ndindex(2, 2, 2):
+            x, y, z = np.clip(lower + step, 0, np.array(placement.count) - 1).T
+            number = (z * placement.count[1] + y) * placement.count[0] + x
+            assert is_seen[first + number].all()
+    # What lies READ cells around those is much of so few; behind the eye are none.
+    assert is_seen.mean() < 0.7
+
+
+def test_points_are_the_places_in_the_list():
+    seen = seen_cells((FINE, COARSE), CAMERA, 2.0)
+    count = FINE.cells + COARSE.cells
+    points = seen.points(count)
+    np.testing.assert_array_equal(points[seen.cells], np.arange(seen.cells.size))
+    assert (points == NO_POINT).sum() == count - seen.cells.size
+    (first, begin), (other, middle) = seen.firsts
+    assert (first, begin, other) == (0, 0, FINE.cells)
+    assert (seen.cells[:middle] < FINE.cells).all()
+    assert (seen.cells[middle:] >= FINE.cells).all()
+
+
+def test_a_view_that_sees_nothing_has_no_cells():
+    away = Camera((0.0, 0.0, 20.0), (0.0, 0.0, 40.0), fov_y_deg=40.0)
+    assert seen_cells((COARSE,), away, 1.0).cells.size == 0
+
+
+def every_cell(placements, camera, aspect):
+    counts = [placement.cells for placement in placements]
+    firsts = [sum(counts[:k]) for k in range(len(counts))]
+    return SeenCells(
+        np.arange(sum(counts), dtype=np.uint32), tuple(zip(firsts, firsts, strict=True))
+    )
+
+
+@pytest.mark.parametrize("away", [0.0, 30.0])
+def test_the_image_is_as_if_all_cells_sent_rays(monkeypatch, away):
+    """Fog between a lit floor and a dark one; the camera sees a corner of it, or none."""
+    floor = rectangle(-2 * X - 2 * Z, 4 * X, 4 * Z, Material(base_color=(0.8,) * 3, specular=0.0))
+    air = Medium((0.2,) * 3, (1.0,) * 3, bounds=((-2.0, 0.0, -2.0), (2.0, 3.0, 2.0)))
+    camera = Camera((-1.5, 1.5 + away, 1.5), (-2.0, 0.5 + away, -2.0), fov_y_deg=40.0)
+    sun = DirectionalLight((0.3, -1, 0), (np.pi,) * 3)
+    scene = Scene((floor,), (sun,), camera=camera, medium=air)
+    settings = {**LPV, "iterations": 8, "resolution": 12, "march_resolution": "full"}
+
+    def scattered():
+        return render(scene, "lpv-scatter", (16, 12), samples=8, settings=settings).layers[
+            "multiple_scatter"
+        ]
+
+    few = scattered()
+    monkeypatch.setattr(batches, "seen_cells", every_cell)
+    all_of_them = scattered()
+    np.testing.assert_allclose(few.mean(), all_of_them.mean(), rtol=0.02)
+    # 64 rays of each cell: what is left is their noise.
+    assert np.linalg.norm(few - all_of_them) <= 0.05 * np.linalg.norm(all_of_them)
