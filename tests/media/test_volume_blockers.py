@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,15 @@ SIDE = 4
 UNORM = 1.0 / 255.0
 
 
-def faces(gpu: Gpu, owned: Callable[[Any], Any], volume: Volume, closed: float) -> np.ndarray:
-    """(z, y, x, 8, 4) shares of a lattice of 4^3 cells of half a metre around the origin."""
+def faces(
+    gpu: Gpu,
+    owned: Callable[[Any], Any],
+    volume: Volume,
+    closed: float,
+    boxes: Sequence[np.ndarray] = (),
+) -> dict[str, np.ndarray]:
+    """(z, y, x, 8, 4) shares of a lattice of 4^3 cells of half a metre around the origin, with all
+    walls and with those in `boxes`."""
     scene = Scene(volumes=(volume,))
     air, commands = owned(GpuMedia(gpu, scene, light_count=0)), Commands(gpu)
     air.update(commands, scene, np.full(3, -1.0), np.full(3, 1.0))
@@ -30,9 +37,13 @@ def faces(gpu: Gpu, owned: Callable[[Any], Any], volume: Volume, closed: float) 
     wall[:, 6:] = 255 - round(255 * closed)
     walls = owned(buffer_of(gpu, "walls", wall))
     faced = owned(VolumeBlockers(gpu, air, SIDE**3))
-    faced.encode(commands, Placement((-1.0,) * 3, 0.5, (SIDE,) * 3), walls)
+    faced.encode(commands, Placement((-1.0,) * 3, 0.5, (SIDE,) * 3), walls, boxes)
     commands.submit()
-    return faced.faces.read().view(np.uint8).reshape(SIDE, SIDE, SIDE, 8, 4) * UNORM
+    found = {"faces": faced.faces, "known": faced.known_faces}
+    return {
+        name: buffer.read().view(np.uint8).reshape(SIDE, SIDE, SIDE, 8, 4) * UNORM
+        for name, buffer in found.items()
+    }
 
 
 @pytest.mark.parametrize("closed", [0.0, 0.4])
@@ -43,7 +54,7 @@ def test_what_collides_is_absorbed_or_goes_either_way(
     air = Volume(
         (sigma,) * 3, shape="box", albedo=tuple(albedo), g=(g,) * 3, bounds=((-2,) * 3, (2,) * 3)
     )
-    got = faces(gpu, owned, air, closed)
+    got = faces(gpu, owned, air, closed)["faces"]
     scattering, extinction = sigma * albedo * (1 - g), sigma * (1 - albedo * g)
     collided = 1.0 - np.exp(-0.5 * extinction.mean())
     back = 0.5 * collided * scattering / extinction.mean()
@@ -58,9 +69,27 @@ def test_what_collides_is_absorbed_or_goes_either_way(
 
 
 def test_white_air_keeps_all_light(gpu: Gpu, owned: Callable[[Any], Any]) -> None:
-    got = faces(gpu, owned, Volume((3.0,) * 3, shape="sphere"), 0.0)
+    got = faces(gpu, owned, Volume((3.0,) * 3, shape="sphere"), 0.0)["faces"]
     np.testing.assert_allclose(got[..., :6, 0], got[..., :6, 3], atol=1.2 * UNORM)
     assert got[..., :6, 3].max() > 0.2
     # Hop +x of a cell is closed as much as the next cell says of what comes in from it.
     np.testing.assert_allclose(1.0 - got[:, :, :-1, 0, 3], got[:, :, 1:, 6, 0], atol=1.2 * UNORM)
     assert got[0, 0, 0, 1, 3] == 0.0, "the ball does not reach into the corner"
+
+
+def test_walls_beyond_the_boxes_of_known_ones_are_black(
+    gpu: Gpu, owned: Callable[[Any], Any]
+) -> None:
+    air = Volume((1.5,) * 3, shape="box", bounds=((-2,) * 3, (2,) * 3))
+    # The lower half along x is known.
+    known = np.diag([1.0, 0.125, 0.125, 1.0])
+    known[:3, 3] = (1.1, 0.5, 0.5)
+    every, got = faces(gpu, owned, air, 0.4), faces(gpu, owned, air, 0.4, [known])
+    np.testing.assert_array_equal(got["faces"], every["faces"])
+    open_faces = faces(gpu, owned, air, 0.0)["faces"]
+    black = every["known"]
+    # What blocks is the same; what volumes reflect stays, of what walls leave open.
+    np.testing.assert_array_equal(black[..., 3], every["faces"][..., 3])
+    np.testing.assert_allclose(black[..., :6, :3], 0.6 * open_faces[..., :6, :3], atol=2.0 * UNORM)
+    np.testing.assert_array_equal(got["known"][:, :, 0, :6], every["faces"][:, :, 0, :6])
+    np.testing.assert_array_equal(got["known"][:, :, 3, :6], black[:, :, 3, :6])

@@ -248,7 +248,7 @@ def test_local_lights_reach_the_medium_like_their_twins(gpu):
             by_cell = intensity * (t * t * (3 - 2 * t))[..., None]
             mean = intensity * (0.5 - 0.25 * (inner + outer))
             beside = axis_share(position, axis, air.extent, air.centres)
-        one = point_light_beam(air, position, by_cell)
+        one = point_light_beam(air, position, by_cell, mean)
         beams.append(one)
         radius = 3.0 * width.diffusivity
         around = near_fluence(air, one, distance, mean, radius, width.density)

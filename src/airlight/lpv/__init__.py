@@ -13,6 +13,7 @@ solver           all of it, top to bottom: yields irradiance and reflected light
 settings         what it can be told
 cascades         the nested lattices and the buffers of each (section 4)
 lattice_media    how volumes take part: they attenuate, block and send light of their own
+less             light of one lattice without that of another
 seen_blockers    blockers from what camera and lights see, and
 geometry_volume  the paper's own, as spherical harmonics (section 3.2)
 """

@@ -41,7 +41,10 @@ class LatticeMedia(Protocol):
         """The faces between the cells of a lattice, with surfaces and media as blockers."""
 
     def send(self, commands: Commands, level: int, scale: float) -> None:
-        """Add the light that media scatter to the solved light of a lattice."""
+        """Solve a lattice with the light that media scatter.
+
+        Surfaces read `textures`, media the solver's own, which this fills, too.
+        """
 
     @property
     def forward(self) -> Irradiance | None:

@@ -175,6 +175,10 @@ class LpvSolver(Solver):
             self.resolve.encode(
                 commands, part.placement, part.sums, part.static, part.injected, scale
             )
+        # What media send goes through the lattice together with what surfaces do.
+        if self.media:
+            self.media.send(commands, level, scale)
+            return
         # Steps between cells; injected light and theirs are what surfaces read.
         with commands.stage("propagate"):
             total = self.propagated(commands, level, part.injected)
@@ -187,14 +191,21 @@ class LpvSolver(Solver):
                 is_shaped=self.lobe.is_shaped,
                 placement=part.placement,
             )
-        if self.media:
-            self.media.send(commands, level, scale)
 
-    def propagated(self, commands: Commands, level: int, injected: Buffer) -> Buffer:
-        """The sum of all propagation steps from the `injected` states of a lattice."""
+    def propagated(
+        self, commands: Commands, level: int, injected: Buffer, faces: Buffer | None = None
+    ) -> Buffer:
+        """The sum of all propagation steps from the `injected` states of a lattice.
+
+        `faces`: what blocks between its cells, else all that does. The next call overwrites it.
+        """
         part = self.cascades[level]
         return part.propagate.encode(
-            commands, injected, self.faces(level), self.steps, has_tail=self.settings.tail
+            commands,
+            injected,
+            faces or self.faces(level),
+            self.steps,
+            has_tail=self.settings.tail,
         )
 
     def enter(

@@ -112,13 +112,15 @@ class Beam:
 
     Around a point both differ by cell: (z, y, x, 3), (z, y, x, channel); see `point_light_beam`.
     `mean_cosine` is that of its part of the sky; `passed` (z, y, x), m, the density that its light
-    has passed on reaching each cell's centre.
+    has passed on reaching each cell's centre. `missing` (z, y, x, channel), W m^-2, is light beside
+    it that comes from all sides; see `point_light_beam.missing_irradiance`.
     """
 
     direction: F64
     irradiance: F64
     mean_cosine: float
     passed: F64
+    missing: F64 | float = 0.0
 
     def optical_depth(self, medium: MediumGrid) -> F64:
         """tau (z, y, x, channel) from the light to every cell's centre."""
@@ -176,10 +178,10 @@ def deposit(medium: MediumGrid, beams: list[Beam]) -> tuple[F64, F64]:
     for one in beams:
         through = mean_transmission(loss * one.optical_depth(medium))
         s = one.irradiance * scale * through
-        power += s
+        power += s + one.missing * scale
         along = np.broadcast_to(one.direction, (*shape[:3], 3))
         forward += s * g1 * one.mean_cosine * np.moveaxis(along, -1, 0)[..., None]
-    return power, forward
+    return np.maximum(power, 0.0), forward
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,13 +20,20 @@ from .voxels import density_behind
 F64 = NDArray[np.float64]
 
 NEAR_TABLE = 64
+_BLOCK = 4  # cells a side around a light, whose power is known
 THIN_GAIN = 2.5  # fitted to Monte Carlo in balls of radius 0.1 to 3 mean free paths
 
 
-def point_light_beam(medium: MediumGrid, position: ArrayLike, intensity: ArrayLike) -> Beam:
+def point_light_beam(
+    medium: MediumGrid,
+    position: ArrayLike,
+    intensity: ArrayLike,
+    lit_mean: ArrayLike | None = None,
+) -> Beam:
     """The beam of a point light at `position` (3,), m in the medium's box; W sr^-1 (channel,).
 
-    `intensity` may differ by cell: (z, y, x, channel), for spot lights.
+    `intensity` may differ by cell: (z, y, x, channel), for spot lights, of which `lit_mean`
+    (channel,) is the mean over all directions.
     """
     # The light's direction and distance from every cell.
     away = medium.centres - np.asarray(position, dtype=np.float64)
@@ -36,7 +43,52 @@ def point_light_beam(medium: MediumGrid, position: ArrayLike, intensity: ArrayLi
         medium.fine, medium.extent, medium.centres, direction, float(medium.cell.min()), distance
     )
     irradiance = np.asarray(intensity) * mean_inverse_square(away, medium.cell)[..., None]
-    return Beam(direction, irradiance, 1.0, passed)
+    mean = intensity if lit_mean is None else lit_mean
+    return Beam(direction, irradiance, 1.0, passed, missing_irradiance(medium, away, mean))
+
+
+def missing_irradiance(medium: MediumGrid, away: F64, intensity: ArrayLike) -> F64:
+    """What the means of `point_light_beam` leave out around a light (z, y, x, channel), W m^-2.
+
+    `away` (z, y, x, 3), m, from the light; `intensity` (channel,), its mean over all directions.
+    Means of 1/r^2 over cells and transmittance to their middles lose up to a sixth of what leaves
+    the beam there. The integral of exp(-loss r)/r^2 over the block of 4^3 cells around the light is
+    known along rays; what the cells' means lack of it goes to the eight cells whose middles
+    surround the light, by their trilinear weights.
+    """
+    h, volume = medium.cell, float(np.prod(medium.cell))
+    leaving = medium.sigma_t * medium.albedo * (1.0 - forward_share(medium.g))
+    loss = medium.density[..., None] * (medium.sigma_t * (1.0 - medium.albedo) + leaving)
+    share = np.maximum(1.0 - np.abs(away) / h, 0.0).prod(axis=-1)
+    found = np.zeros_like(loss)
+    for cell in zip(*np.nonzero(share), strict=True):
+        missing = _missing_integral(away[cell], h, loss[cell])
+        found[cell] = np.asarray(intensity) * share[cell] / volume * missing
+    return found
+
+
+def _missing_integral(away: F64, h: F64, loss: F64) -> F64:
+    """The integral of exp(-loss r)/r^2 over the block of a light, m, less that of its cells."""
+    # The eight cells around the light, and one more on each side.
+    first = away + np.where(away <= 0.0, -1.0, -2.0) * h
+    z, y, x = np.meshgrid(*[np.arange(_BLOCK)] * 3, indexing="ij")
+    at = first + np.stack([x, y, z], axis=-1).reshape(-1, 3) * h
+    r = np.linalg.norm(at, axis=-1)[:, None]
+    cells = np.prod(h) * (mean_inverse_square(at, h)[:, None] * np.exp(-loss * r)).sum(axis=0)
+    # Along rays to the middles of the block's faces it is (1 - exp(-loss r))/loss.
+    whole, directions = np.zeros_like(loss), 0.0
+    for axis in range(3):
+        for side in (-0.5, _BLOCK - 0.5):
+            u, v = (k.reshape(-1) for k in np.meshgrid(*[np.arange(_BLOCK)] * 2))
+            step = np.zeros((_BLOCK**2, 3))
+            step[:, axis], step[:, (axis + 1) % 3], step[:, (axis + 2) % 3] = side, u, v
+            at = first + step * h
+            r = np.linalg.norm(at, axis=-1)
+            solid = np.abs(at[:, axis]) / (h[axis] * r**3)
+            depth = np.maximum(loss * r[:, None], 1e-4)
+            whole += ((solid * r)[:, None] * -np.expm1(-depth) / depth).sum(axis=0)
+            directions += float(solid.sum())
+    return np.asarray(4.0 * np.pi * whole / directions - cells)
 
 
 def mean_inverse_square(away: F64, cell: F64) -> F64:
@@ -53,6 +105,18 @@ def mean_inverse_square(away: F64, cell: F64) -> F64:
         r2 = np.maximum(((away + 0.5 * side * cell) ** 2).sum(axis=-1), 0.1 * half**2)
         total += (1.0 + half**2 / (12.0 * r2)) / (8.0 * r2)
     return total
+
+
+def inner_share(position: ArrayLike, extent: ArrayLike, radius_m: float) -> float:
+    """How far a light at `position` (3,), m, counts as one in a medium's box of `extent` (3,), m.
+
+    1 inside, 0 from a medium's radius beside it on. A white furnace corrects what diffusion gets
+    wrong of light that enters at the border. Around a light inside, fluence is right to a percent
+    without (boxes of 2 to 16 mean free paths, beside Monte Carlo); corrected, it was 1.05.
+    """
+    p = np.asarray(position, dtype=np.float64)
+    outside = np.maximum(np.maximum(-p, p - np.asarray(extent)), 0.0)
+    return float(np.clip(1.0 - np.linalg.norm(outside) / radius_m, 0.0, 1.0))
 
 
 def near_table(albedo: float) -> F64:

@@ -1,6 +1,8 @@
 // Volumes as blockers of a lattice: what they reflect and stop on each hop, on top of its walls (two-stream
-// model, Schuster1905).
+// model, Schuster1905). `known` has the faces for light that volumes send: walls reflect only where the volumes' own
+// solvers know them.
 //! use cell_order
+//! use lattice_axes
 
 // What a hop between two cells meets: rgb reflected, a blocked.
 fn met(one: vec4f, other: vec4f) -> vec4f {
@@ -31,6 +33,25 @@ fn leaving(wall: u32, media: vec4f) -> u32 {
     return pack4x8unorm(vec4f(shares.rgb + open * media.rgb, shares.a + open * media.a));
 }
 
+// Whether a wall between a cell and the next one is as near to a volume's grid as the volume's solver looks for walls.
+fn is_known(cell: vec3u, hop: u32) -> bool {
+    var at = vec3f(cell) + 0.5;
+    at[hop / 2u] += select(0.5, -0.5, (hop & 1u) == 1u);
+    let p = vec4f(world_from_cells(lattice, at), 1.0);
+    for (var k = 0u; k < params.boxes; k++) {
+        let inside = (boxes[k] * p).xyz;
+        if (all(inside >= vec3f(0.0)) && all(inside <= vec3f(1.0))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// The same face without what the wall reflects, unless it is known.
+fn known_wall(wall: u32, cell: vec3u, hop: u32) -> u32 {
+    return select(wall & 0xff000000u, wall, (wall & 0xffffffu) == 0u || is_known(cell, hop));
+}
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
@@ -47,8 +68,14 @@ fn leaving(wall: u32, media: vec4f) -> u32 {
     // A hop +x comes in through the face towards -x.
     let xy = unpack4x8unorm(rest.z) * (1.0 - vec4f(hops[1].a, hops[0].a, hops[3].a, hops[2].a));
     let z = unpack4x8unorm(rest.w) * (1.0 - vec4f(hops[5].a, hops[4].a, 0.0, 0.0));
+    let entering = vec2u(pack4x8unorm(xy), pack4x8unorm(z));
     faces[2u * cell] = vec4u(leaving(side.x, hops[0]), leaving(side.y, hops[1]),
         leaving(side.z, hops[2]), leaving(side.w, hops[3]));
-    faces[2u * cell + 1u] = vec4u(leaving(rest.x, hops[4]), leaving(rest.y, hops[5]),
-        pack4x8unorm(xy), pack4x8unorm(z));
+    faces[2u * cell + 1u] = vec4u(leaving(rest.x, hops[4]), leaving(rest.y, hops[5]), entering);
+    // Walls that the volumes' solvers do not know are black.
+    known[2u * cell] = vec4u(
+        leaving(known_wall(side.x, id, 0u), hops[0]), leaving(known_wall(side.y, id, 1u), hops[1]),
+        leaving(known_wall(side.z, id, 2u), hops[2]), leaving(known_wall(side.w, id, 3u), hops[3]));
+    known[2u * cell + 1u] = vec4u(leaving(known_wall(rest.x, id, 4u), hops[4]),
+        leaving(known_wall(rest.y, id, 5u), hops[5]), entering);
 }

@@ -240,7 +240,7 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     media = Media(kit, drawn, sources=plan.sources, solved=found)
     lattice = LpvSolver(kit, settings)
     beams = forward_beams(kit, own, is_paper=settings.scheme == "paper")
-    lattice.media = LatticeVolumes(lattice, media.on_device, beams)
+    lattice.media = LatticeVolumes(lattice, media.on_device, plan, own, beams)
     solved = PopMedia(kit, media.on_device, own, plan, has_local_shafts=found.has_local_shafts)
     met = media if settings.scheme != "paper" else None
     gathering = _gathering(kit, settings, met, sources=plan.sources, bounces=settings.bounces)

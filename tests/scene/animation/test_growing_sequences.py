@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from airlight import Renderer, load, render
+from airlight.app.cli import run
+from airlight.app.sequence.frames import FrameMaker
 from airlight.errors import SceneError
 from airlight.lighting.reach import MadeFor
 from airlight.scene import Emission, Volume
+from airlight.scene.animation import file_sequence
 from airlight.scene.animation.boxes import CommonBoxes, mixed, on_box
 from airlight.scene.io import volumes
 from airlight.scene.one_grid import GridBox
@@ -127,6 +130,55 @@ def test_an_open_shutter_sees_boxes_that_change(growing):
     assert np.isfinite(blurred).all()
     np.testing.assert_array_equal(ends[0], blurred)
     assert np.abs(ends[1] - blurred).max() > 1e-3
+
+
+def test_an_open_shutter_reads_each_file_once(growing, monkeypatch):
+    for k in range(2, 6):
+        np.savez(growing / f"s{k}.npz", density=grid((4, 2, 4 + k)), bounds=SMALL)
+    scene = load(growing / "all.toml")
+    shut = replace(scene, camera=replace(scene.camera, shutter_s=4.0))
+    read, own = [], file_sequence._file_grids
+    monkeypatch.setattr(file_sequence, "_file_grids", lambda *key: read.append(key[0]) or own(*key))
+    for time in (0.5, 1.5):
+        before = shut.at(time)
+        _, moments = shutter_moments(before, changed(before), time, 16, {})
+        assert len(list(moments)) == 16
+    assert sorted(read) == sorted({*read})
+
+
+def test_a_sequence_that_grows_goes_on_where_it_was_cut_off(gpu, growing, monkeypatch):
+    """Frames on their own, after others, and after a run that broke off have the same bytes."""
+    words = [
+        "sequence",
+        str(growing / "all.toml"),
+        "-t",
+        "pop",
+        "--size",
+        "24x16",
+        "--samples",
+        "1",
+    ]
+    words += ["--fps", "2", "-q", "-o"]
+    assert run([*words, str(growing / "whole")]) == 0
+    # The run ends before its third frame, half of which is written, in the middle of the growth.
+    own, made = FrameMaker.save, []
+
+    def broken(self, frame, path):
+        if len(made) == 2:
+            path.write_bytes(b"half a frame")
+            raise KeyboardInterrupt
+        made.append(frame)
+        own(self, frame, path)
+
+    monkeypatch.setattr(FrameMaker, "save", broken)
+    run([*words, str(growing / "cut")])
+    monkeypatch.setattr(FrameMaker, "save", own)
+    assert len(list((growing / "cut").glob("frame-*.png"))) < 4
+    assert run([*words, str(growing / "cut"), "--resume"]) == 0
+    whole = sorted((growing / "whole").glob("frame-*.png"))
+    assert len(whole) == 4
+    for path in whole:
+        assert (growing / "cut" / path.name).read_bytes() == path.read_bytes()
 
 
 def test_grids_keep_what_they_hold_on_other_voxels():

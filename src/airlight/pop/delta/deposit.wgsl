@@ -2,6 +2,8 @@
 // maths/delta_beam.py, deposit.
 //! use beam_light
 //! use medium_grid
+//! use missing_power
+//! needs fn absorbing(cell: u32) -> vec3f
 //! needs fn leaving_beams(cell: u32) -> vec3f
 //! needs fn leaving_forward(cell: u32) -> vec3f
 //! needs fn reduced_depth(n: u32, cell: u32) -> vec3f
@@ -48,6 +50,7 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     // Sums over the ordinates of irradiance, and of net irradiance along x, y, z.
     let leaving = leaving_beams(id.x);
     let is_any = any(leaving > vec3f(0.0));
+    let loss = absorbing(id.x) + leaving;
     for (var n = 0u; n < params.ordinate_count && is_any; n++) {
         let light = beam_light(n, id.x, point);
         // Light that propagates in a grid leaves a residuum of its own.
@@ -62,6 +65,9 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
         let s = light.irradiance * min(exp(-here) * gain, vec3f(1.0));
         let carried = s * ordinates[n].direction.w;
         power += s;
+        if (ordinates[n].position.w == LOCAL) {
+            power += missing_irradiance(n, id.x, point, loss);
+        }
         x += carried * light.travel.x;
         y += carried * light.travel.y;
         z += carried * light.travel.z;
@@ -69,7 +75,7 @@ fn axis_gain(n: u32, cell: u32, here: vec3f, axis: u32, at: u32, count: u32) -> 
     // W: times the scattering out of beams, and the part of it that keeps the direction.
     let volume = params.cell.x * params.cell.y * params.cell.z;
     let forward = volume * leaving_forward(id.x);
-    deposits[id.x] = vec4f(volume * leaving * power, 0.0);
+    deposits[id.x] = vec4f(max(volume * leaving * power, vec3f(0.0)), 0.0);
     deposits[id.x + params.cells] = vec4f(forward * x, 0.0);
     deposits[id.x + 2u * params.cells] = vec4f(forward * y, 0.0);
     deposits[id.x + 3u * params.cells] = vec4f(forward * z, 0.0);

@@ -25,16 +25,19 @@ fn store_mean(cell: vec3u, fluence: vec3f, indirect: vec3f, whole: vec3f) {
     let point = cell_centre(cell);
     let travel = normalize(view.eye - point + vec3f(1e-12));
     let light = beam_emission(id.x, travel);
+    let indirect = refined[arrayLength(&refined) / 2u + id.x].rgb;
     var scattered = light.quasi_forward + diffuse_emission(id.x, travel);
     var fluence = light.quasi_fluence + max(diffuse[id.x].xyz, vec3f(0.0));
     if (view.correction > 0.0) {
-        let corrected = pow(refined[id.x].rgb, vec3f(view.correction));
+        // The furnace knows light that enters at the border, as surfaces' does; what comes from inside has no such error.
+        let entered = max(indirect, vec3f(0.0)) / PHASE_ISOTROPIC;
+        let inner = light.inner / max(light.fluence + light.quasi_fluence + entered, vec3f(1e-30));
+        let corrected = pow(refined[id.x].rgb, view.correction * (1.0 - min(inner, vec3f(1.0))));
         scattered *= corrected;
         fluence *= corrected;
     }
     // Single scattering of directional lights and the sky, and the indirect light of surfaces.
     let once = light.beams + light.sky * sky_correction_towards(travel);
-    let indirect = refined[arrayLength(&refined) / 2u + id.x].rgb;
     let all = once + scattered + indirect;
     store_emission(cell, all, light.local);
     store_mean(cell, light.fluence + fluence, indirect, all + light.local);

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from .density import changed_grids, with_grid
 if TYPE_CHECKING:
     from ..volume import Volume
 
+_FEWEST, _MOST_BYTES = 3, 1 << 28  # files whose grids are cached, and up to which size more are
 _SAME = 1e-5  # of a voxel's side: voxels turned by less are turned alike
 
 
@@ -112,7 +114,7 @@ class FileSequence:
         glow = self.emission_grid and at_time(self.emission_grid, time)
         colours = tuple((of, at_time(name, time)) for of, name in self.colours)
         names = (at_time(self.grid, time), self.channels, glow, colours)
-        return _file_grids(path, stamp, *names, _Turn(self.turn.tobytes()))
+        return _RECENT.of((path, stamp, *names, _Turn(self.turn.tobytes())))
 
     def _fitting(self, read: FileGrids, path: Path) -> FileGrids:
         """What was read, in this sequence's box where its own does not count."""
@@ -201,7 +203,6 @@ def _nothing(
     return FileGrids(density, made.pop("glow", None), made, bounds)
 
 
-@lru_cache(maxsize=3)
 def _file_grids(
     path: Path,
     stamp_ns: int,
@@ -211,7 +212,7 @@ def _file_grids(
     colours: tuple[tuple[str, str], ...],
     turn: _Turn,
 ) -> FileGrids:
-    """The grids of a file as it was at `stamp_ns`; those of the last few are cached."""
+    """The grids of a file as it was at `stamp_ns`."""
     from ..io.coefficient_files import read_coefficients
     from ..io.emission_files import on_one_grid
     from ..io.volumes import NOWHERE, read_values, read_volume
@@ -244,3 +245,31 @@ def _file_grids(
         low, high = (np.array(corner) * scale + to_own[:3, 3] for corner in found.bounds)
         bounds = (triple(low), triple(high))
     return FileGrids(found.density, glow, made, bounds, is_turned)
+
+
+class _RecentFiles:
+    """Grids of the files read last: three, and more as long as they are small together.
+
+    A frame with an open shutter asks for each of its files more than once: for the box that holds
+    all of them, for the moments of its samples, and the next frame for most of them again.
+    """
+
+    def __init__(self) -> None:
+        self._found: OrderedDict[tuple[Any, ...], FileGrids] = OrderedDict()
+
+    def of(self, key: tuple[Any, ...]) -> FileGrids:
+        """What `_file_grids` gives for these arguments."""
+        found = self._found.pop(key, None) or _file_grids(*key)
+        self._found[key] = found
+        # The oldest go, as long as there is too much.
+        while len(self._found) > _FEWEST and sum(map(_nbytes, self._found.values())) > _MOST_BYTES:
+            self._found.popitem(last=False)
+        return found
+
+
+def _nbytes(read: FileGrids) -> int:
+    """Bytes of its grids."""
+    return sum(x.nbytes for x in (read.density, read.glow, *read.colours.values()) if x is not None)
+
+
+_RECENT = _RecentFiles()
