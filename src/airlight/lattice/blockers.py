@@ -135,6 +135,11 @@ class Blockers:
         """The bihemispherical albedo of each instance: the mean of its surfels and channels."""
         return mean_reflectances(self._owner._samples, len(self.meshes.order))
 
+    @property
+    def rooms(self) -> Rooms:
+        """The closed bodies among the meshes."""
+        return self._owner._rooms
+
     def _sample(self, gpu: Gpu, scene: Scene, count: int) -> None:
         # A body that the camera enters on its way is a room from the beginning.
         eyes = scene.animation.eyes(scene) if scene.animation else []
