@@ -141,7 +141,7 @@ def test_the_opaque_walls_of_rooms_are_sealed():
         meshes = tuple(meshes)
         rooms = Rooms(meshes, np.array([[0.0, 0.1, -0.2], [light, 0.1, -0.2]]))
         made = sealed(surfels(meshes, [1, 0], 100, rooms.sides), [1, 0], meshes, rooms.walls)
-        of = [set(made["is_sealing"][made["instance"] == i].tolist()) for i in (1, 0)]
+        of = [set(made["closing"][made["instance"] == i].tolist()) for i in (1, 0)]
         assert of == [{flag} for flag in sealing]
 
 

@@ -1,11 +1,13 @@
 // Surfels of the meshes, summed around the corners of the lattice: how much of a cell face each side of each
 // axis covers (Kaplanyan2010 section 3.2).
 //! use blocker_side
+//! use crossed_cells
 //! use lattice_axes
 //! use nearest_corner
 
 // Rooms let nothing through: where their walls meet, the faces that they cover in part are closed, too.
 const SEALED_GAIN = 4.0;
+const ROOM_WALL = 2u;       // as SurfelData.closing
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
@@ -17,6 +19,9 @@ const SEALED_GAIN = 4.0;
     // The cofactor matrix takes area vectors to area vectors.
     let area = lattice_from_world(lattice,
         (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
+    if (surfel.closing != 0u) {
+        add_crossings(world, area);
+    }
     // The corner nearest to it.
     let corner = nearest_corner(world);
     if (corner.index == NO_CORNER) {
@@ -24,7 +29,7 @@ const SEALED_GAIN = 4.0;
     }
     let first = CORNER_VALUES * corner.index;
     // Its area across each axis, on the side that it faces, or on both.
-    let gain = select(1.0, SEALED_GAIN, surfel.is_sealing != 0u);
+    let gain = select(1.0, SEALED_GAIN, surfel.closing == ROOM_WALL);
     let covered = area * (gain * params.units / (lattice.cell * lattice.cell));
     for (var axis = 0u; axis < 3u; axis++) {
         let units = i32(round(abs(covered[axis])));

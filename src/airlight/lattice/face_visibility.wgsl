@@ -9,6 +9,7 @@ const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of
 const LARGEST_SHIFT = 0.45;
 const ENCLOSED_COVER = 0.5;
 const SEPARATE = 0.02;     // cells
+const LEAST_COVER = 0.02;  // of a face, from which on the colour of what covers it is known
 
 struct CellFace {
     corner: vec3u,
@@ -41,6 +42,14 @@ fn face_of(cell: vec3u, hop: u32) -> CellFace {
     }
 }
 
+// Whether a wall parts a cell from the next along a hop, see parted.wgsl.
+fn is_parted(cell: vec3u, hop: u32) -> bool {
+    let axis = hop / 2u;
+    var low = vec3i(cell);
+    low[axis] -= i32(hop & 1u);
+    return low[axis] >= 0 && ((parted[cell_in(params.count, vec3u(max(low, vec3i(0))))] >> axis) & 1u) != 0u;
+}
+
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
 fn closed_share(f: CellFace, hop: u32) -> f32 {
     return saturate(OCCLUSION_GAIN * on_face(f, hop ^ 1u));
@@ -54,6 +63,12 @@ fn reflected_share(f: CellFace, hop: u32) -> vec4f {
         on_face(f, SIDE_REFLECTED + 3u * side + 1u), on_face(f, SIDE_REFLECTED + 3u * side + 2u));
     let closed = closed_share(f, hop);
     return vec4f(rgb / covered * closed, closed);
+}
+
+// The same of a hop from a cell that a wall may part from the next: that closes the face wholly.
+fn leaving_share(cell: vec3u, hop: u32) -> vec4f {
+    let reflected = reflected_share(face_of(cell, hop), hop);
+    return select(reflected, vec4f(reflected.rgb / max(reflected.a, LEAST_COVER), 1.0), is_parted(cell, hop));
 }
 
 // Where the backmost of a side's surfaces around a face is, along that side's outward axis; 1: there is none.
@@ -121,10 +136,10 @@ fn enclosed_faces(cell: vec3u) -> f32 {
     var entering = array<f32, 6>();
     var between = array<f32, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
-        leaving[hop] = pack4x8unorm(reflected_share(face_of(id, hop), hop));
+        leaving[hop] = pack4x8unorm(leaving_share(id, hop));
         // A hop enters through the face that the opposite hop leaves by.
         let face = face_of(id, hop ^ 1u);
-        entering[hop] = 1.0 - closed_share(face, hop);
+        entering[hop] = select(1.0 - closed_share(face, hop), 0.0, is_parted(id, hop ^ 1u));
         // Light on both sides of a wall is apart, though light from inside the wall could come out.
         between[hop] = min(entering[hop], 1.0 - closed_share(face, hop ^ 1u));
     }

@@ -36,7 +36,7 @@ class SurfelData(Struct):
     area_normal = vec3f("m^2, object space")
     is_two_sided = u32()
     reflectance = vec3f("bihemispherical albedo, linear")
-    is_sealing = u32("1: of the opaque wall of a room, see `sealed`")
+    closing = u32("0: light may pass its material; 1: opaque; 2: a room's opaque wall, see `sealed`")
 
 
 def surfels(
@@ -122,7 +122,13 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     made["area_normal"] = area_normal * (cover * (side or 1))[:, None]
     made["reflectance"] = albedo
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
+    made["closing"] = int(_is_opaque(mesh.material))
     return made
+
+
+def _is_opaque(material: Material) -> bool:
+    """Whether no light passes its surface anywhere."""
+    return not (material.is_translucent or material.alpha_cutoff > 0.0)
 
 
 def turned(
@@ -151,9 +157,8 @@ def sealed(
     found = made.copy()
 
     # Cut-out and translucent materials let some light pass even in a wall.
-    is_opaque = [not (m.material.is_translucent or m.material.alpha_cutoff > 0.0) for m in meshes]
-    is_wall = [index in walls and is_opaque[index] for index in order]
-    found["is_sealing"] = np.array(is_wall, np.uint32)[made["instance"]] if order else 0
+    closing = [_is_opaque(meshes[index].material) * (1 + (index in walls)) for index in order]
+    found["closing"] = np.array(closing, np.uint32)[made["instance"]] if order else 0
     return found
 
 
