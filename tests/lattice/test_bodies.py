@@ -133,10 +133,10 @@ def test_the_opaque_walls_of_rooms_are_sealed():
     halved = halves(box(2.0))
     glass = replace(halved[1], material=Material(transmission=0.9))
     for meshes, light, sealing in (
-        (halved, 5.0, [1, 1]),
-        (halved, np.inf, [1, 1]),
-        ((halved[0], glass), 5.0, [1, 0]),
-        (halved, 0.3, [0, 0]),
+        (halved, 5.0, [2, 2]),
+        (halved, np.inf, [2, 2]),
+        ((halved[0], glass), 5.0, [2, 0]),
+        (halved, 0.3, [1, 1]),
     ):
         meshes = tuple(meshes)
         rooms = Rooms(meshes, np.array([[0.0, 0.1, -0.2], [light, 0.1, -0.2]]))

@@ -20,7 +20,7 @@ const ROOM_WALL = 2u;       // as SurfelData.closing
     let area = lattice_from_world(lattice,
         (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
     if (surfel.closing != 0u) {
-        add_crossings(world, area);
+        add_crossings(world, area, surfel.is_two_sided != 0u);
     }
     // The corner nearest to it.
     let corner = nearest_corner(world);

@@ -1,5 +1,5 @@
-// Which cells a surface parts from the next along +x, +y, +z: one lies between their middles (`crossed`), and there is
-// no way around it from middle to middle near them. The faces that a wall aslant to the cells closes so are a
+// Which hops between a cell and the next along +x, +y, +z walls stop, a bit for each: surfaces that face the hop lie
+// between their middles (`crossed`), and there is no way around them from middle to middle near the two. The faces that a wall aslant to the cells closes so are a
 // staircase without a gap, whatever share of each face it covers; what light can go around, a pole or a table, closes
 // no more than it covers. Twin: maths.parted_cells.
 //! use cell_order
@@ -9,6 +9,7 @@
 const REACH = 3;
 const LAYERS = 7u;
 const MOST_TURNS = 64u;
+const FIRST_HOP = 3u;       // as wgsl/crossed_cells.wgsl has them
 
 // Of the cells: where the way leads on along the axis, across it and up.
 var<private> along: array<vec2u, LAYERS>;
@@ -101,7 +102,7 @@ fn is_parted(cell: vec3i, axis: u32) -> bool {
     var found = 0u;
     for (var axis = 0u; axis < 3u; axis++) {
         if (((here >> axis) & 1u) != 0u && is_parted(vec3i(id), axis)) {
-            found |= 1u << axis;
+            found |= (here >> FIRST_HOP) & (3u << (2u * axis));
         }
     }
     parted[cell] = found;

@@ -1,14 +1,15 @@
-// A surfel between the middles of cells: which cells of the lattice it parts from the next along x, y and z. The including pass binds
-// `lattice` and `crossed`, atomic: a bit for each axis.
+// Surfels between the middles of cells and of the next along x, y and z. The including pass binds `lattice` and
+// `crossed`, atomic, of each cell: a bit for each axis, and one for each hop between the two that a surfel there stops.
 //! use cell_order
 //! use lattice_axes
 
 // How far a surfel reaches, of the side of a square of its area: disks that far leave no gaps between samples.
 const SURFEL_REACH = 1.5;
+const FIRST_HOP = 3u;
 const MOST_CELLS_REACHED = 2.0;
 
 // A surfel at a point of the world, m, with its area vector along the lattice's axes, m^2.
-fn add_crossings(world: vec3f, area: vec3f) {
+fn add_crossings(world: vec3f, area: vec3f, is_two_sided: bool) {
     let p = cells_from_world(lattice, world) - 0.5;
     let size = length(area);
     let reach = min(SURFEL_REACH * sqrt(size) / lattice.cell, MOST_CELLS_REACHED);
@@ -17,6 +18,9 @@ fn add_crossings(world: vec3f, area: vec3f) {
         if (abs(n[axis]) < 1e-3) {
             continue;
         }
+        // It stops hops against its normal, or both.
+        let stopped = select(select(2u, 1u, n[axis] < 0.0), 3u, is_two_sided);
+        let bits = (1u << axis) | (stopped << (FIRST_HOP + 2u * axis));
         // The lines through the middles of cells along the axis that its disk meets, and where.
         let b = (axis + 1u) % 3u;
         let c = (axis + 2u) % 3u;
@@ -32,7 +36,7 @@ fn add_crossings(world: vec3f, area: vec3f) {
                     cell[b] = i32(u);
                     cell[c] = i32(v);
                     if (all(cell >= vec3i(0)) && all(cell < vec3i(lattice.count))) {
-                        atomicOr(&crossed[cell_in(lattice.count, vec3u(cell))], 1u << axis);
+                        atomicOr(&crossed[cell_in(lattice.count, vec3u(cell))], bits);
                     }
                 }
             }
