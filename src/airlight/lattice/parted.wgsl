@@ -1,7 +1,7 @@
 // Which hops between a cell and the next along +x, +y, +z walls stop, a bit for each: surfaces that face the hop lie
 // between their middles (`crossed`), and there is no way around them from middle to middle near the two. The faces that a wall aslant to the cells closes so are a
 // staircase without a gap, whatever share of each face it covers; what light can go around, a pole or a table, closes
-// no more than it covers. Twin: maths.parted_cells.
+// no more than it covers. Twin: maths.parted_cells.parted.
 //! use cell_order
 
 // The cells that the way may take: 8 along the axis, the two in the middle, and 7 x 7 across it. A layer is
@@ -22,10 +22,10 @@ fn bit_of(row: u32, column: u32) -> vec2u {
     return select(vec2u(bit, 0u), vec2u(0u, bit), row > 3u);
 }
 
-// The faces of a cell that are crossed; beyond the lattice nothing stands in the way.
+// The faces of a cell that are crossed; what leaves the lattice does not come back.
 fn crossed_at(cell: vec3i) -> u32 {
     if (any(cell < vec3i(0)) || any(cell >= vec3i(params.count))) {
-        return 0u;
+        return 7u;
     }
     return crossed[cell_in(params.count, vec3u(cell))];
 }
