@@ -16,7 +16,7 @@ LATTICE = Placement((0.0, 0.0, 0.0), 0.5, (N, N, N))
 COUNT = 20_000
 MIDDLE = np.array([2.53, 2.47, 2.51])
 Y = np.array([0.0, 1.0, 0.0])
-ONE_SIDED = Material(two_sided=False)
+PAINT, ONE_SIDED = Material(), Material(two_sided=False)
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def flags(buffer, first=0, step=1):
     return np.stack([(words >> (first + step * axis)) & 1 for axis in range(3)]).astype(bool)
 
 
-def board(square, degrees, half, material=Material()):
+def board(square, degrees, half, material=PAINT):
     """Upright, turned about +Y; its front is where `along` turns to by a quarter."""
     a = np.radians(degrees)
     return square(MIDDLE, half * Y, half * np.array([np.sin(a), 0.0, np.cos(a)]), material)

@@ -9,7 +9,7 @@ import pytest
 
 from airlight.lattice.bodies import is_sealed
 from airlight.lattice.rooms import Rooms
-from airlight.lighting.hidden import without_hidden
+from airlight.lighting.hidden import Hidden
 from airlight.rendering import Renderer
 from airlight.scene import (
     Camera,
@@ -25,10 +25,11 @@ from airlight.scene import (
 from airlight.scene.lights import LightSample
 
 OUTSIDE, INSIDE = (3.0, 0.2, 0.1), (0.1, 0.2, -0.1)
+PAINT = Material()
 SUN = DirectionalLight((0.0, -1.0, 0.0), (2.0, 2.0, 2.0))
 
 
-def box(material=Material(), size=2.0, missing=0) -> Mesh:
+def box(material=PAINT, size=2.0, missing=0) -> Mesh:
     matrix = np.diag([size, size, size, 1.0])
     g = shapes.box()
     return Mesh(Geometry(g.positions, g.indices[missing:]), material, matrix)
@@ -39,7 +40,7 @@ def lamp(position) -> PointLight:
 
 
 def shown(scene: Scene) -> Scene:
-    return without_hidden(scene, Rooms(scene.meshes, np.zeros((0, 3))), scene.meshes)
+    return Hidden(Rooms(scene.meshes, np.zeros((0, 3)))).without(scene, scene.meshes)
 
 
 def seen(scene: Scene) -> list[bool]:
@@ -100,9 +101,8 @@ def test_a_renderer_s_eye_and_lamp_go_in_and_out():
     """The image is that of a renderer made there; dark where the wall is between them."""
     paint = Material(base_color=(0.7, 0.7, 0.7), specular=0.0)
     out, into = Camera((2.5, 0.3, 1.0), (0.0, 0.0, 0.0)), Camera((0.5, 0.1, 0.6), (0.0, 0.0, 0.0))
-    scene = Scene((box(paint),), (lamp(INSIDE),), Environment((0.5, 0.5, 0.5)), out)
-    settings = {"resolution": 8, "surfels": 2000, "sky_lights": 8, "lamp_resolution": 64}
-    scene = replace(scene, environment=None)
+    scene = Scene((box(paint),), (lamp(INSIDE),), camera=out)
+    settings = {"resolution": 8, "surfels": 2000, "lamp_resolution": 64}
     with Renderer(scene, "lpv", (16, 9), settings=settings) as renderer:
         assert renderer.frame().radiance.max() == 0.0
         lit = renderer.frame(camera=into).radiance

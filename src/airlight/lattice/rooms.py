@@ -77,11 +77,12 @@ class Rooms:
         """
         self._place(meshes)
         both = np.concatenate([eye[None], points])
-        low, high = self._boxes
+        low, high = self._boxes[:, :, None]
+        is_near = ((both > low) & (both < high)).all(axis=-1)
         found = np.zeros(len(points), bool)
-        for number in range(len(self._bodies)):
+        for number in np.flatnonzero(is_near.any(axis=1)).tolist():
             # Outside its box a point is outside the body.
-            is_held = ((both > low[number]) & (both < high[number])).all(axis=-1)
+            is_held = is_near[number]
             for k in np.flatnonzero(is_held):
                 is_held[k] = self._holds(number, meshes, both[k])
             differs = is_held != is_held[0]

@@ -27,7 +27,7 @@ from ..maths.transforms import F64, triple
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
-from .hidden import without_hidden
+from .hidden import Hidden
 from .lattice_box import lattice_axes, lattice_extent, with_medium_around
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
@@ -168,6 +168,7 @@ class Kit:
             sky_lights=settings.sky_lights,
             make_blockers=make_blockers,
         )
+        self._hidden = Hidden(self.blockers.rooms)
         self.rays = SceneRays(gpu, self.meshes)
         self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None
@@ -208,7 +209,7 @@ class Kit:
         scene = self.emitters.of(scene)
         if self.settings.hidden_lights:
             return scene
-        return without_hidden(scene, self.blockers.rooms, self.meshes.current)
+        return self._hidden.without(scene, self.meshes.current)
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Update all that is shared to `scene`; low..high as from `bounds`."""
