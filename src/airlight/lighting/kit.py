@@ -7,6 +7,7 @@ kit       rays; shadow maps -> blockers -> the sky's maps -> the sky's light in 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -168,7 +169,6 @@ class Kit:
             sky_lights=settings.sky_lights,
             make_blockers=make_blockers,
         )
-        self._hidden = Hidden(self.blockers.rooms)
         self.rays = SceneRays(gpu, self.meshes)
         self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None
@@ -203,6 +203,10 @@ class Kit:
         if self.placement.axes != STRAIGHT:
             low, high = self.meshes.bounds_along(self.placement.axes) or (low, high)
         return triple(low), triple(high)
+
+    @cached_property
+    def _hidden(self) -> Hidden:
+        return Hidden(self.blockers.rooms)
 
     def lit(self, scene: Scene) -> Scene:
         """The scene as solvers are given it: lights with extent are samples, hidden ones dark."""
