@@ -41,7 +41,8 @@ def export_lattice(
     if technique in ("direct", "single"):
         raise _no_light(technique)
 
-    # One frame solves the light; none of its pixels is read.
+    # One frame solves the light, also of rooms that the camera is not in; no pixel is read.
+    settings = {"hidden_lights": True, **(settings or {})}
     with Renderer(scene, technique, (16, 16), settings=settings, adapter=adapter) as renderer:
         renderer.frame(read=False)
         field = light_field(renderer, technique)

@@ -76,6 +76,24 @@ def outer_side(geometry: Geometry) -> int:
     return 1 if _signed_volume(positions - positions.mean(axis=0), geometry.indices) > 0.0 else -1
 
 
+def is_sealed(meshes: Sequence[Mesh]) -> bool:
+    """Whether as many edges of all triangles run each way between any two points of the world.
+
+    Then what they wind around is parted from what they do not: there is no way round an edge.
+    """
+    points, pairs = zip(*map(_placed, meshes), strict=True)
+    first = np.cumsum([0, *(len(p) for p in points[:-1])])
+    ends = np.concatenate([p + start for p, start in zip(pairs, first, strict=True)])
+    return bool(_met(_between_points(np.concatenate(points), ends))[1].all())
+
+
+def _between_points(placed: F64, ends: Edges) -> Edges:
+    """Edges `ends` between points that are one where they are the same but for rounding."""
+    step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
+    edges = welded(np.round(placed / step))[ends]
+    return np.asarray(edges[edges[:, 0] != edges[:, 1]], np.int64)
+
+
 def _signed_volume(positions: NDArray[np.floating], indices: NDArray[np.uint32]) -> float:
     """Six times the volume that triangles enclose, negative where they face in."""
     volume = 0.0

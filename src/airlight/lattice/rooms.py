@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths.chunks import chunks
+from ..scene.light_shapes import LightMesh
 from ..scene.mesh import Mesh
-from .bodies import closed_bodies, winding_number
+from .bodies import closed_bodies, is_sealed, winding_number
 
 F64 = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ class Rooms:
         # Bodies are found once: a mesh that moves or bends closes what it closed.
         self._outer, self._bodies = closed_bodies(meshes)
         self._known: list[list[_Known]] = [[] for _ in self._bodies]
+        self._parting: dict[int, bool] = {}
         self._placed: Sequence[Mesh] | None = None
         self._boxes = np.zeros((2, 0, 3))
         self._always = self._around(meshes, points)
@@ -63,6 +65,44 @@ class Rooms:
             self._rooms = rooms
             self.sides = self._blocking(meshes)
         return (self.sides, self.walls) != before
+
+    def parted(
+        self, meshes: Sequence[Mesh], eye: F64, points: F64, reaches_m: F64
+    ) -> NDArray[np.bool_]:
+        """Which `points` (n, 3), metres, an opaque closed surface parts from the `eye` (3,).
+
+        Exactly: a path between points around which a surface without edges winds differently often
+        meets it. `reaches_m` (n + 1,): how far eye and points reach about themselves; what comes so
+        near to the surface is not parted.
+        """
+        self._place(meshes)
+        both = np.concatenate([eye[None], points])
+        low, high = self._boxes[:, :, None]
+        is_near = ((both > low) & (both < high)).all(axis=-1)
+        found = np.zeros(len(points), bool)
+        for number in np.flatnonzero(is_near.any(axis=1)).tolist():
+            # Outside its box a point is outside the body.
+            is_held = is_near[number]
+            for k in np.flatnonzero(is_held):
+                is_held[k] = self._holds(number, meshes, both[k])
+            differs = is_held != is_held[0]
+            if not differs.any() or not self._parts(number, meshes):
+                continue
+            # The eye, and each point on its other side, have to be clear of it.
+            body = [meshes[index] for index in self._bodies[number]]
+            least = np.maximum(reaches_m, _CLEAR * np.ptp(self._boxes[:, number], axis=0).max())
+            if _clearance(body, eye) > least[0]:
+                for k in np.flatnonzero(differs[1:]):
+                    is_far = not np.isfinite(points[k]).all()
+                    found[k] |= is_far or _clearance(body, points[k]) > least[k + 1]
+        return found
+
+    def _parts(self, number: int, meshes: Sequence[Mesh]) -> bool:
+        """Whether no light and no camera sees through a body: asked of its first shape alone."""
+        if number not in self._parting:
+            body = [meshes[index] for index in self._bodies[number]]
+            self._parting[number] = all(map(_is_opaque, body)) and is_sealed(body)
+        return self._parting[number]
 
     def _walls(
         self, holding: frozenset[int], meshes: Sequence[Mesh], points: F64
@@ -93,11 +133,7 @@ class Rooms:
         if not self._bodies or not len(points):
             return frozenset()
         # Boxes tell of nearly all that they hold none.
-        if meshes is not self._placed:
-            bounds = [[meshes[i].world_bounds for i in body] for body in self._bodies]
-            low = [np.min([box[0] for box in boxes], axis=0) for boxes in bounds]
-            high = [np.max([box[1] for box in boxes], axis=0) for boxes in bounds]
-            self._placed, self._boxes = meshes, np.array([low, high])
+        self._place(meshes)
         low_m, high_m = self._boxes[:, :, None]
         is_near = ((points > low_m) & (points < high_m)).all(axis=-1)
 
@@ -107,6 +143,14 @@ class Rooms:
             for number in np.flatnonzero(is_near.any(axis=1))
             if any(self._holds(int(number), meshes, point) for point in points[is_near[number]])
         )
+
+    def _place(self, meshes: Sequence[Mesh]) -> None:
+        """Find the bodies' boxes where the `meshes` are others than before."""
+        if self._bodies and meshes is not self._placed:
+            bounds = [[meshes[i].world_bounds for i in body] for body in self._bodies]
+            low = [np.min([box[0] for box in boxes], axis=0) for boxes in bounds]
+            high = [np.max([box[1] for box in boxes], axis=0) for boxes in bounds]
+            self._placed, self._boxes = meshes, np.array([low, high])
 
     def _holds(self, number: int, meshes: Sequence[Mesh], point: F64) -> bool:
         """Whether a body holds a point."""
@@ -129,11 +173,20 @@ class Rooms:
 
 _MOST_KNOWN = 31
 """Places of which a body remembers whether it holds them."""
+_CLEAR = 1e-4
+"""Of a body's longest side: what is nearer to its surface is on neither side for sure."""
 
 
 def sides(meshes: Sequence[Mesh], points: F64) -> list[int]:
     """The side of each mesh that blocks, with rooms around `points` (n, 3), metres."""
     return Rooms(meshes, points).sides
+
+
+def _is_opaque(mesh: Mesh) -> bool:
+    """Whether nothing is seen through a mesh from either side, nor is light sent from within it."""
+    material = mesh.material
+    has_gaps = material.is_translucent or material.alpha_cutoff > 0.0 or material.is_culled
+    return not (has_gaps or material.is_emissive or isinstance(mesh, LightMesh))
 
 
 def _clearance(body: Sequence[Mesh], point: F64) -> float:

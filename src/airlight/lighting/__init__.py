@@ -7,6 +7,7 @@ surfaces       G-buffer -> emitted light -> occlusion -> lattice light -> direct
   glossy         which materials trace mirrored rays; glossy_pixels: their list on CPU adapters
 view           a camera's matrices and textures; accumulate: the mean of jittered images
 translucent    layers of translucent surfaces, lit alike and put over each other
+hidden         lights that closed opaque walls part from the eye are dark
 hits           the same passes on surfaces that rays met; shadow_rays: where shadow maps are unsure
 gathered       the field of a final gather, in place of lattices' light
 read_layers    a drawn view as arrays

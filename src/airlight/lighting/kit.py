@@ -7,6 +7,7 @@ kit       rays; shadow maps -> blockers -> the sky's maps -> the sky's light in 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from ..maths.transforms import F64, triple
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
+from .hidden import Hidden
 from .lattice_box import lattice_axes, lattice_extent, with_medium_around
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
@@ -85,6 +87,10 @@ class SurfaceSettings:
         True,
         "whether smooth surfaces mirror along rays, what triangles are where a frame gathers and "
         "the lattice's light else, not just their own cell",
+    )
+    hidden_lights: bool = setting(
+        False,
+        "whether light that closed opaque walls part from the eye is computed, too, as in exports",
     )
     ambient_occlusion: bool = setting(
         True, "whether what is smaller than cells shades sky and indirect light"
@@ -197,6 +203,17 @@ class Kit:
         if self.placement.axes != STRAIGHT:
             low, high = self.meshes.bounds_along(self.placement.axes) or (low, high)
         return triple(low), triple(high)
+
+    @cached_property
+    def _hidden(self) -> Hidden:
+        return Hidden(self.blockers.rooms)
+
+    def lit(self, scene: Scene) -> Scene:
+        """The scene as solvers are given it: lights with extent are samples, hidden ones dark."""
+        scene = self.emitters.of(scene)
+        if self.settings.hidden_lights:
+            return scene
+        return self._hidden.without(scene, self.meshes.current)
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Update all that is shared to `scene`; low..high as from `bounds`."""

@@ -69,8 +69,9 @@ class Technique:
         `is_still`: for an image of several samples. `lags`: solvers that may lag leave their fields
         as they were; nothing but lights and sky may have changed since.
         """
-        # Solvers may be given other media than the scene's; lights with extent become samples.
-        scene = self.kit.emitters.of(self._scene_filter(scene))
+        # Solvers may be given other media than the scene's; lights with extent become samples, and
+        # lights that the eye sees nothing of are dark.
+        scene = self.kit.lit(self._scene_filter(scene))
         frame = Frame(scene, *self.kit.bounds(scene), is_still=is_still)
         # What all solvers share: shadow maps, blockers, the sky's light in all cells.
         self.kit.encode(commands, scene, *frame.bounds)

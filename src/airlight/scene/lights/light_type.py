@@ -95,6 +95,10 @@ class LightType:
         """The field that says how bright it is."""
         return next(key.name for key in cls.keys if key.stands_for == "strength")
 
+    def darkened(self) -> Self:
+        """The same light, which gives nothing."""
+        return replace(self, **{self.strength_name(): (0.0, 0.0, 0.0)})
+
     @property
     def fixed(self) -> tuple[Any, ...]:
         """What a renderer is made for and cannot follow: its type, and what does not move."""

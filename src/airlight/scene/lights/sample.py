@@ -42,6 +42,11 @@ class LightSample(LightType):
     kind: ClassVar[int] = 3
     has_size: ClassVar[bool] = True
 
+    @classmethod
+    def strength_name(cls) -> str:
+        """It has no keys to look it up in."""
+        return "intensity"
+
     @property
     def power(self) -> Rgb:
         """W."""
