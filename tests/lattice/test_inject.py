@@ -11,7 +11,8 @@ from airlight.gpu.memory import Buffer
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
 from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, InjectionTarget
 from airlight.lattice.placement import Placement
-from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
+from airlight.scene import DirectionalLight, Material, Mesh, PointLight, SpotLight
+from airlight.scene.shapes import sphere
 from airlight.surface.light_views import LightViewData, light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
 
@@ -178,3 +179,31 @@ def test_the_scale_is_a_power_of_two_below_the_limit():
         scale = fixed_point_scale(flux)
         assert math.log2(scale) == int(math.log2(scale))
         assert 2**28 < scale * flux * 2.7 / (4.0 * math.pi) <= 2**30
+
+
+def test_light_of_a_flat_surface_enters_cells_before_its_plane(injected, on_device, square):
+    # 15 degrees off the lattice's axes and three metres wide. Half a cell before it .57 of its light
+    # would be in cells whose middles are less than .3 cells before its plane, or behind it.
+    turn = math.radians(15.0)
+    along = np.array([math.cos(turn), math.sin(turn), 0.0])
+    normal = np.array([-math.sin(turn), math.cos(turn), 0.0])
+    scene = on_device(square((0, 0.1, 0), 1.5 * along, (0, 0, -1.5), PAINT))
+    cells, _ = injected(scene, SUN, is_shaped=True)
+    power = cells[0, ..., 0]
+    z, y, x = np.indices(power.shape)
+    middles = np.array(ROOM.origin) + ROOM.cell * (np.stack([x, y, z], -1) + 0.5)
+    before = (middles - (0, 0.1, 0)) @ normal / ROOM.cell
+    assert power[before < 0.3].sum() < 0.15 * power.sum()
+
+
+def test_light_of_a_small_ball_stays_close_to_it(injected, on_device):
+    # Its radius is 0.4 cells: what a cell holds of it is no plane.
+    matrix = np.diag([0.2, 0.2, 0.2, 1.0])
+    scene = on_device(Mesh(sphere(), PAINT, matrix))
+    cells, _ = injected(scene, SUN, is_shaped=True)
+    power = cells[0, ..., 0]
+    z, y, x = np.indices(power.shape)
+    middles = np.array(ROOM.origin) + ROOM.cell * (np.stack([x, y, z], -1) + 0.5)
+    away = np.linalg.norm(middles, axis=-1) / ROOM.cell
+    print((power * away).sum() / power.sum())
+    assert (power * away).sum() / power.sum() < 1.2

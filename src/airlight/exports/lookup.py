@@ -46,25 +46,32 @@ class Lookup:
             return upright
 
         # Surfaces that lie along no axis are looked up between cells before their plane.
-        oblique = 1.0 - _smoothstep(0.9, 0.97, np.abs(n).max(axis=1, keepdims=True))
-        return upright + oblique * (self._oblique_coordinates(warped, n) - upright)
+        oblique = 1.0 - _smoothstep(0.9903, 0.9986, np.abs(n).max(axis=1, keepdims=True))
+        plane = self._plane_coordinates(p, warped, n)
+        return upright + oblique * (self._oblique_coordinates(plane, n) - upright)
 
     def _cells(self, coordinates: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
         """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
         cell = np.clip(np.floor(coordinates), 0, np.array(self.count) - 1).astype(np.intp)
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
 
-    def _oblique_coordinates(self, warped: F64, n: F64) -> F64:
+    def _plane_coordinates(self, p: F64, warped: F64, n: F64) -> F64:
+        """Twin: plane_coordinates in wgsl/lattice_space.wgsl."""
+        # As it is where the plane cuts the axis, else between walls.
+        coordinates = (p - np.array(self.origin)) / self.cell
+        return warped + _smoothstep(0.05, 0.14, np.abs(n)) * (coordinates - warped)
+
+    def _oblique_coordinates(self, plane: F64, n: F64) -> F64:
         """Twin: oblique_coordinates in wgsl/lattice.wgsl."""
         # From a point before the surface, no nearer to closed faces than they allow.
         count = np.array(self.count)
-        at = np.clip(self._lifted(warped, n) + BEFORE_OBLIQUE * n, 0.5, count - 0.5)
+        at = np.clip(self._lifted(plane, n) + BEFORE_OBLIQUE * n, 0.5, count - 0.5)
         cell = np.floor(at)
         t = at - cell - 0.5
         eased = self._open_offset(cell, t, np.zeros_like(t))
         offset = eased + _smoothstep(0.2, 0.4, np.abs(n)) * (t - eased)
         # The shares of the cell and of its neighbour on each axis.
-        distance = ((cell + 0.5 - warped) * n).sum(axis=1, keepdims=True)
+        distance = ((cell + 0.5 - plane) * n).sum(axis=1, keepdims=True)
         own = _before_plane(distance) * (1.0 - np.abs(offset))
         beside = _before_plane(distance + np.sign(offset) * n) * np.abs(offset)
         middle = cell + 0.5 + np.sign(offset) * beside / (own + beside)

@@ -1,6 +1,6 @@
 // Every texel of a reflective shadow map, or every block of texels, is a virtual point light, whose
 // cosine lobe enters the cell half a cell in front of it (Kaplanyan2010 section 3.1; twin of the lobe:
-// maths.sh.cosine_lobe).
+// maths.sh.cosine_lobe), or farther where it is oblique to the cells.
 // The including pass says what of a layer's light arrives at a point: light_arriving(layer, p).
 //! use lattice_space
 //! use lobes
@@ -8,6 +8,8 @@
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
+const OFF_PLANE = 0.25;  // cells: from how far on it is another surface, or a curved one
+const BEFORE_FLAT = 1.0;    // cells before a flat surface oblique to them: hardly any that it cuts are so far
 
 // 0 for objects up to a size, 1 for those half as large again.
 fn large_enough(size: f32, least: f32) -> f32 {
@@ -35,7 +37,51 @@ fn is_of(seen: Seen, p: vec3f, n: vec3f, size: f32) -> bool {
         && abs(dot(p - seen.place / seen.texels, along)) < PLANE * lattice.cell;
 }
 
-// Its flux, half a cell before it, where it is not in the cell of the wall itself.
+// How flat what a view shows around p is, 0 to 1: the share of four points, half a cell away across the normal n
+// (along the lattice's axes), that it shows near the plane. A ball smaller than a cell is not.
+fn flatness(layer: u32, p: vec3f, n: vec3f) -> f32 {
+    // Two directions across n, the first also across the axis that n is least along.
+    let a = abs(n);
+    let is_x = a.x <= a.y && a.x <= a.z;
+    let other = select(vec3f(0.0, 0.0, 1.0), vec3f(0.0, 1.0, 0.0), a.y <= a.z);
+    let aside = normalize(cross(n, select(other, vec3f(1.0, 0.0, 0.0), is_x)));
+    let across = array<vec3f, 2>(aside, cross(n, aside));
+    // What the view shows there, where that is in its map.
+    let view = views[layer];
+    var near = 0.0;
+    var found = 0.0;
+    var k = 0u;
+    loop {
+        let away = select(0.5, -0.5, k > 1u) * lattice.cell * across[k & 1u];
+        let clip = view.clip_from_world * vec4f(p + world_from_lattice(lattice, away), 1.0);
+        let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
+        let is_in = clip.w > 0.0 && all(uv >= vec2f(0.0)) && all(uv < vec2f(1.0));
+        let texel = vec2u(saturate(uv) * (f32(params.resolution) - 1e-3));
+        let shown = texel_point(view, texel_centre(texel, params.resolution), textureLoad(depth, texel, layer, 0));
+        let off = abs(dot(lattice_from_world(lattice, shown - p), n)) / lattice.cell;
+        near += select(0.0, 1.0 - smoothstep(PLANE, OFF_PLANE, off), is_in);
+        found += select(0.0, 1.0, is_in);
+        k++;
+        if (k >= 4u) { break; }
+    }
+    return select(1.0, near / max(found, 1.0), found > 0.0);
+}
+
+// Where a surface's light enters, in lattice coordinates: half a cell before it, where it is not in the cell of
+// the wall itself. Cells that a flat surface oblique to them cuts hold the light of both its sides, and the steps of
+// faces that it closes let it through: farther before that.
+fn light_coordinates(layer: u32, p: vec3f, n: vec3f) -> vec3f {
+    let warped = warped_surface_coordinates(lattice, p, n);
+    let upright = warped + 0.5 * n;
+    let oblique = select(0.0, obliqueness(n), lobes.is_raised != 0u);
+    if (oblique <= 0.0) {
+        return upright;
+    }
+    let before = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
+    return mix(upright, before, oblique * flatness(layer, p, n));
+}
+
+// Its flux.
 fn add_seen(seen: Seen, layer: u32) {
     if (seen.texels <= 0.0) {
         return;
@@ -44,8 +90,7 @@ fn add_seen(seen: Seen, layer: u32) {
     let share = object_share(seen.size, p);
     if (share > 0.0) {
         let n = lattice_from_world(lattice, normalize(seen.normal));
-        let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;
-        add_lobe(coordinates, n, share * light_arriving(layer, p) * seen.power);
+        add_lobe(light_coordinates(layer, p, n), n, share * light_arriving(layer, p) * seen.power);
     }
 }
 

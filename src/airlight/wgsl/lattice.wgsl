@@ -97,13 +97,6 @@ fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3
     return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
-// How oblique a surface of normal n is to the faces of cells: 0 along them, 1 from some 25 degrees on. A point
-// of a medium (n = 0) is not.
-fn obliqueness(n: vec3f) -> f32 {
-    let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
-    return select(0.0, 1.0 - smoothstep(0.9, 0.97, along), along > 0.0);
-}
-
 // How far from its plane an oblique surface is looked up, cells along its normal.
 const BEFORE_OBLIQUE = 0.75;
 // Cells whose middles are so far from its plane lie behind it, and before it.
@@ -114,19 +107,19 @@ fn before_plane(distance: vec3f) -> vec3f {
     return smoothstep(vec3f(BEHIND_PLANE), vec3f(BEFORE_PLANE), distance) + 1e-3;
 }
 
-// Texture coordinates for a surface oblique to the cells, at warped coordinates. The faces that it closes are steps
+// Texture coordinates for a surface oblique to the cells, at plane_coordinates. The faces that it closes are steps
 // before and behind it, which would show as plates. So cells count by how far their middles lie before its plane,
 // which leaves out those that hold the light of its other side; closed faces end interpolation only across
 // its normal, where they are another wall's.
-fn oblique_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
-    let raised = lifted(lattice, warped, n) + BEFORE_OBLIQUE * n;
+fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f {
+    let raised = lifted(lattice, plane, n) + BEFORE_OBLIQUE * n;
     let at = clamp(raised, vec3f(0.5), vec3f(lattice.count) - 0.5);
     let cell = floor(at);
     let t = at - cell - 0.5;
     let is_own = smoothstep(vec3f(0.2), vec3f(0.4), abs(n));
     let offset = mix(open_offset(lattice, cell, t, vec3f(0.0)), t, is_own);
     // The shares of the cell and of its neighbour on each axis.
-    let distance = dot(cell + 0.5 - warped, n);
+    let distance = dot(cell + 0.5 - plane, n);
     let own = before_plane(vec3f(distance)) * (1.0 - abs(offset));
     let beside = before_plane(distance + sign(offset) * n) * abs(offset);
     return lattice_uvw(lattice, cell + 0.5 + sign(offset) * beside / (own + beside));
@@ -141,7 +134,8 @@ fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec
         uvw = lattice_eased(lattice, lookup_coordinates(lattice, warped, n), rim_shares(n));
     }
     if (oblique > 0.0) {
-        uvw = mix(uvw, oblique_coordinates(lattice, warped, n), oblique);
+        let plane = plane_coordinates(lattice, position, warped, n);
+        uvw = mix(uvw, oblique_coordinates(lattice, plane, n), oblique);
     }
     return uvw;
 }

@@ -67,6 +67,19 @@ fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) ->
         warped_axis(coordinates.y, y.y, low.y, high.y), warped_axis(coordinates.z, z.z, low.z, high.z));
 }
 
+// How oblique a surface of normal n is to the faces of cells: 0 along them, 1 from some 8 degrees on. A point
+// of a medium (n = 0) is not.
+fn obliqueness(n: vec3f) -> f32 {
+    let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
+    return select(0.0, 1.0 - smoothstep(0.9903, 0.9986, along), along > 0.0);
+}
+
+// Where an oblique surface of normal n at a world point is: as it is on axes that its plane cuts, since the faces
+// that it closes there are steps, and warped along the others, to the walls that it stands between.
+fn plane_coordinates(lattice: LatticeParams, world: vec3f, warped: vec3f, n: vec3f) -> vec3f {
+    return mix(warped, cells_from_world(lattice, world), smoothstep(vec3f(0.05), vec3f(0.14), abs(n)));
+}
+
 // The same for a point in space.
 fn warped_coordinates(lattice: LatticeParams, world: vec3f) -> vec3f {
     return warped_in_cells(lattice, cells_from_world(lattice, world));
