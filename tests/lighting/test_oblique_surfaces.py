@@ -16,7 +16,7 @@ from airlight.scene.builtin import builtin_scene
     [(False, "lpv", "indirect", 2.0), (True, "lpv-scatter", "multiple_scatter", 1.36)],
 )
 def test_a_board_lit_from_behind_shows_no_plates(medium, technique, layer, most):
-    # The brightest twentieth of its dark side over the median: MEASURED; 4.7 and 1.67 where
+    # The brightest twentieth of its dark side over the median: 1.7 and 1.33; 4.7 and 1.67 where
     # lookups stop at the steps of faces that an oblique board closes, 1.39 where fog before the
     # board is read in cells that it cuts.
     scene = builtin_scene("bleeding")
@@ -43,7 +43,6 @@ def test_boards_at_any_angle_show_no_steps(turned_deg, technique):
     x, y = ((k - k.mean()) / k.std() for k in (columns, rows))
     cubic = np.stack([x**i * y**j for i in range(4) for j in range(4 - i)], axis=1)
     steps = light - cubic @ np.linalg.lstsq(cubic, light, rcond=None)[0]
-    print(turned_deg, technique, steps.std() / light.mean())
     assert steps.std() < 0.4 * light.mean()
 
 

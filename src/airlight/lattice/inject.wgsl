@@ -9,7 +9,7 @@
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
 const OFF_PLANE = 0.25;  // cells: from how far on it is another surface, or a curved one
-const BEFORE_FLAT = 1.0;    // cells before a flat surface oblique to them: hardly any that it cuts are so far
+const BEFORE_FLAT = 1.0; // cells before a flat surface oblique to them: hardly any that it cuts are so far
 
 // 0 for objects up to a size, 1 for those half as large again.
 fn large_enough(size: f32, least: f32) -> f32 {
@@ -57,9 +57,10 @@ fn flatness(layer: u32, p: vec3f, n: vec3f) -> f32 {
         let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
         let is_in = clip.w > 0.0 && all(uv >= vec2f(0.0)) && all(uv < vec2f(1.0));
         let texel = vec2u(saturate(uv) * (f32(params.resolution) - 1e-3));
-        let shown = texel_point(view, texel_centre(texel, params.resolution), textureLoad(depth, texel, layer, 0));
+        let d = textureLoad(depth, texel, layer, 0);
+        let shown = texel_point(view, texel_centre(texel, params.resolution), d);
         let off = abs(dot(lattice_from_world(lattice, shown - p), n)) / lattice.cell;
-        near += select(0.0, 1.0 - smoothstep(PLANE, OFF_PLANE, off), is_in);
+        near += select(0.0, 1.0 - smoothstep(PLANE, OFF_PLANE, off), is_in && d < 1.0);
         found += select(0.0, 1.0, is_in);
         k++;
         if (k >= 4u) { break; }
