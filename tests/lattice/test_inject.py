@@ -197,7 +197,7 @@ def test_light_of_a_flat_surface_enters_cells_before_its_plane(injected, on_devi
 
 
 def test_light_of_a_small_ball_stays_close_to_it(injected, on_device):
-    # Its radius is .8 cells; its light enters cells 1.1 from its middle, 1.5 if it were taken for planes.
+    # Its radius is .4 cells; its light enters cells 1.1 from its middle, 1.5 if taken for planes.
     matrix = np.diag([0.2, 0.2, 0.2, 1.0])  # m
     scene = on_device(Mesh(sphere(), PAINT, matrix))
     cells, _ = injected(scene, SUN, is_shaped=True)

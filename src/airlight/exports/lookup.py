@@ -48,7 +48,7 @@ class Lookup:
         # Surfaces that lie along no axis are looked up between cells before their plane.
         oblique = 1.0 - _smoothstep(0.9903, 0.9986, np.abs(n).max(axis=1, keepdims=True))
         plane = self._plane_coordinates(p, warped, n)
-        return upright + oblique * (self._oblique_coordinates(plane, n) - upright)
+        return np.asarray(upright + oblique * (self._oblique_coordinates(plane, n) - upright))
 
     def _cells(self, coordinates: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
         """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
@@ -65,7 +65,10 @@ class Lookup:
         """Twin: oblique_coordinates in wgsl/lattice.wgsl."""
         # From a point before the surface, no nearer to closed faces than they allow.
         count = np.array(self.count)
-        at = np.clip(self._lifted(plane, n) + BEFORE_OBLIQUE * n, 0.5, count - 0.5)
+        coordinates = self._lifted(plane, n)
+        raised = coordinates + BEFORE_OBLIQUE * n
+        raised = self._before_walls(coordinates, raised, n, np.abs(n) < 0.4)
+        at = np.clip(raised, 0.5, count - 0.5)
         cell = np.floor(at)
         t = at - cell - 0.5
         eased = self._open_offset(cell, t, np.zeros_like(t))
@@ -83,9 +86,15 @@ class Lookup:
         # enclosed.
         coordinates = self._lifted(coordinates, n)
         wanted = coordinates + _raised(coordinates, n)
+        return self._before_walls(coordinates, wanted, n, np.ones(n.shape, np.bool_))
+
+    def _before_walls(
+        self, coordinates: F64, wanted: F64, n: F64, is_asked: NDArray[np.bool_]
+    ) -> F64:
+        """Twin: before_walls in wgsl/lattice.wgsl."""
         cell = np.floor(coordinates + BEFORE * n)
         within = np.where(n < 0.0, np.maximum(wanted, cell + 0.5), np.minimum(wanted, cell + 0.5))
-        return np.where(self._ends(cell, n), within, wanted)
+        return np.where(is_asked & self._ends(cell, n), within, wanted)
 
     def _lifted(self, coordinates: F64, n: F64) -> F64:
         """Twin: lifted in wgsl/lattice.wgsl."""

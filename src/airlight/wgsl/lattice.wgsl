@@ -52,16 +52,22 @@ fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
     return select(coordinates, face + up, (is_above | is_below) & (down != vec3f(0.0)));
 }
 
+// Where it is wanted to look, but on no axis past the middle of a cell that a surface at `coordinates` faces, where
+// a wall on that axis encloses the cell.
+fn before_walls(lattice: LatticeParams, coordinates: vec3f, wanted: vec3f, n: vec3f, is_asked: vec3<bool>) -> vec3f {
+    let cell = floor(coordinates + BEFORE * n);
+    let centre = cell + 0.5;
+    let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
+    return select(wanted, within, is_asked & ends(lattice, cell, n));
+}
+
 // Where to look for the light on a surface, in warped coordinates as `warped` itself. Not behind a wall that the
 // surface faces: the underside of a ball would be looked up beneath the floor that it lies on.
 fn lookup_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
     let coordinates = lifted(lattice, warped, n);
     let wanted = coordinates + vec3f(lookup_offset(coordinates.x, n.x), lookup_offset(coordinates.y, n.y),
         lookup_offset(coordinates.z, n.z));
-    let cell = floor(coordinates + BEFORE * n);
-    let centre = cell + 0.5;
-    let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
-    return select(wanted, within, ends(lattice, cell, n));
+    return before_walls(lattice, coordinates, wanted, n, vec3<bool>(true));
 }
 
 // Texture coordinates of lattice coordinates; none between two lattices that share textures.
@@ -112,7 +118,9 @@ fn before_plane(distance: vec3f) -> vec3f {
 // which leaves out those that hold the light of its other side; closed faces end interpolation only across
 // its normal, where they are another wall's.
 fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f {
-    let raised = lifted(lattice, plane, n) + BEFORE_OBLIQUE * n;
+    // Its own steps enclose cells across axes that it faces more, other walls across the others.
+    let coordinates = lifted(lattice, plane, n);
+    let raised = before_walls(lattice, coordinates, coordinates + BEFORE_OBLIQUE * n, n, abs(n) < vec3f(0.4));
     let at = clamp(raised, vec3f(0.5), vec3f(lattice.count) - 0.5);
     let cell = floor(at);
     let t = at - cell - 0.5;
