@@ -183,7 +183,7 @@ def test_the_scale_is_a_power_of_two_below_the_limit():
 
 def test_light_of_a_flat_surface_enters_cells_before_its_plane(injected, on_device, square):
     # 15 degrees off the lattice's axes and three metres wide. A third of its light would be in
-    # cells whose middles are less than .3 cells before its plane, or behind it, half a cell before it.
+    # cells with middles less than .3 cells before its plane, or behind it, half a cell before it.
     turn = math.radians(15.0)
     along = np.array([math.cos(turn), math.sin(turn), 0.0])
     normal = np.array([-math.sin(turn), math.cos(turn), 0.0])
