@@ -5,9 +5,10 @@
 >>> image.save("cornell.png")
 
 load, scenes      a scene: from a file, or one that ships
-with_defaults     a camera that frames it, and daylight, where a scene has none
+with_defaults     a camera that frames it, and light, where a scene has none
 render, Renderer  an image of it; or many, with the scene kept on the device
 export_lattice    the light that was solved, as arrays for other programs
+light_field       the same of a Renderer's last frame, while lights and objects move
 reference         the same scene by unbiased path tracing, and how far apart two images are
 Scene, Mesh, ...  what scenes are made of
 """
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
         SettingsError,
     )
     from .exports.light_field import LightField
-    from .exports.solved import export_lattice
+    from .exports.solved import export_lattice, light_field
     from .rendering import Renderer, render
     from .scene import (
         AreaLight,
@@ -87,6 +88,7 @@ __all__ = [
     "Texture",
     "Volume",
     "export_lattice",
+    "light_field",
     "load",
     "reference",
     "render",
@@ -108,6 +110,7 @@ _HOMES = {
     "SceneError": "errors",
     "SettingsError": "errors",
     "export_lattice": "exports.solved",
+    "light_field": "exports.solved",
     "load": "scene.io",
     "render": "rendering",
     "view": "app.view.notebook",

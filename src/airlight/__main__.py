@@ -9,6 +9,7 @@ from .interrupts import leave_quietly
 
 def main() -> None:
     """Run the command line and exit."""
+    # Before the imports below, which take a while.
     leave_quietly()
     # Matrices here are small, and threads of BLAS spin on cores that a CPU adapter draws with.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -26,7 +26,7 @@ SWITCHES: tuple[Switch, ...] = (
     Switch(
         "AIRLIGHT_ROOT",
         "",
-        "folder around a Mitsuba XML or USD file that it may name files in; empty: its own",
+        "folder that scene files may name files in, no others; empty: any of the machine",
     ),
     Switch("AIRLIGHT_PATHS", "auto", "code paths: auto (made for the adapter), gpu or cpu"),
     Switch(
@@ -66,6 +66,7 @@ def cache_folder(environment: Mapping[str, str] = os.environ, platform: str = sy
 
 def _system_caches(environment: Mapping[str, str], platform: str) -> Path:
     """airlight's folder where the system keeps caches."""
+    # Each system has a folder for what may be deleted.
     if platform == "darwin":
         return Path.home() / "Library" / "Caches" / "airlight"
     if platform == "win32":

@@ -19,6 +19,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
+# NumPy's words, with the memory that was wanted.
 _WANTED = re.compile(r"Unable to allocate (\S+ \S+) for an array")
 
 LONGEST_LINE = 1500
@@ -53,6 +54,7 @@ class AirlightError(Exception):
         super().__init__(problem)
 
     def __str__(self) -> str:
+        # Parts may quote files: each is made printable, and as short as a line.
         parts = (self.where, self.problem, self.remedy)
         where, problem, remedy = (one_line(part) for part in parts)
         text = f"{where}: {problem}" if where else problem
@@ -92,6 +94,7 @@ class ReferenceFailure(AirlightError):
 
 def memory_wanted(error: MemoryError) -> str:
     """ " (... were wanted)" of an error in which NumPy says how much it asked for, and else ""."""
+    # NumPy says how much it wanted, Python does not.
     found = _WANTED.match(str(error))
     return f" ({found[1].replace('. ', ' ')} were wanted at once)" if found else ""
 
@@ -111,6 +114,7 @@ def within_memory(
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """A remedy naming the known name closest to `name`, and else all of them."""
+    # A slip of the pen has one remedy; else everything that is known is named.
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     if close:

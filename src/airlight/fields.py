@@ -29,6 +29,7 @@ from .maths.transforms import F64
 from .scene.scene import Scene
 from .surface.reflective import ReflectiveShadowMaps
 
+# Values of `Source.medium` that are no row of the media.
 ABSOLUTE, ALL_MEDIA, SOME_MEDIA = -1, -2, -3
 FORWARD_REACH = 3
 """Cells to each side over which forward light is averaged."""
@@ -128,6 +129,7 @@ class ForwardSource:
     @property
     def spread(self) -> float:
         """In m^-2: `spread` (1 - g) distance^2 nears 1 where a beam is as wide as that."""
+        # A beam spreads by .29 sqrt(2 (1 - g)) of its path (`scatter.forward`).
         return 2.0 * (0.29 / (_FORWARD_BLUR_CELLS * self.cell_m)) ** 2
 
 

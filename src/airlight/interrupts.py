@@ -16,12 +16,14 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
 
+# A shell's number for what Ctrl-C ended: 128 + SIGINT.
 INTERRUPTED = 130
 _AGAIN_S = 0.05
 
 
 def leave_quietly() -> None:
     """From now on Ctrl-C ends the process at once; nothing changes where it is ignored."""
+    # A program that takes or ignores the signal itself goes on doing so.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _leave)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import statistics
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from itertools import repeat
@@ -12,13 +11,13 @@ from time import perf_counter
 from typing import Any
 
 from .errors import SettingsError
+from .frame_times import FrameTimes
 from .gpu.commands import Commands
 from .gpu.device import Gpu, open_gpu
 from .gpu.lifetime import DeviceLifetime
 from .lighting.kit import Context
 from .lighting.reach import MadeFor
 from .lighting.view import View
-from .maths.sampling import shutter_shares
 from .sampled_view import Progress, SampledView
 from .scene.camera import Camera
 from .scene.environment import Environment
@@ -31,12 +30,10 @@ from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
-from .scene.shown import ShownScenes, changed, has_unlit
+from .scene.shown import ShownScenes, changed, has_unlit, shutter_moments
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
 from .techniques import make_technique
-
-_MOST_TIMES = 256
 
 
 class Renderer(DeviceLifetime):
@@ -45,8 +42,9 @@ class Renderer(DeviceLifetime):
     with Renderer(scene, technique="lpv", size=(640, 360)) as r:
         image = r.frame(camera=...)
 
-    The number and kinds of lights, the meshes' triangles and the volumes' grid sizes are fixed;
-    everything that `frame` takes may change from call to call. An image depends on the scene that
+    The number and kinds of lights, the meshes' triangles and the number of volumes are fixed;
+    everything that `frame` takes may change from call to call (a volume's grid of another size or
+    box has what is on the device made again). An image depends on the scene that
     the renderer was made with and on the scene it shows, not on the images before it, unless the
     setting gather_history asks for that. A path or builtin:NAME is loaded. Settings as of `render`.
     Raises SceneError, SettingsError, DeviceError.
@@ -68,21 +66,22 @@ class Renderer(DeviceLifetime):
         adapter: str = "auto",
     ) -> None:
         super().__init__("this Renderer")
-        self._began_s = perf_counter()
+        self._times = FrameTimes()
+        self.frame_ms, self.python_ms = self._times.frame_ms, self._times.python_ms
+        # What the renderer is made for.
         self.scene = scene if isinstance(scene, Scene) else load(scene)
         self.made_for = MadeFor(self.scene)
         self.size = checked_size(self.scene.camera.image_size if size is None else size)
         check_extent(self.scene)
+        # Scenes as the device has them: with lights' meshes, from an origin near everything.
         self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
         self._wanted = (technique, dict(settings or {}), adapter)
-        self.frame_ms: list[float] = []
-        self.python_ms: list[float] = []
-        self._first_image_s: float | None = None
         self.exposure_stops: float | None = None
         """Instead of the camera's, where it is a number."""
         self._make()
 
     def _open(self) -> Gpu:
+        # All that the renderer makes is given back with a scope of its own.
         gpu = open_gpu(self._wanted[2]).scope()
         gpu.require("max-texture-dimension-2d", max(self.size), "the image")
         gpu.memory.forget_peak()
@@ -92,10 +91,12 @@ class Renderer(DeviceLifetime):
         """Create all that is on the device."""
         gpu, (technique, settings, _) = self.gpu, self._wanted
         self.commands = Commands(gpu)
+        # Positions from that origin, where 32-bit floats are exact enough.
         scene = self._nearby.of(self._shown.of(self.made_for.scene))
         self.meshes = GpuScene(gpu, scene)
         at_once = self.commands if self._submits_at_once else None
         context = Context(gpu, scene, self.meshes, self.size, at_once)
+        # The technique says whether its lattices go by what cameras see.
         self.technique = make_technique(context, technique, settings, nearby=self._nearby)
         made.callback(self.technique.release)
         self.made_for = self.made_for.following(self.technique.follows_eye)
@@ -135,8 +136,7 @@ class Renderer(DeviceLifetime):
             # While the shutter is open each sample has a moment of its own.
             moments: Iterator[Scene] | None = None
             if time is not None and samples > 1 and has_moments(scene):
-                times_s = time + scene.camera.shutter_s * shutter_shares(samples)
-                moments = (changed(before.at(t), **changes) for t in times_s.tolist())
+                scene, moments = shutter_moments(before, scene, time, samples, changes)
             if (made_for := self.made_for.showing(scene)) is not self.made_for:
                 self.made_for = made_for
                 self._remake()
@@ -152,7 +152,7 @@ class Renderer(DeviceLifetime):
                     self.show(scene)
                 encoded = perf_counter()
                 self.gpu.wait()
-                self._count(begin, encoded, perf_counter())
+                self._times.add(begin, encoded, perf_counter())
                 if not read:
                     return None
                 image = self._sampled.image(scene, samples)
@@ -175,6 +175,7 @@ class Renderer(DeviceLifetime):
         Returns it as the device has it: with its lights' meshes, volumes in parts, from `origin`.
         """
         shown = self._nearby.of(self._shown.of(scene))
+        # Meshes that moved do so on the device.
         if shown.meshes is not self.meshes.current:
             self.meshes.move(shown.meshes)
         self.scene = scene
@@ -193,6 +194,7 @@ class Renderer(DeviceLifetime):
         with self.used():
             if size == self.size:
                 return
+            # What the device cannot do is refused before anything is changed.
             self.gpu.require("max-texture-dimension-2d", max(size), "the image")
             with self.whole():
                 self.size = size
@@ -202,11 +204,11 @@ class Renderer(DeviceLifetime):
         """Milliseconds per stage of one more frame, each stage waited for. Raises DeviceError."""
         with self.used():
             commands = self.commands
+            # Stages that are waited for take longer: the frame's own times are taken out again.
             commands.is_timed, commands.stage_ms = True, {}
             try:
                 self.frame(read=False)
-                self.frame_ms.pop()
-                self.python_ms.pop()
+                self._times.forget_last()
                 if not self.gpu.is_cpu:
                     commands.collect_timestamps()
             finally:
@@ -225,9 +227,7 @@ class Renderer(DeviceLifetime):
             "device": self.gpu.info.name,
             "adapter_type": self.gpu.info.adapter_type,
             "paths": self.gpu.paths.name,
-            "frame_ms": _median(self.frame_ms[1:]),
-            "python_ms": _median(self.python_ms[1:]),
-            "first_image_s": self._first_image_s,
+            **self._times.stats,
             "peak_gpu_bytes": self.gpu.peak_bytes,
             "size": list(self.size),
             "triangles": self.scene.triangle_count,
@@ -243,14 +243,6 @@ class Renderer(DeviceLifetime):
         except BaseException:
             self.scene, self.size, self._is_torn = scene, size, True
             raise
-
-    def _count(self, begin: float, encoded: float, done: float) -> None:
-        """Store a frame's times, seconds; of a long animation the first and the latest."""
-        if self._first_image_s is None:
-            self._first_image_s = done - self._began_s
-        for stored, spent_s in ((self.frame_ms, done - begin), (self.python_ms, encoded - begin)):
-            del stored[1:-_MOST_TIMES]
-            stored.append(spent_s * 1e3)
 
 
 def render(
@@ -277,6 +269,7 @@ def render(
     """
     if isinstance(scene, (str, Path)):
         scene = load(scene)
+    # An open shutter needs a time; a still has as many samples as its camera asks for.
     time = shutter_time(scene, time)
     samples = still_samples(scene) if samples is None else samples
     if samples < 1 or samples > 4096:
@@ -288,13 +281,10 @@ def render(
         assert image is not None
         if not timed:
             return image
+        # Frames after the first, which has compiled everything.
         renderer.frame_ms.clear()
         renderer.python_ms.clear()
         for _ in range(4):
             renderer.frame(read=False)
         stats = {**renderer.stats(), "passes": renderer.timed_passes()}
         return dataclasses.replace(image, stats=stats)
-
-
-def _median(times_ms: Sequence[float]) -> float | None:
-    return statistics.median(times_ms) if times_ms else None

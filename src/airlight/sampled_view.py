@@ -35,6 +35,7 @@ class SampledView:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on."""
+        # Means are for images of one size; the solved fields stay.
         self._means.release()
         self._accumulator = None
         self._technique.resize(size)
@@ -50,6 +51,7 @@ class SampledView:
         jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
         for index, (jitter, scene) in enumerate(zip(jitters, scenes, strict=False)):
             camera, offset = scene.camera, (float(jitter[0]), float(jitter[1]))
+            # Through a lens each sample has a point of it.
             if samples > 1:
                 camera, offset = through_lens(camera, offset, index, self._view.size[1])
             self._view.aim(self._nearby.camera(camera), offset, index)

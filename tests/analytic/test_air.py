@@ -43,7 +43,7 @@ def test_a_slab_has_the_transmittance_of_beer_and_lambert(judged, square, camera
 
 
 def test_black_air_only_takes_away(judged, square, camera_rays, error):
-    """Albedo 0: light on a floor, less what the air takes on the way there and on the way back."""
+    """Albedo 0: light on a floor, less what the air takes on the paths there and back."""
     albedo = np.array([0.2, 0.5, 0.8])
     paint = Material(base_color=tuple(albedo), specular=0.0)
     floor = square((0, -0.5, 0), (2.5, 0, 0), (0, 0, -2.5), paint)
@@ -182,10 +182,10 @@ def power_out(judged, scene, radius_m, views=12, **settings):
     index = np.arange(views) + 0.5
     z, turn = 1.0 - 2.0 * index / views, index * math.pi * (3.0 - math.sqrt(5.0))
     r = np.sqrt(1.0 - z * z)
-    ways = np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=-1)
+    directions = np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=-1)
     away_m = 50.0 * radius_m
     fov = 2.0 * math.degrees(math.atan(1.0 / 50.0))
-    cameras = [Camera(tuple(away_m * w), (0.0, 0.0, 0.0), fov_y_deg=fov) for w in ways]
+    cameras = [Camera(tuple(away_m * w), (0.0, 0.0, 0.0), fov_y_deg=fov) for w in directions]
     images = judged.images(scene, cameras, (PX, PX), 32, **settings)
     pixel_m2 = (2.0 * radius_m / PX) ** 2
     return 4.0 * math.pi * np.mean([i.radiance[..., 0].sum() * pixel_m2 for i in images])

@@ -52,14 +52,14 @@ def test_energies_beside_the_path_tracer(gpu, plain):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("way", "g"), [(-0.8, 0.7), (0.8, 0.7), (-0.8, 0.9), (0.8, 0.9)])
+@pytest.mark.parametrize(("along_z", "g"), [(-0.8, 0.7), (0.8, 0.7), (-0.8, 0.9), (0.8, 0.9)])
 @pytest.mark.needs("mitsuba")
-def test_the_half_space_that_scatters_forwards(gpu, way, g):
+def test_the_half_space_that_scatters_forwards(gpu, along_z, g):
     """The sun behind the eye and before it. Measured 1.03, .94, 1.11, .94; noise .03 at most."""
     black = Material(base_color=(0.0, 0.0, 0.0), specular=0.0)
     scene = Scene(
         meshes=(Mesh(box(), black),),
-        lights=(DirectionalLight((0.0, -0.6, way), (3.0, 2.0, 1.0)),),
+        lights=(DirectionalLight((0.0, -0.6, along_z), (3.0, 2.0, 1.0)),),
         camera=Camera((0, 2, 20), (0, 4, -10), fov_y_deg=50.0),
         medium=Medium(0.1, 0.9, g, endless=True, top=10.0),
     )

@@ -47,6 +47,18 @@ def test_exposure_and_curve_shape_the_display(tmp_path):
     np.testing.assert_allclose(shown, expected, atol=1.0 / 255.0)
 
 
+@pytest.mark.parametrize("light", [1e-4, 1.0, 3e4])
+def test_exposure_auto_shows_any_light_alike(tmp_path, light):
+    shown = []
+    for scale in (1.0, light):
+        Image(np.float32(scale) * RAMP).save(tmp_path / "a.exr")
+        words = ["convert", str(tmp_path / "a.exr"), str(tmp_path / "a.png"), "--exposure", "auto"]
+        assert cli.run(words) == 0
+        shown.append(np.asarray(PIL.Image.open(tmp_path / "a.png"), dtype=np.float64))
+    # Rounding of a code; and half floats of the file, where light is small.
+    np.testing.assert_allclose(shown[1], shown[0], atol=2.0)
+
+
 def test_an_eight_bit_image_comes_back_as_it_was(tmp_path):
     pixels = np.random.default_rng(2).integers(0, 256, (5, 7, 3), dtype=np.uint8)
     PIL.Image.fromarray(pixels).save(tmp_path / "a.png")
@@ -112,6 +124,13 @@ XML = """<scene version="3.0.0">
 <emitter type="point"><point name="position" x="0" y="5" z="0"/><rgb name="intensity" value="7"/>
 </emitter>
 <emitter type="constant"><rgb name="radiance" value="0.25"/></emitter></scene>"""
+
+
+def test_parameters_of_a_scene_are_values_in_the_scene_file(tmp_path):
+    source, target = tmp_path / "a.xml", tmp_path / "b.toml"
+    source.write_text(XML.replace('value="0.25"', 'value="$glow"'))
+    assert cli.run(["convert", str(source), str(target), "--param", "glow=0.5"]) == 0
+    assert load(target).environment.radiance == (0.5, 0.5, 0.5)
 
 
 def test_no_mesh_is_lost_in_a_scene_file(tmp_path, capsys):

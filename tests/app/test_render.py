@@ -117,6 +117,15 @@ def test_exposure_brightens_the_display_and_layers_stay_out_unasked(scene_file, 
     assert not exr.layers
 
 
+def test_exposure_auto_leaves_the_exposure_to_the_image(scene_file, tmp_path, calls):
+    for option, stops in (("auto", None), ("2", 2.0)):
+        out = str(tmp_path / "a.png")
+        assert (
+            cli.run(["render", scene_file, "-o", out, "--size", "4x4", "--exposure", option]) == 0
+        )
+        assert calls[-1]["scene"].camera.exposure_stops == stops
+
+
 MISTAKES = [
     (
         ["-o", "{out}/a.bmp"],

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import PIL.Image
 import pytest
 
 from airlight.app.cli import run
 from airlight.app.turntable import around
-from airlight.scene.io import load
+from airlight.scene import Mesh, Scene
+from airlight.scene.io import load, with_defaults
+from airlight.scene.shapes import box
 
 OBJ = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 SMALL = ["-t", "direct", "--size", "32x20", "--samples", "1", "-q", "-D", "shadow_resolution=64"]
@@ -42,8 +46,6 @@ def test_the_camera_goes_around_the_model_at_its_height_and_distance(model):
 
 
 def test_a_camera_whose_target_is_near_goes_around_the_model_all_the_same(model):
-    from dataclasses import replace
-
     scene = load(model)
     eye = np.array(scene.camera.position)
     look = np.subtract(scene.camera.target, eye)
@@ -71,7 +73,33 @@ def test_frames_show_it_from_all_sides(model, tmp_path):
     assert len(frames) == 4
     for one, other in zip(frames, [*frames[1:], frames[0]], strict=True):
         assert np.abs(one - other).mean() > 2.0
-    assert all(frame.std() > 10.0 for frame in frames)
+    # The model is seen before the backdrop, which is alike in the upper corners.
+    for frame in frames:
+        other = np.abs(frame - frame[0, 0]).max(axis=-1) > 6
+        assert other.mean() > 0.04
+        assert not other[0].any() and not other[:, 0].any()
+
+
+@pytest.mark.parametrize("size", [(6.0, 1.0, 0.5), (0.3, 4.0, 0.3), (5.0, 0.2, 5.0)])
+def test_what_the_first_frame_shows_whole_stays_whole(size):
+    matrix = np.diag((*size, 1.0))
+    bare = with_defaults(Scene(meshes=(Mesh(box(), world_from_object=matrix),)))
+    scene = around(bare, 1.0, 24.0)
+    corners = np.array(np.meshgrid(*[(-0.5, 0.5)] * 3)).reshape(3, 8).T * size
+    reach = []
+    for k in range(24):
+        camera = scene.at(k / 24.0).camera
+        forward = np.subtract(camera.target, camera.position)
+        forward /= np.linalg.norm(forward)
+        right = np.cross(forward, (0, 1, 0))
+        right /= np.linalg.norm(right)
+        offset = corners - camera.position
+        across = np.maximum(abs(offset @ right) * 0.75, abs(offset @ np.cross(right, forward)))
+        reach.append((across / (offset @ forward)).max() / np.tan(np.radians(15.0)))
+    assert max(reach) <= 1.001
+    # A camera that shows a part of it stays where its author put it.
+    near = replace(bare.camera, fov_y_deg=5.0)
+    assert around(replace(bare, camera=near), 1.0, 24.0).camera == near
 
 
 @pytest.mark.needs("av")

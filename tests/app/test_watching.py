@@ -42,7 +42,7 @@ def test_each_save_is_one_more_piece_of_work(tmp_path, monkeypatch, capsys):
         watching.watched(str(file), work)
     assert done == ["one", "saved at 2.0", "saved at 5.0"]
     said = capsys.readouterr().err
-    assert "is broken" in said
+    assert "error: " in said and "is broken" in said
     assert said.count("watching") == 2
 
 

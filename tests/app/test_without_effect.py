@@ -19,7 +19,9 @@ from airlight.scene.animation.tracks import OrbitTrack
 from airlight.scene.fingerprint import fingerprint
 from airlight.scene.io import load
 
+FOR_FILES = "for mesh files and density grids"
 FOR_MESHES = "for mesh files"
+FOR_MITSUBA = "for Mitsuba's files"
 NO_GROUND = "no ground was put under it: "
 SAYS = NO_GROUND + "scene files say what there is"
 DOES = ""
@@ -32,14 +34,15 @@ OPTIONS = {
     "--sun": ["--sun", "30,120"],
     "--ground": ["--ground"],
     "--no-ground": ["--no-ground"],
+    "--param": ["--param", "size=2"],
 }
 EXPECTED = {
-    "model.obj": [DOES, DOES, "only glTF files have variants", DOES, DOES, DOES],
-    "floor.obj": [DOES, DOES, "only glTF files have variants", DOES, NO_GROUND, ALONE],
-    "smoke.npy": [FOR_MESHES, FOR_MESHES, FOR_MESHES, DOES, DOES, ALONE],
-    "scene.toml": [FOR_MESHES, FOR_MESHES, FOR_MESHES, DOES, SAYS, ALONE],
-    "scene.xml": [FOR_MESHES, FOR_MESHES, FOR_MESHES, DOES, SAYS, ALONE],
-    "builtin:cornell": [FOR_MESHES, FOR_MESHES, FOR_MESHES, DOES, SAYS, ALONE],
+    "model.obj": [DOES, DOES, "only glTF files have variants", DOES, DOES, DOES, FOR_MITSUBA],
+    "floor.obj": [DOES, DOES, "only glTF files have variants", DOES, NO_GROUND, ALONE, FOR_MITSUBA],
+    "smoke.npy": [DOES, DOES, FOR_MESHES, DOES, DOES, ALONE, FOR_MITSUBA],
+    "scene.toml": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, FOR_MITSUBA],
+    "scene.xml": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, DOES],
+    "builtin:cornell": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, FOR_MITSUBA],
 }
 """What each option of OPTIONS, in their order, does to a file, or the words that say why not."""
 
@@ -59,7 +62,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (made / "floor.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nf 4 3 2 1\n")
     np.save(made / "smoke.npy", np.ones((4, 4, 4), np.float32))
     (made / "scene.toml").write_text('[[mesh]]\nshape = "box"\n')
-    (made / "scene.xml").write_text('<scene version="3.0.0"><shape type="cube"/></scene>')
+    (made / "scene.xml").write_text(
+        '<scene version="3.0.0"><default name="size" value="1"/><shape type="cube">'
+        '<transform name="to_world"><scale value="$size"/></transform></shape></scene>'
+    )
     return made
 
 

@@ -142,10 +142,10 @@ def test_soft_shadows_against_quadrature(samples: int, camera_rays) -> None:
     seen_floor = points[..., 1] < 0.01
     expected = np.zeros(SIZE[::-1])
     for row, column in zip(*np.nonzero(seen_floor), strict=True):
-        way = on - points[row, column]
-        through = points[row, column] + way / 3.0
+        path = on - points[row, column]
+        through = points[row, column] + path / 3.0
         is_hit = (np.abs(through[:, 0] - 0.9) < 0.8) & (np.abs(through[:, 2]) < 0.8)
-        squared = (way**2).sum(axis=1)
+        squared = (path**2).sum(axis=1)
         expected[row, column] = (~is_hit * 9.0 / squared**2).mean()
     found = image.layers["direct"][..., 0] / (4.0 * MATT.base_color[0] / np.pi)
     difference = (found - expected)[seen_floor]

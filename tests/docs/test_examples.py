@@ -14,6 +14,7 @@ MADE = {
     "cloud_from_netcdf.py": ["cloud_from_netcdf.png", "cloud_with_shadow.nc"],
     "cloud_turning_sun.py": ["cloud.webp", "cloud/0000.png", "cloud/0023.png"],
     "dyed_smoke.py": ["dyed_smoke.png"],
+    "error_by_samples.py": ["error_by_samples.csv"],
     "kilometre_cloud.py": [f"kilometre_cloud_{v}.png" for v in ("below", "rim", "within")],
     "many_puffs.py": ["many_puffs.png"],
     "pyvista_plume.py": ["pyvista_plume.png", "hill_with_light.vtp"],
@@ -21,7 +22,11 @@ MADE = {
     "sun_shafts.py": ["sun_shafts.png", "sun_shafts.exr", "sun_shafts_parts.png"],
     "sweep.py": ["sweep.csv", "sweep.png"],
 }
-NEEDS = {"cloud_from_netcdf.py": ["xarray", "scipy"], "pyvista_plume.py": ["pyvista"]}
+NEEDS = {
+    "cloud_from_netcdf.py": ["xarray", "scipy"],
+    "error_by_samples.py": ["mitsuba"],
+    "pyvista_plume.py": ["pyvista"],
+}
 OTHERS = ["read_light.mjs", "read_light.cpp"]
 """Run by `tests/exports/test_light_field_file.py`."""
 NOTEBOOK = EXAMPLES / "compare_techniques.ipynb"

@@ -26,7 +26,7 @@ def floor_points():
 
 
 def test_a_floor_gathers_through_absorbing_air_what_quadrature_says():
-    """Light is attenuated on its ways to the wall, from it to the floor, and to the eye."""
+    """Light is attenuated on its paths to the wall, from it to the floor, and to the eye."""
     air = Medium(tuple(SIGMA), (0.0, 0.0, 0.0), bounds=((-3, -1, -3), (3, 2.5, 3)))
     meshes = tuple(Mesh(mesh.geometry, DARK) for mesh in (FLOOR, WALL))
     sun = DirectionalLight((0, 0, -1), (2, 2, 2))
@@ -37,9 +37,9 @@ def test_a_floor_gathers_through_absorbing_air_what_quadrature_says():
     side = (np.arange(100) + 0.5) / 100 * 2.0
     wall = np.stack(np.meshgrid(side - 1.0, side, 0.0, indexing="ij"), -1).reshape(-1, 3)
     points = floor_points()
-    way = wall[:, None] - points.reshape(-1, 3)
-    reach = np.linalg.norm(way, axis=-1)
-    kernel = np.maximum(way[..., 1], 0.0) * np.abs(way[..., 2]) / reach**4
+    path = wall[:, None] - points.reshape(-1, 3)
+    reach = np.linalg.norm(path, axis=-1)
+    kernel = np.maximum(path[..., 1], 0.0) * np.abs(path[..., 2]) / reach**4
     attenuated = np.exp(-SIGMA * (reach[..., None] + 3.0))
     irradiance = (kernel[..., None] * attenuated).sum(0) * (2.0 / 100) ** 2
     to_eye = np.linalg.norm(points - np.array(ABOVE.position), axis=-1) * 2.5 / 3.0
@@ -94,16 +94,16 @@ def seen_angle(points, middles, radius):
     spread, around = np.sqrt(turn / 16.0), turn * np.pi * (3.0 - np.sqrt(5.0))
     total = np.zeros(len(points))
     for number, middle in enumerate(middles):
-        way = middle - points
-        distance = np.linalg.norm(way, axis=1)
-        side = np.cross(way, (0.6, 0.0, 0.8))
+        path = middle - points
+        distance = np.linalg.norm(path, axis=1)
+        side = np.cross(path, (0.6, 0.0, 0.8))
         side /= np.linalg.norm(side, axis=1, keepdims=True)
-        up = np.cross(way / distance[:, None], side)
+        up = np.cross(path / distance[:, None], side)
         is_seen = np.ones((16, len(points)), bool)
         for seen, x, y in zip(
             is_seen, spread * np.cos(around), spread * np.sin(around), strict=True
         ):
-            ray = way + radius * (x * side + y * up)
+            ray = path + radius * (x * side + y * up)
             ray /= np.linalg.norm(ray, axis=1, keepdims=True)
             for other in np.delete(middles, number, 0):
                 along = ((other - points) * ray).sum(axis=1)
@@ -135,12 +135,12 @@ def test_thin_fog_around_glowing_balls_scatters_what_closed_forms_say(count, axi
     # Four rays a pixel, those near the balls left out, and places along them.
     across = (np.arange(24) + 0.5) / 12.0 - 1.0
     u, v = np.meshgrid(across, -across)
-    ways = np.zeros((24, 24, 3))
-    ways[..., axis], ways[..., 1] = -1.0, v * np.tan(np.radians(10.0))
-    ways[..., 2 - axis] = u * np.tan(np.radians(10.0))
-    ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    directions = np.zeros((24, 24, 3))
+    directions[..., axis], directions[..., 1] = -1.0, v * np.tan(np.radians(10.0))
+    directions[..., 2 - axis] = u * np.tan(np.radians(10.0))
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
     t = 4.0 + (np.arange(80) + 0.5) / 20.0
-    at = eye + t[:, None, None, None] * ways
+    at = eye + t[:, None, None, None] * directions
     away = np.linalg.norm(at[..., None, :] - middles, axis=-1)
     is_free = (away.min(axis=(0, 3)) > 0.2).reshape(12, 2, 12, 2).all(axis=(1, 3))
     angle = seen_angle(at.reshape(-1, 3), middles, 0.15).reshape(t.size, 24, 24)

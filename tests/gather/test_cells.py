@@ -88,9 +88,9 @@ def test_air_that_scatters_anisotropically_shows_what_its_phase_function_says():
     def scattered(name, g):
         sums = 0.0
         for at in along[name]:
-            way = np.stack([-x, np.full_like(x, 1.25), at - z], axis=-1)
-            reach = np.linalg.norm(way, axis=-1)
-            cosine = (way / reach[..., None]) @ np.array(towards[name])
+            path = np.stack([-x, np.full_like(x, 1.25), at - z], axis=-1)
+            reach = np.linalg.norm(path, axis=-1)
+            cosine = (path / reach[..., None]) @ np.array(towards[name])
             sums += (henyey_greenstein(cosine, g) * 1.25 / reach**3).sum()
         return sums
 

@@ -49,9 +49,9 @@ def test_a_floor_before_a_lit_wall_gathers_what_quadrature_says():
         ],
         -1,
     )
-    way = wall[:, None] - points.reshape(-1, 3)
-    squared = (way**2).sum(-1)
-    kernel = np.maximum(way[..., 1], 0.0) * np.abs(way[..., 2]) / squared**2
+    path = wall[:, None] - points.reshape(-1, 3)
+    squared = (path**2).sum(-1)
+    kernel = np.maximum(path[..., 1], 0.0) * np.abs(path[..., 2]) / squared**2
     irradiance = (kernel.sum(0) * (2.0 / 200) ** 2).reshape(u.shape)
     rho = np.array(PAINT.base_color)
     truth = irradiance[..., None] * 2.0 * rho / np.pi * rho / np.pi

@@ -35,6 +35,8 @@ from airlight.scene import (
     Scene,
     Volume,
 )
+from airlight.scene.animation.boxes import box_of, common_box
+from airlight.scene.scene import volume_world_bounds
 from airlight.scene.shapes import box
 
 SIZE = (96, 54)
@@ -76,15 +78,13 @@ def _lumps(low: Sequence[int], voxels: int, per_m: float, g: float, seed: int) -
 
 def in_one(scene: Scene) -> Scene:
     """The scene with the sum of its grids in place of them: Mitsuba knows one medium a point."""
-    corners = np.array([volume.bounds for volume in scene.volumes])
-    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
-    density = np.zeros(np.rint((high - low) / _VOXEL).astype(int)[::-1], np.float32)
-    for volume in scene.volumes:
-        x, y, z = np.rint((np.array(volume.bounds[0]) - low) / _VOXEL).astype(int)
-        n = volume.density.shape
-        density[z : z + n[0], y : y + n[1], x : x + n[2]] += volume.density
-    whole = replace(scene.volumes[0], density=density, bounds=(tuple(low), tuple(high)))
-    return replace(scene, volumes=(whole,))
+    boxes = [box_of(volume) for volume in scene.volumes]
+    box = common_box(boxes)
+    density = sum(
+        box.values_of(v.density, own) for v, own in zip(scene.volumes, boxes, strict=True)
+    )
+    placing = {"bounds": box.bounds, "world_from_volume": box.world_from_volume}
+    return replace(scene, volumes=(replace(scene.volumes[0], density=density, **placing),))
 
 
 def _towards(azimuth_deg: float, *, distance: float = 3.2, height: float = 1.0) -> Camera:
@@ -201,8 +201,8 @@ def deepened(scene: Scene, factor: float) -> Scene:
 
 
 def overlaps(scene: Scene) -> bool:
-    """Whether bounds of its grids do."""
-    corners = [np.array(v.bounds) for v in scene.volumes if v.density is not None]
+    """Whether the boxes around its grids do in the world."""
+    corners = [volume_world_bounds(v) for v in scene.volumes if v.density is not None]
     pairs = itertools.combinations(corners, 2)
     return any(bool((np.maximum(a[0], b[0]) < np.minimum(a[1], b[1])).all()) for a, b in pairs)
 

@@ -35,6 +35,7 @@ SHRINK = 2  # images of 96 x 54: quick, and a quarter of the references' noise
 SAMPLES = 8
 ALIKE = {"single": "direct", "pop": "direct", "lpv-march": "lpv", "lpv-sum": "lpv", "auto": "lpv"}
 """Techniques that are another one where there is no air."""
+ERRORS = ("relative_l2", "energy_error")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,8 +97,22 @@ def _score(m: Metrics) -> Score:
 
 
 def read_ceilings() -> dict[str, Any]:
-    """scene -> technique -> layer -> {relative_l2, energy_error}."""
+    """scene -> technique -> layer -> those of `ERRORS` that `held` names."""
     return tomllib.loads(CEILINGS.read_text(encoding="utf-8")) if CEILINGS.exists() else {}
+
+
+def held(scores: dict[str, Score]) -> dict[str, tuple[str, ...]]:
+    """The errors of each layer that say something of a technique.
+
+    A layer that it does not draw is off by all of its light, whatever the technique does. The
+    whole then lacks that light, and too much of another layer would bring its energy nearer to
+    the truth: only its relative L2 is held.
+    """
+    drawn = [name for name, score in scores.items() if score.energy_ratio > 0.0]
+    errors = {name: ERRORS for name in drawn}
+    if len(drawn) < len(scores):
+        errors["whole"] = ("relative_l2",)
+    return errors
 
 
 def lowered(ceilings: dict[str, Any], name: str, technique: str, scores: dict[str, Score]) -> None:
@@ -107,11 +122,11 @@ def lowered(ceilings: dict[str, Any], name: str, technique: str, scores: dict[st
     """
     entry = ceilings.setdefault(name, {}).setdefault(technique, {})
     is_new = False
-    for layer, score in scores.items():
+    for layer, errors in held(scores).items():
         old = entry.setdefault(layer, {})
-        for key in ("relative_l2", "energy_error"):
+        for key in errors:
             # Rounded first, lest .215 written in binary become .216.
-            new = math.ceil(round(1050.0 * getattr(score, key) + 5.0, 6)) / 1000.0
+            new = math.ceil(round(1050.0 * getattr(scores[layer], key) + 5.0, 6)) / 1000.0
             if new < old.get(key, math.inf):
                 old[key], is_new = new, True
     if is_new:
@@ -129,10 +144,8 @@ def as_toml(ceilings: dict[str, Any]) -> str:
             lines += ["", f"[{name}.{technique}]", f"measured = {layers['measured']}"]
             for layer, c in layers.items():
                 if layer != "measured":
-                    lines.append(
-                        f"{layer} = {{ relative_l2 = {c['relative_l2']:.3f}, "
-                        f"energy_error = {c['energy_error']:.3f} }}"
-                    )
+                    errors = ", ".join(f"{key} = {c[key]:.3f}" for key in ERRORS if key in c)
+                    lines.append(f"{layer} = {{ {errors} }}")
     return "\n".join(lines) + "\n"
 
 

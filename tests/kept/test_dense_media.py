@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,3 +33,18 @@ def test_the_sum_of_grids_has_the_density_of_both():
     assert dense_media.overlaps(scene) and not dense_media.overlaps(dense_media.in_one(scene))
     assert whole.density.max() == pytest.approx(12.0)
     assert float(np.sum(whole.density)) == pytest.approx(float(first.sum() + second.sum()))
+
+
+def test_grids_overlap_where_they_are_placed():
+    scene = dense_media.CASES["overlap g .7, 4 and 8 per m, towards the light"]()
+    first, second = scene.volumes
+    moved = np.eye(4)
+    moved[0, 3] = 10.0
+    apart = replace(scene, volumes=(first, replace(second, world_from_volume=moved)))
+    assert not dense_media.overlaps(apart)
+    # Beside each other in one grid, with what both hold.
+    (whole,) = dense_media.in_one(apart).volumes
+    assert whole.density.shape[2] > 200
+    assert float(np.sum(whole.density)) == pytest.approx(
+        float(first.density.sum() + second.density.sum())
+    )

@@ -51,10 +51,10 @@ def arriving(light, points):
 
 
 def occluder_reach(to_light, points):
-    """How far from the occluder's centre, by its larger side, the way to the light passes."""
+    """How far from the occluder's centre, by its larger side, the path to the light passes."""
     centre, _ = OCCLUDER
-    way = points + to_light * ((centre[1] - points[..., 1]) / to_light[..., 1])[..., None]
-    return np.abs(way - centre)[..., [0, 2]].max(axis=-1)
+    crossing = points + to_light * ((centre[1] - points[..., 1]) / to_light[..., 1])[..., None]
+    return np.abs(crossing - centre)[..., [0, 2]].max(axis=-1)
 
 
 @pytest.mark.parametrize("light", [SUN, LIGHT, NARROW, WIDE])
@@ -174,7 +174,7 @@ def test_gloss_mirrors_the_sun_where_the_mirror_would(rendered, square, seen_poi
     image = rendered(Scene(meshes=(floor,), lights=(sun,), camera=CAMERA))
     brightness = image.layers["direct"].sum(axis=-1)
     where = np.unravel_index(np.argmax(brightness), brightness.shape)
-    # the mirrored way from the eye to the sun: down by the sun's slope, at the floor
+    # the mirrored direction from the eye to the sun: down by the sun's slope, at the floor
     hit = seen_points(image, CAMERA)[where]
     expected = np.array([0.0, 0.0, 6.0 - 3.0 * 2.0])
     assert np.linalg.norm(hit - expected) < 0.8  # the Fresnel term draws it a little farther

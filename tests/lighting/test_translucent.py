@@ -144,7 +144,7 @@ def test_light_comes_through_tinted(rendered, seen_points, square, light):
 
 @pytest.mark.parametrize("technique", ["single", "lpv-scatter"])
 def test_media_before_and_behind_a_pane(rendered, square, technique):
-    """An absorbing medium dims the pane by the way to it, the wall by all of it."""
+    """An absorbing medium dims the pane by the path to it, the wall by all of it."""
     looks, panes, wall = panes_before_a_wall(square, 2)
     medium = Medium(sigma_t=(0.3, 0.2, 0.1), albedo=(0, 0, 0), bounds=((-9, -9, -1), (9, 9, 6)))
     camera = replace(AHEAD, fov_y_deg=1.0)

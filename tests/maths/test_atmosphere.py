@@ -50,11 +50,11 @@ def photons(air: Air, elevation: float, count: int, rng) -> tuple[float, float]:
     sea = air.extinction(np.eye(3))[:, WAVE]
     most = float(sea[0] + sea[1] + sea[2])
     height = np.full(count, CEILING_M)
-    way = np.tile([np.cos(elevation), -np.sin(elevation), 0.0], (count, 1))
+    direction = np.tile([np.cos(elevation), -np.sin(elevation), 0.0], (count, 1))
     scattered = np.zeros(count, bool)
     diffuse = direct = 0
     while len(height):
-        height = height + way[:, 1] * rng.exponential(1.0 / most, len(height))
+        height = height + direction[:, 1] * rng.exponential(1.0 / most, len(height))
         down, out = height <= 0.0, height >= CEILING_M
         direct += int((down & ~scattered).sum())
         diffuse += int((down & scattered).sum())
@@ -64,7 +64,7 @@ def photons(air: Air, elevation: float, count: int, rng) -> tuple[float, float]:
         around = rng.random(len(height)) * 2.0 * np.pi
         flat = np.sqrt(1.0 - up**2)
         bounced = np.stack([flat * np.cos(around), up, flat * np.sin(around)], axis=1)
-        way = np.where(back[:, None], bounced, way)
+        direction = np.where(back[:, None], bounced, direction)
         scattered |= back
         # In the air: nothing, absorption, or scattering by air or by haze.
         shares = densities(np.clip(height, 0.0, None)) * sea / most
@@ -77,11 +77,13 @@ def photons(air: Air, elevation: float, count: int, rng) -> tuple[float, float]:
         for chosen, table in ((by_air, tables[0]), (by_haze, tables[1])):
             chosen = chosen & ~down
             cosine = np.interp(rng.random(chosen.sum()) * 4000.0, np.arange(4001), table)
-            way[chosen] = turned(way[chosen], cosine, rng.random(chosen.sum()) * 2.0 * np.pi)
+            direction[chosen] = turned(
+                direction[chosen], cosine, rng.random(chosen.sum()) * 2.0 * np.pi
+            )
             scattered |= chosen
         height = np.where(down, 0.0, height)
         keep = (back | (~down & ~lost)) & ~out
-        height, way, scattered = height[keep], way[keep], scattered[keep]
+        height, direction, scattered = height[keep], direction[keep], scattered[keep]
     return diffuse / count, direct / count
 
 

@@ -93,16 +93,18 @@ def test_points_share_along_a_wall_and_little_towards_it():
     near = gather.nearness((1.0, 0.0, 0.0), 10.0, 0.0)
     assert gather.closeness((0.0, 0.0, 0.0), *near) == 1.0
     assert gather.closeness((0.3, 0.2, 0.1), *gather.nearness(UP, 0.0, 0.0)) == 1.0
-    towards, along = (gather.closeness(way, *near) for way in ((0.01, 0, 0), (0, 0.04, 0)))
+    towards, along = (gather.closeness(offset, *near) for offset in ((0.01, 0, 0), (0, 0.04, 0)))
     assert towards == pytest.approx(along) == pytest.approx(np.exp(-1.0))
     # Media light a point from everywhere: the same in all directions.
     hazy = gather.nearness((1.0, 0.0, 0.0), 10.0, 1.0)
     assert gather.closeness((0, 0.01, 0), *hazy) == pytest.approx(np.exp(-1.0))
     # A wall aslant is the same one, turned.
     turn = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
-    way = np.array([0.004, 0.03, -0.02])
+    offset = np.array([0.004, 0.03, -0.02])
     turned = gather.nearness(turn @ (1.0, 0.0, 0.0), 10.0, 0.0)
-    assert gather.closeness(turn @ way, *turned) == pytest.approx(gather.closeness(way, *near))
+    assert gather.closeness(turn @ offset, *turned) == pytest.approx(
+        gather.closeness(offset, *near)
+    )
 
 
 def test_flux_of_rays_is_the_irradiance_of_turned_normals():

@@ -41,8 +41,8 @@ def travels(at: np.ndarray, half: tuple[float, float]) -> np.ndarray:
     """Directions (200, 200, 3) in which light of those parts comes to the point."""
     side = (np.arange(200) + 0.5) / 100.0 - 1.0
     x, y = np.meshgrid(side * half[0], side * half[1])
-    way = at - np.stack([x, y, 0.0 * x], axis=-1)
-    return way / np.linalg.norm(way, axis=-1, keepdims=True)
+    path = at - np.stack([x, y, 0.0 * x], axis=-1)
+    return path / np.linalg.norm(path, axis=-1, keepdims=True)
 
 
 @pytest.mark.parametrize("half", HALVES)
@@ -81,14 +81,14 @@ def test_its_light_is_scattered_as_that_of_its_parts(half: tuple[float, float], 
     mean = rectangle_direction(at, np.array(half), angle)
     found, truth = np.zeros(2), np.zeros(2)
     for k, p in enumerate(at):
-        part, ways = parts_seen(p, half)[0], travels(p, half)
+        part, directions = parts_seen(p, half)[0], travels(p, half)
         anywhere = rng.normal(size=(20, 3))
         anywhere /= np.linalg.norm(anywhere, axis=1, keepdims=True)
-        onwards = ways.reshape(-1, 3)[rng.integers(0, part.size, 20)]
+        onwards = directions.reshape(-1, 3)[rng.integers(0, part.size, 20)]
         for j, eyes in enumerate((anywhere, onwards)):
             own = henyey_greenstein(eyes @ mean[k], g * sharpness_over(angle[k]))
             found[j] += angle[k] * own.sum()
-            truth[j] += sum((part * henyey_greenstein(ways @ eye, g)).sum() for eye in eyes)
+            truth[j] += sum((part * henyey_greenstein(directions @ eye, g)).sum() for eye in eyes)
     # Measured .99 to 1.04; of strips ten times as long as wide, seen along them, up to 1.57.
     np.testing.assert_allclose(found / truth, 1.0, atol=0.06)
 
@@ -120,8 +120,8 @@ def test_a_ball_is_seen_and_attenuated_as_its_parts_are(depth: float) -> None:
     np.testing.assert_allclose(np.pi * ball_share(distance, 1.0), angle, rtol=1e-9)
     share = (np.arange(2000)[:, None] + 0.5) / 2000
     cosine = least + share * (1.0 - least)
-    way = distance * cosine - np.sqrt(np.maximum(1.0 - distance**2 * (1.0 - cosine**2), 0.0))
-    truth = np.exp(-depth * way).mean(axis=0)
+    path = distance * cosine - np.sqrt(np.maximum(1.0 - distance**2 * (1.0 - cosine**2), 0.0))
+    truth = np.exp(-depth * path).mean(axis=0)
     # Measured .83 to 1.01 through 3 per radius, of which little is left beyond two of them.
     found = np.exp(-depth * ball_reach(distance, 1.0))
     np.testing.assert_allclose(found, truth, rtol=0.06 * max(depth, 1.0), atol=1e-3)

@@ -74,11 +74,13 @@ def test_what_comes_from_hidden_directions_is_the_integral_over_them():
     """A two-band field, integrated over the half of the hemisphere that near surfaces hide."""
     z = np.sqrt(1.0 - (np.arange(4000) + 0.5) / 4000)
     phi = np.arange(4000) * 2.399963
-    ways = np.stack([np.sqrt(1 - z**2) * np.cos(phi), np.sqrt(1 - z**2) * np.sin(phi), z], axis=1)
-    hidden = ways[:, 0] > 0.0
+    directions = np.stack(
+        [np.sqrt(1 - z**2) * np.cos(phi), np.sqrt(1 - z**2) * np.sin(phi), z], axis=1
+    )
+    hidden = directions[:, 0] > 0.0
     state = np.array([2.0, 0.4, -0.3, 0.5])
-    exact = ((state[0] - ways @ state[1:]) * hidden).mean()
-    found = hidden_flux(state, (ways * hidden[:, None]).mean(axis=0), 1.0 - hidden.mean())
+    exact = ((state[0] - directions @ state[1:]) * hidden).mean()
+    found = hidden_flux(state, (directions * hidden[:, None]).mean(axis=0), 1.0 - hidden.mean())
     assert found == pytest.approx(exact, rel=1e-12)
 
 
@@ -92,10 +94,12 @@ def test_where_all_is_hidden_what_comes_from_there_is_all():
 
 def test_hidden_light_in_wgsl(wgsl):
     state = RNG.normal(size=(500, 4)) + np.array([2, 0, 0, 0])
-    way = RNG.normal(size=(500, 3)) * 0.3
+    direction = RNG.normal(size=(500, 3)) * 0.3
     v = RNG.random(500)
     np.testing.assert_allclose(
-        wgsl("occlusion", "hidden_flux", state, way, v), hidden_flux(state, way, v), atol=1e-5
+        wgsl("occlusion", "hidden_flux", state, direction, v),
+        hidden_flux(state, direction, v),
+        atol=1e-5,
     )
     e, known, own = (RNG.random((500, 3)) for _ in range(3))
     np.testing.assert_allclose(

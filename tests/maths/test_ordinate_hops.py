@@ -17,7 +17,7 @@ from .pop_cubes import CUBES, VIEWS, Cube, intensity, medium
 GROUPS = (([0, 1, 2], (0, 1, 2)), ([3, 4, 5], (0, 1, 2)), ([6, 0, 0], (0,)))
 FLUENCE = (0.12, 0.12, 0.10, 0.10, 0.23, 0.11, 0.20)
 """At most the relative L2 of scattered fluence at 16^3. A prototype of the split scheme, whose hops
-were as long as the way of light, had .12, .29, .15, .21, .43, .16, .17."""
+were as long as the light's path, had .12, .29, .15, .21, .43, .16, .17."""
 HELD_OUT = (
     (2, 1, 0.7),
     (2, 1, 0.9),

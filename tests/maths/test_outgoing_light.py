@@ -1,4 +1,4 @@
-"""Diffuse light towards an eye: its lobes, and its way through the cells."""
+"""Diffuse light towards an eye: its lobes, and its path through the cells."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_mean_directions_are_those_of_the_beams():
 
 @pytest.mark.parametrize("towards", [(0.0, 0.0, 1.0), (0.48, -0.64, 0.6)])
 def test_light_arrives_through_a_homogeneous_medium_as_the_exponential_says(towards):
-    """Source S everywhere in a box: S (1 - exp(-k s)) of the way s from its far side."""
+    """Source S everywhere in a box: S (1 - exp(-k s)) of the path s from its far side."""
     shape, cell, k = (12, 10, 14), np.array([0.1, 0.12, 0.09]), 3.0
     source, extinction = np.full((*shape, 1), 2.0), np.full((*shape, 1), k)
     eye = np.broadcast_to(np.asarray(towards), (*shape, 3))
@@ -55,9 +55,9 @@ def test_light_arrives_through_a_homogeneous_medium_as_the_exponential_says(towa
     middle = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)[..., ::-1] + 0.5
     with np.errstate(divide="ignore", invalid="ignore"):
         far = np.where(eye > 0.0, middle * cell, (np.array(shape[::-1]) - middle) * cell)
-        way = np.where(eye == 0.0, np.inf, far / np.abs(eye)).min(axis=-1)
-    want = 2.0 * (1.0 - np.exp(-k * way))
-    # A way ends within half a step of the border.
+        path = np.where(eye == 0.0, np.inf, far / np.abs(eye)).min(axis=-1)
+    want = 2.0 * (1.0 - np.exp(-k * path))
+    # A path ends within half a step of the border.
     assert np.abs(got - want).max() < 2.0 * (1.0 - np.exp(-0.5 * k * cell.max()))
     assert np.abs(got - want).mean() < 0.06
 

@@ -28,7 +28,11 @@ def test_a_ball_has_its_volume_whichever_way_it_faces():
     got = voxels(ball, 1.6, count=(24, 24, 24))
     assert got.mean() * 8 == pytest.approx(np.pi / 6 * 1.6**3, rel=0.02)
     flipped = solid_voxels(
-        ball.positions * 1.6, ball.indices[:, ::-1].astype(np.int64), LOW, HIGH, (24, 24, 24)
+        ball.positions.astype(float) * 1.6,
+        ball.indices[:, ::-1].astype(np.int64),
+        LOW,
+        HIGH,
+        (24, 24, 24),
     )
     np.testing.assert_allclose(flipped, got)
 

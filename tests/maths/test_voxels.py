@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from airlight.maths.medium import ray_box_interval
-from airlight.maths.voxels import box_averaged, density_behind, samples_per_cell, trilinear
+from airlight.maths.voxels import (
+    box_averaged,
+    density_behind,
+    ratio,
+    samples_per_cell,
+    trilinear,
+)
 
 RNG = np.random.default_rng(7)
 DIRECTIONS = [(0, 0, 1), (0, -1, 0), (0.48, -0.64, 0.6), (-0.36, 0.48, -0.8)]
@@ -50,3 +56,20 @@ def test_a_layered_box_is_the_integral_of_its_layers():
     at = np.array([[0.5, 0.5, 6.0]])
     got = density_behind(density, np.array([1.0, 1.0, 6.0]), at, (0, 0, 1), 0.05)
     assert got[0] == pytest.approx(layers.sum(), rel=2e-3)
+
+
+def test_a_ratio_does_not_fall_off_towards_what_is_empty():
+    rng = np.random.default_rng(3)
+    whole = rng.random((6, 7, 8, 3))
+    whole[rng.random((6, 7, 8)) < 0.5] = 0.0
+    whole[:, :, 4:] = 0.0
+    found = ratio(0.7 * whole, whole)
+    near = np.zeros((8, 9, 10), bool)
+    for k in np.ndindex(3, 3, 3):
+        near[k[0] : k[0] + 6, k[1] : k[1] + 7, k[2] : k[2] + 8] |= whole[..., 0] > 0.0
+    near = near[1:-1, 1:-1, 1:-1]
+    np.testing.assert_allclose(found[near], 0.7, rtol=1e-12)
+    assert (found[~near] == 0.0).all() and not near.all()
+    # Where there is matter on both sides, the empty voxel lies between them.
+    line = ratio(np.array([[[0.2, 0.0, 0.9]]]), np.array([[[1.0, 0.0, 1.0]]]))
+    np.testing.assert_allclose(line, [[[0.2, 0.55, 0.9]]])

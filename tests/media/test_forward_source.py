@@ -25,8 +25,8 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     """The second of two lights shines; its texture's other slab holds nothing."""
     medium = Medium((SIGMA,) * 3, (ALBEDO,) * 3, (G,) * 3, BOX)
     camera = Camera((0.4, 0.3, 4.0), (0.0, 0.0, 0.0), fov_y_deg=40)
-    way, depth = np.array([0.6, 0.0, 0.8]), 1.5
-    lights = (PointLight((0, 0, 0), (1, 1, 1)), DirectionalLight(tuple(way), (1, 1, 1)))
+    travel, depth = np.array([0.6, 0.0, 0.8]), 1.5
+    lights = (PointLight((0, 0, 0), (1, 1, 1)), DirectionalLight(tuple(travel), (1, 1, 1)))
     seen = look(Scene(medium=medium, camera=camera))
     air = GpuMedia(gpu, seen.scene, light_count=0)
     air.update(seen.commands, seen.scene, *seen.scene.bounds)
@@ -61,14 +61,14 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
         Steps(cutoff=0.0),
     )
     got, through = seen.read(L), seen.read(T)
-    mu = -seen.directions() @ way
-    # Both ways of the reduced medium; it lets more through than the air itself.
-    way_m = -np.log(through[..., :1]) / SIGMA
+    mu = -seen.directions() @ travel
+    # Both sides of the reduced medium; it lets more through than the air itself.
+    path_m = -np.log(through[..., :1]) / SIGMA
     nodes, weights = np.polynomial.legendre.leggauss(24)
-    t = way_m * 0.5 * (nodes + 1.0)
+    t = path_m * 0.5 * (nodes + 1.0)
     kept = np.exp(-SIGMA * (1.0 - ALBEDO * G) * t)
     phase = fused_phase(mu[..., None], G, depth + SIGMA * ALBEDO * t)
-    along = (kept * phase * weights).sum(axis=-1, keepdims=True) * 0.5 * way_m
+    along = (kept * phase * weights).sum(axis=-1, keepdims=True) * 0.5 * path_m
     want = 0.5 * np.array([1.0, 2.0, 3.0]) * SIGMA * ALBEDO * along
     np.testing.assert_allclose(got, want, rtol=0.03, atol=1e-4)
     assert got.max() > 0.01

@@ -48,16 +48,16 @@ def rays(scene: Scene) -> np.ndarray:
     tall = np.tan(np.radians(scene.camera.fov_y_deg) / 2.0)
     x = (2.0 * (np.arange(width) + 0.5) / width - 1.0) * tall * width / height
     y = (1.0 - 2.0 * (np.arange(height) + 0.5) / height) * tall
-    ways = forward + x[None, :, None] * right + y[:, None, None] * up
-    return ways / np.linalg.norm(ways, axis=-1, keepdims=True)
+    directions = forward + x[None, :, None] * right + y[:, None, None] * up
+    return directions / np.linalg.norm(directions, axis=-1, keepdims=True)
 
 
 def along_rays(scene: Scene, emission) -> np.ndarray:
     """(H, W): integral of emission(height) exp(-sigma t) along each ray, by quadrature."""
-    ways, eye = rays(scene), scene.camera.position[1]
+    directions, eye = rays(scene), scene.camera.position[1]
     t = np.concatenate([[0.0], np.geomspace(1e-2, 150.0, 800)])
     middle, dt = 0.5 * (t[1:] + t[:-1]), np.diff(t)
-    heights = eye + ways[..., 1:2] * middle
+    heights = eye + directions[..., 1:2] * middle
     emitted = np.where(heights < AIR.top, emission(heights), 0.0)
     return (emitted * np.exp(-0.1 * middle) * dt).sum(-1)
 

@@ -12,7 +12,8 @@ import pytest
 from airlight.gpu.device import Gpu
 from airlight.lighting.lights import Lights
 from airlight.media.compositing.finish import can_finish
-from airlight.media.media_image import Expected, MediaImage
+from airlight.media.image_textures import Expected
+from airlight.media.media_image import MediaImage
 from airlight.media.settings import MediaSettings
 from airlight.media.shafts import image as shaft_image
 from airlight.rendering import Renderer

@@ -47,10 +47,10 @@ def scattered_once(
     x, w = panels(12, 2)
     t = entry[..., None] + (leave - entry)[..., None] * x
     p = eye + t[..., None] * directions[..., None, :]
-    ways = spread(400)
-    phase = henyey_greenstein(directions @ ways.T, g)
+    incoming = spread(400)
+    phase = henyey_greenstein(directions @ incoming.T, g)
     phase /= phase.sum(axis=-1, keepdims=True)
-    out = box_path(p[..., None, :], ways, BOX)[1]
+    out = box_path(p[..., None, :], incoming, BOX)[1]
     open_sky = np.einsum("hwn,hwtnc->hwtc", phase, np.exp(-out[..., None] * sigma_t))
     eye_depth = (t - entry[..., None])[..., None] * sigma_t
     total = (w[..., None] * open_sky * np.exp(-eye_depth)).sum(axis=-2)
@@ -70,7 +70,7 @@ def test_air_under_a_white_sky(gpu: Any, look: Any, g: float) -> None:
 
 
 def test_dense_air_that_scatters_forwards(gpu: Any, look: Any) -> None:
-    """Eight mean ways through it: three bands of the phase function, not two, are enough."""
+    """Eight mean free paths through it: three bands of the phase function, not two, are enough."""
     scene = foggy(0.6)
     dense = dataclasses.replace(scene, medium=Medium((2.0,) * 3, (1.0,) * 3, (0.6,) * 3, BOX))
     settings = {"march_resolution": "full", "steps_per_cell": 2.0}

@@ -17,7 +17,7 @@ LIST = Path(__file__).with_name("list.tsv")
 MODELS = (
     *(".glb", ".gltf", ".obj", ".ply", ".stl", ".xml"),
     *(".usd", ".usda", ".usdc", ".usdz"),
-    *(".vti", ".nc", ".vdb", ".nvdb"),
+    *(".vti", ".nc", ".nc4", ".vdb", ".nvdb", ".vol"),
 )
 LIMIT_S = 90.0
 WORDS = 100

@@ -51,10 +51,10 @@ def test_thin_air_scatters_once(gpu, scheme, angle):
     solver = PopSolver(gpu, volume, settings, lights=1)
     for travel in ((0.0, 0.0, -1.0), (0.48, -0.64, 0.6)):
         sun = DirectionalLight(travel, (2.0, 2.0, 2.0))
-        for way in (np.array([0.6, 0.0, -0.8]), np.array(travel)):
-            eye = volume.world_from_volume[:3, 3] + 1e3 * way
+        for direction in (np.array([0.6, 0.0, -0.8]), np.array(travel)):
+            eye = volume.world_from_volume[:3, 3] + 1e3 * direction
             seen = emission(solver, (sun,), None, eye)
-            want = 2.0 * henyey_greenstein(np.dot(travel, way), G)
+            want = 2.0 * henyey_greenstein(np.dot(travel, direction), G)
             np.testing.assert_allclose(seen.mean(axis=(0, 1, 2)), want, rtol=0.03)
 
 

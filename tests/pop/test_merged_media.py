@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from airlight.gpu.device import Gpu
-from airlight.pop.medium.kinds import kinds_of, source_count
+from airlight.pop.medium.kinds import grid_plan, sorted_by_kind
 from airlight.pop.medium.merging import merged_volume, merged_width
 from airlight.pop.medium.placement import medium_width, placed
 from airlight.pop.settings import PopSettings
@@ -115,18 +115,21 @@ def test_what_is_alike_is_of_a_kind() -> None:
     dark, thin = replace(box, albedo=(0.4,) * 3), replace(box, sigma_t=(0.1,) * 3)
     red, sharp = replace(box, sigma_t=(4.0, 1.0, 1.0)), replace(box, g=(0.8,) * 3)
     nearly = replace(box, albedo=(0.95,) * 3)
-    assert kinds_of([box] * 6, settings) == [(0, 1, 2, 3, 4, 5)]
-    assert kinds_of([box, dark, thin, dark, nearly], settings) == [(0, 2, 4), (1, 3)]
+    assert sorted_by_kind([box] * 6, settings) == [(0, 1, 2, 3, 4, 5)]
+    assert sorted_by_kind([box, dark, thin, dark, nearly], settings) == [(0, 2, 4), (1, 3)]
     several = [box, dark, red, sharp, replace(dark, albedo=(0.2,) * 3)]
-    assert kinds_of(several, settings) == [(0,), (1, 4), (2,), (3,)]
-    assert source_count(several, settings) == 4 and source_count([box] * 6, settings) == 1
+    assert sorted_by_kind(several, settings) == [(0,), (1, 4), (2,), (3,)]
+    plan = grid_plan([box] * 6, settings)
+    assert plan.sources == 1 and plan.kinds == [(0, 1, 2, 3, 4, 5)] and len(plan.volumes) == 6
+    assert grid_plan(several, settings).sources == 4
+    assert grid_plan(several[:3], settings).kinds == []
     # A grid that is empty at first counts as it will: nothing joins it for being light.
     empty = replace(box, shape="grid", density=np.zeros((2, 2, 2), np.float32), albedo=(0.0,) * 3)
-    assert kinds_of([*several, empty], settings) == [(0,), (1, 4, 5), (2,), (3,)]
+    assert sorted_by_kind([*several, empty], settings) == [(0,), (1, 4, 5), (2,), (3,)]
     far = replace(empty, albedo=(0.95, 0.0, 0.0), g=(-0.8,) * 3)
-    assert (5,) in kinds_of([*several, far], settings)
+    assert (5,) in sorted_by_kind([*several, far], settings)
     # Of what hops all are one.
-    assert len(kinds_of(several, replace(settings, scheme="split"))) == 1
+    assert len(sorted_by_kind(several, replace(settings, scheme="split"))) == 1
 
 
 def test_unlike_kinds_are_solved_as_if_they_were_two(gpu: Gpu) -> None:

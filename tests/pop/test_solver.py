@@ -215,8 +215,8 @@ def test_a_spot_that_turns_its_back_scatters_nothing(gpu):
     """However near by: its light is all around it to no one."""
     low = blob().bounds[0][1]
     seen = []
-    for way in (1.0, -1.0):
-        spot = SpotLight((0.0, low - 0.05, 0.0), (0.0, way, 0.0), (1.0,) * 3, 20.0, 30.0)
+    for sign in (1.0, -1.0):
+        spot = SpotLight((0.0, low - 0.05, 0.0), (0.0, sign, 0.0), (1.0,) * 3, 20.0, 30.0)
         solver = PopSolver(gpu, blob(), SETTINGS, lights=1)
         seen.append(frame(solver, gpu, (spot,), None, EYE)[..., :3].astype(np.float64).sum())
     assert seen[1] < 1e-4 * seen[0]

@@ -138,11 +138,11 @@ def entering_power() -> float:
     watts = INTENSITY * t * t * (3.0 - 2.0 * t) * cosine / r2 * ALBEDO * (2.0 * reach) ** 2 / n
     u, phi = rng.random(n), 2.0 * np.pi * rng.random(n)
     s = np.sqrt(u)
-    way = np.stack([s * np.cos(phi), np.sqrt(1.0 - u), s * np.sin(phi)], axis=1)
+    directions = np.stack([s * np.cos(phi), np.sqrt(1.0 - u), s * np.sin(phi)], axis=1)
     from_floor = np.stack([xz[:, 0], 0.0 * u, xz[:, 1]], axis=1)
     with np.errstate(divide="ignore"):
-        near = (np.array([-0.5, 0.5, -0.5]) - from_floor) / way
-        far = (np.array([0.5, 1.5, 0.5]) - from_floor) / way
+        near = (np.array([-0.5, 0.5, -0.5]) - from_floor) / directions
+        far = (np.array([0.5, 1.5, 0.5]) - from_floor) / directions
     hits = np.minimum(near, far).max(axis=1) < np.maximum(near, far).min(axis=1)
     return float(watts[hits].sum())
 

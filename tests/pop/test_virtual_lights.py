@@ -79,17 +79,17 @@ def test_their_number_does_not_change_the_light(gpu: object) -> None:
 
 
 HOPS = {"iterations": 2, "virtual_lights": 12}
-WAYS = {
+TRANSPORTS = {
     "beams": {},
     "radial": {"virtual_grids": "radial", **HOPS},
     "split": {"scheme": "split", **HOPS},
 }
 
 
-@pytest.mark.parametrize("way", ["radial", "split"])
-def test_light_that_hops_from_it_is_the_same_in_thin_air(gpu: object, way: str) -> None:
+@pytest.mark.parametrize("transport", ["radial", "split"])
+def test_light_that_hops_from_it_is_the_same_in_thin_air(gpu: object, transport: str) -> None:
     beams = scattered(scene(), virtual_lights=12)
-    assert scattered(scene(), **WAYS[way])[4, 4] == pytest.approx(beams[4, 4], rel=0.03)
+    assert scattered(scene(), **TRANSPORTS[transport])[4, 4] == pytest.approx(beams[4, 4], rel=0.03)
 
 
 def test_as_printed_it_is_there_too(gpu: object) -> None:
@@ -101,10 +101,10 @@ def test_as_printed_it_is_there_too(gpu: object) -> None:
     assert 1.0 < printed.mean() / beams.mean() < 20.0
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_a_wall_between_keeps_it_away(gpu: object, way: str) -> None:
+@pytest.mark.parametrize("transport", TRANSPORTS)
+def test_a_wall_between_keeps_it_away(gpu: object, transport: str) -> None:
     """From the floor to well above the line of sight; the spot shines beside it."""
     upright = np.array([[0, -1.2, 0, 0.75], [1.2, 0, 0, 0.6], [0, 0, 4.0, 0], [0, 0, 0, 1.0]])
     black = Material(base_color=(0.0,) * 3, specular=0.0)
-    walled = scattered(scene(Mesh(quad(), black, upright)), **WAYS[way])
-    assert walled[4, 4, 0] < 0.1 * scattered(scene(), **WAYS[way])[4, 4, 0]
+    walled = scattered(scene(Mesh(quad(), black, upright)), **TRANSPORTS[transport])
+    assert walled[4, 4, 0] < 0.1 * scattered(scene(), **TRANSPORTS[transport])[4, 4, 0]

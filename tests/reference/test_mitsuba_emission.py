@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from airlight.reference.mitsuba import write_mitsuba
 from airlight.reference.mitsuba_emission import BALLS, emission_balls
-from airlight.scene import Emission, Medium, Scene, Volume
+from airlight.reference.mitsuba_lights import has_glow
+from airlight.reference.mitsuba_scene import VISIBLE_ENVIRONMENT
+from airlight.scene import Emission, Environment, Medium, Scene, Volume
 
 BOX = ((-1.0, 0.0, -0.5), (1.0, 3.0, 1.5))
 GLOW = (4.0, 2.0, 0.5)
@@ -49,3 +52,17 @@ def test_nothing_is_written_of_what_is_dark_and_a_medium_is_said_to_be_left_out(
     assert notes == []
     assert emission_balls(Scene(medium=Medium((0.1,) * 3, emission=GLOW)), notes) == []
     assert "[medium] is left out" in notes[0]
+
+
+def test_a_glowing_volume_keeps_an_invisible_environment_shown(tmp_path) -> None:
+    """Mitsuba hides all emitters or none: what volumes emit must be seen."""
+    sky = Environment(radiance=(1.0, 1.0, 1.0), visible=False)
+    for radiance, is_told in ((GLOW, True), ((0.0, 0.0, 0.0), False)):
+        volume = Volume((1.0,) * 3, shape="box", emission=Emission(radiance))
+        scene = Scene(volumes=(volume,), environment=sky)
+        assert has_glow(scene) == is_told
+        notes = write_mitsuba(scene, tmp_path / f"{is_told}.xml")
+        assert (VISIBLE_ENVIRONMENT in notes) == is_told
+        assert ("hide_emitters" in (tmp_path / f"{is_told}.xml").read_text()) != is_told
+    dark = Volume((1.0,) * 3, np.zeros((2, 2, 2), np.float32), emission=Emission(GLOW))
+    assert not has_glow(Scene(volumes=(dark,), environment=sky))

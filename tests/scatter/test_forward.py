@@ -99,11 +99,15 @@ def test_fluence_of_strongly_forward_air(gpu):
 def test_forward_air_is_as_bright_from_everywhere(gpu, g, sigma):
     """Seen from before, beside and behind the sun; Monte Carlo's multiple scattering."""
     away_m = 40.0
-    ways = np.array([[0.35, 0.2, 0.92], [0.9, 0.4, 0.1], [0.5, 0.3, -0.8], [0.2, 0.1, -0.97]])
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    directions = np.array([[0.35, 0.2, 0.92], [0.9, 0.4, 0.1], [0.5, 0.3, -0.8], [0.2, 0.1, -0.97]])
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     box = tracer.BoxMedium(sigma_t=sigma, g=g)
     truth = tracer.trace(
-        box, tracer.Beam((0, 0, 1)), cells=(4, 4, 4), photons=60_000, views=[tuple(w) for w in ways]
+        box,
+        tracer.Beam((0, 0, 1)),
+        cells=(4, 4, 4),
+        photons=60_000,
+        views=[tuple(w) for w in directions],
     )
     medium = Medium((sigma,) * 3, (1.0,) * 3, (g,) * 3, BOUNDS)
     fov, pixels = 2.0 * math.degrees(math.atan(0.9 / away_m)), 20
@@ -111,7 +115,8 @@ def test_forward_air_is_as_bright_from_everywhere(gpu, g, sigma):
         Scene(lights=(SUN,), medium=medium), "lpv-scatter", (pixels, pixels), settings=SMALL
     ) as renderer:
         frames = [
-            renderer.frame(camera=Camera(tuple(away_m * w), (0, 0, 0), fov_y_deg=fov)) for w in ways
+            renderer.frame(camera=Camera(tuple(away_m * w), (0, 0, 0), fov_y_deg=fov))
+            for w in directions
         ]
     pixel_m2 = (1.8 / pixels) ** 2
     got = [f.layers["multiple_scatter"][..., 0].sum() * pixel_m2 for f in frames]
@@ -136,7 +141,7 @@ def test_a_sky_lights_forward_air_evenly(gpu):
             renderer, renderer.technique.find(ScatterSolver).largest.injection.forward.sky
         )
     middle = light[6:8, 6:8, 6:8].mean(axis=(0, 1, 2))
-    # Straight through half a metre or so: 4 pi (exp(-.2) - exp(-1)) of the way's mean.
+    # Straight through half a metre or so: 4 pi (exp(-.2) - exp(-1)) of the path's mean.
     assert 0.3 * 4.0 * math.pi < middle[0] < 0.55 * 4.0 * math.pi
     assert np.abs(middle[1:]).max() < 0.03 * middle[0]
 

@@ -93,13 +93,13 @@ def above_floor(middles: np.ndarray, cell: float) -> int:
 
 
 def columns(points: np.ndarray, light: np.ndarray) -> np.ndarray:
-    """Metres in each of the boxes on the way to a light; (..., 2)."""
-    way = light - points
-    reach = np.linalg.norm(way, axis=-1)
+    """Metres in each of the boxes on the path to a light; (..., 2)."""
+    path = light - points
+    reach = np.linalg.norm(path, axis=-1)
     found = []
     for low, high in BOXES:
         with np.errstate(divide="ignore"):
-            ends = np.sort([(low - points) / way, (high - points) / way], axis=0)
+            ends = np.sort([(low - points) / path, (high - points) / path], axis=0)
         near, far = np.clip(ends[0].max(-1), 0.0, 1.0), np.clip(ends[1].min(-1), 0.0, 1.0)
         found.append(np.maximum(far - near, 0.0) * reach)
     return np.stack(found, -1)

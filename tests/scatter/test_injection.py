@@ -108,17 +108,17 @@ def scattered_in_the_box(light):
     if isinstance(light, DirectionalLight):
         x = (np.arange(60) + 0.5) / 30 - 1
         p = np.stack(np.meshgrid(x, x, x, indexing="ij"), axis=-1)
-        _, way = ray_box_interval(p, -np.array(light.direction), LOW, HIGH)
-        density = np.exp(-sigma_t * way[..., None]).mean(axis=(0, 1, 2)) * 8
+        _, length = ray_box_interval(p, -np.array(light.direction), LOW, HIGH)
+        density = np.exp(-sigma_t * length[..., None]).mean(axis=(0, 1, 2)) * 8
         return np.array(FOG.sigma_s) * light.irradiance * density
-    # Over directions from the lamp: what is lost on each one's way through the box scatters.
-    ways = fibonacci_sphere(200_000)
-    t0, t1 = ray_box_interval(np.array(light.position), ways, LOW, HIGH)
+    # Over directions from the lamp: what is lost on each one's path through the box scatters.
+    directions = fibonacci_sphere(200_000)
+    t0, t1 = ray_box_interval(np.array(light.position), directions, LOW, HIGH)
     path = np.maximum(t1 - np.maximum(t0, 0.0), 0.0)
     fade = 1.0
     if isinstance(light, SpotLight):
         a, b = np.cos(np.radians([light.outer_deg, light.inner_deg]))
-        t = np.clip((ways @ np.array(light.direction) - a) / (b - a), 0, 1)
+        t = np.clip((directions @ np.array(light.direction) - a) / (b - a), 0, 1)
         fade = t * t * (3 - 2 * t)
     lost = (1 - np.exp(-sigma_t * path[:, None])) * np.broadcast_to(fade, path.shape)[:, None]
     return np.array(FOG.albedo) * light.intensity * lost.mean(axis=0) * 4 * np.pi

@@ -86,3 +86,12 @@ def test_arrays_of_another_shape_or_with_nan():
     assert refusal(checks.array, bad, "a", shape=(None, 3), dtype=np.float32) == (
         "a has 2 values that are NaN or infinite"
     )
+
+
+def test_a_unit_vector_read_again_is_the_same_to_the_bit():
+    """So that a scene written and read again has the same light."""
+    rng = np.random.default_rng(5)
+    for v in rng.normal(size=(300, 3)):
+        once = checks.unit_vec3(v, "v")
+        assert checks.unit_vec3(once, "v") == once
+    assert checks.unit_vec3((0.0, 1.0 + 1e-9, 0.0), "v") == (0.0, 1.0, 0.0)

@@ -10,6 +10,7 @@ import pytest
 from airlight.errors import SceneError
 from airlight.scene import Emission, Scene, Volume
 from airlight.scene.coefficients import grouped, in_parts
+from airlight.scene.shown import drawn_alike
 
 RNG = np.random.default_rng(8)
 SHAPE = (3, 4, 5)
@@ -76,6 +77,25 @@ def test_parts_of_one_phase_function_belong_together():
     groups = grouped(in_parts(Scene(volumes=(Volume(1.0, DENSITY), volume))).volumes)
     found = [{round(p.g[0], 6) for p in group} for group in groups]
     assert found == [{0.0}, {0.0}, {0.4}]
+
+
+def test_the_mean_cosine_is_that_of_what_scatters():
+    cosines = np.linspace(-0.5, 0.8, 60, dtype=np.float32).reshape(SHAPE)
+    volume = Volume(5.0, DENSITY, albedo_grid=COLOURS, g_grid=cosines)
+    scattering = DENSITY[..., None] * COLOURS
+    wanted = (scattering * cosines[..., None]).sum(axis=(0, 1, 2)) / scattering.sum(axis=(0, 1, 2))
+    np.testing.assert_allclose(volume.g, wanted, rtol=1e-5)
+
+
+def test_what_is_made_for_some_colours_is_not_for_others():
+    """Solvers put parts into kinds when they are made, so other kinds need others."""
+    share = np.linspace(0.0, 1.0, 60, dtype=np.float32).reshape(*SHAPE, 1)
+    colours = share * np.float32([0.9, 0.2, 0.1]) + (1 - share) * np.float32([0.1, 0.3, 0.9])
+    scene = Scene(volumes=(Volume(5.0, DENSITY, albedo_grid=colours),))
+    thinner = Scene(volumes=(Volume(5.0, 0.5 * DENSITY, albedo_grid=colours),))
+    other = Scene(volumes=(Volume(5.0, DENSITY, albedo_grid=colours[..., [1, 2, 0]]),))
+    assert len(scene.volumes[0].parts) == len(other.volumes[0].parts)
+    assert drawn_alike(scene, thinner) and not drawn_alike(scene, other)
 
 
 def test_a_density_of_three_channels_is_a_tint():

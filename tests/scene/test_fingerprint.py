@@ -12,7 +12,8 @@ import pytest
 from airlight.errors import SceneError
 from airlight.scene import Camera, Environment, Material, Mesh, PointLight, Scene, Volume, shapes
 from airlight.scene.animation import Animation, Curve
-from airlight.scene.animation.density import FileSequence, MadeDensity, VolumeTrack
+from airlight.scene.animation.density import MadeDensity, VolumeTrack
+from airlight.scene.animation.file_sequence import FileSequence
 from airlight.scene.animation.tracks import CameraTrack
 from airlight.scene.builtin.smoke import plume_density
 from airlight.scene.fingerprint import array_digest, fingerprint
@@ -40,6 +41,18 @@ def test_equal_scenes_have_one_fingerprint():
     assert fingerprint(scene) == fingerprint(make_scene())
     assert fingerprint(scene) == fingerprint(pickle.loads(pickle.dumps(scene)))
     assert fingerprint(replace(scene, warnings=("said",))) == fingerprint(scene)
+
+
+def test_fields_may_be_left_out():
+    """Wherever they stand; those that no image depends on always are."""
+    scene = make_scene()
+    other = replace(
+        scene, settings={}, meshes=(replace(scene.meshes[0], name="another"),), warnings=("said",)
+    )
+    assert fingerprint(other, without=("settings",)) != fingerprint(scene, without=("settings",))
+    left_out = ("settings", "name")
+    assert fingerprint(other, without=left_out) == fingerprint(scene, without=left_out)
+    assert fingerprint(scene, without=left_out) != fingerprint(scene)
 
 
 def changed(scene, kind):

@@ -50,8 +50,14 @@ def test_an_endless_medium_has_a_top_and_no_other_end():
     low, high = medium_box(Medium(0.05, endless=True), LOW, HIGH, EYE)
     assert high[1] == pytest.approx(10.0)  # the scene's height and a quarter of it
     # From the eye, a millionth of the light comes through to any other side.
-    for way in (low[0] - EYE[0], high[0] - EYE[0], low[2] - EYE[2], high[2] - EYE[2], low[1] - 2.0):
-        assert np.exp(-0.05 * abs(way)) < 1e-6
+    for distance in (
+        low[0] - EYE[0],
+        high[0] - EYE[0],
+        low[2] - EYE[2],
+        high[2] - EYE[2],
+        low[1] - 2.0,
+    ):
+        assert np.exp(-0.05 * abs(distance)) < 1e-6
     assert medium_box(Medium(0.05, endless=True, top=3.0), LOW, HIGH, EYE)[1][1] == 3.0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.scene.mesh import Geometry
-from airlight.scene.shapes import box, quad, sphere
+from airlight.scene.shapes import box, quad, revolved, sphere
 
 
 def corners(geometry: Geometry) -> np.ndarray:
@@ -96,3 +96,24 @@ def test_images_stand_upright_on_walls():
     )
     ball = sphere()
     np.testing.assert_allclose(ball.positions[ball.uvs[:, 1] == 0.0, 1], 0.5)
+
+
+def test_a_body_of_revolution_is_closed_and_faces_out():
+    """Two cones of radius 2, together 3 high."""
+    points = np.array([(0.0, -1.0), (2.0, 0.5), (0.0, 2.0)])
+    lines = []
+    for start, end in ((0, 1), (1, 2)):
+        along = points[end] - points[start]
+        normal = np.array([along[1], -along[0]]) / np.linalg.norm(along)
+        lines.append((points[[start, end]], np.stack([normal, normal])))
+    count = 48
+    geometry = revolved(lines, count)
+    # Of a pyramid on a regular polygon.
+    polygon = 0.5 * count * 4.0 * np.sin(2.0 * np.pi / count)
+    assert signed_volume(geometry) == pytest.approx(polygon * 3.0 / 3.0, rel=1e-6)
+    a, b, c = np.moveaxis(corners(geometry), 1, 0)
+    faces = np.cross(b - a, c - a)
+    assert (np.linalg.norm(faces, axis=1) > 1e-9).all()
+    shading = geometry.normals[geometry.indices].astype(np.float64)
+    assert (np.einsum("tx,tkx->tk", faces, shading) > 0.0).all()
+    np.testing.assert_allclose(np.linalg.norm(geometry.normals, axis=1), 1.0, rtol=1e-6)

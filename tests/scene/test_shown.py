@@ -26,5 +26,10 @@ def test_scenes_are_alike_with_as_many_parts() -> None:
     dyed = Scene(volumes=(DYED,))
     assert drawn_alike(dyed, replace(dyed, volumes=(replace(DYED, sigma_t=2.0),)))
     assert not drawn_alike(dyed, Scene(volumes=(GREY,)))
+    # A grid and a sphere are not, whichever comes first.
+    gridded = Scene(volumes=(replace(GREY, density=np.ones((2, 2, 2), np.float32)),))
+    ball = Scene(volumes=(replace(GREY, density=None, shape="sphere"),))
+    assert not drawn_alike(ball, gridded)
+    assert not drawn_alike(gridded, ball)
     # Of another number of volumes the renderer itself says so.
     assert drawn_alike(dyed, Scene(volumes=(GREY, DYED)))

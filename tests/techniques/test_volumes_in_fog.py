@@ -52,7 +52,7 @@ def scattered(scene: Scene, **settings: object) -> np.ndarray:
     ("light", "path_m"), [(SUN, 2.0), (PointLight((0.0, 0.9, 0.0), (1.0, 1.0, 1.0)), 0.9)]
 )
 def test_black_fog_attenuates_light_on_its_way_to_a_volume(light, path_m):
-    """By the light's and the eye's way through the fog, which without it is nothing."""
+    """By the light's and the eye's path through the fog, which without it is nothing."""
     sigma = np.array([0.2, 0.5, 0.9])
     fog = Medium(tuple(sigma), (0.0,) * 3, (0.0,) * 3, BOUNDS)
     clear = Scene((), (light,), camera=CAMERA, volumes=(puff(1.0, 0.1, 0.1, 30.0),))

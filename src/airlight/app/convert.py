@@ -29,14 +29,14 @@ SCENES_OUT = (".xml", ".glb", ".toml")
 @click.argument("source", metavar="IN")
 @click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
 @display_options(
-    "For .png and .jpg of a linear image.  [default: 0]",
+    "For .png and .jpg of a linear image; auto: from the image itself.  [default: 0]",
     "Display curve.  [default: agx of a linear image, none of an 8-bit one]",
 )
 @model_options()
 def command(
     source: str,
     target: Path,
-    exposure: float | None,
+    exposure: float | str | None,
     tone_map: str | None,
     lut: Lut | None,
     model: dict[str, Any],

@@ -38,7 +38,10 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
         raise SettingsError("--sun lights scenes, and this is none", where=file)
     # The file's ending says which of three kinds of facts it has.
     if ending in VOLUME_SUFFIXES:
-        facts = grid_facts(Path(file))
+        scene = load_scene(file, model)
+        facts = grid_facts(scene)
+        if not as_json:
+            show_warnings(scene)
     elif ending in IMAGE_SUFFIXES:
         facts = image_facts(Path(file))
     else:
@@ -70,7 +73,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "emissive_materials": sum(material.is_emissive for material in materials),
         "textures": len(textures),
         "texture_bytes": sum(texture.pixels.nbytes for texture in textures),
-        "bounds_m": [np.round(low, 6).tolist(), np.round(high, 6).tolist()],
+        "bounds_m": [(np.round(corner, 6) + 0.0).tolist() for corner in (low, high)],
         "lights": [_light_facts(light) for light in scene.lights],
         "surfaces_that_light": _emitter_facts(scene),
         "environment": None if sky is None else sky.source or f"radiance {list(sky.radiance)}",
@@ -110,21 +113,21 @@ def _variant_facts(path: Path) -> dict[str, Any]:
     return {"variants": list(names)} if names else {}
 
 
-def grid_facts(path: Path) -> dict[str, Any]:
-    """Size, place and range of a density grid. Raises SceneError."""
-    from ..scene.io.volumes import read_volume
-
-    grid = read_volume(path)
+def grid_facts(scene: Scene) -> dict[str, Any]:
+    """Size, place and range of the density grid that a scene of its own shows."""
+    (volume,) = scene.volumes
+    assert volume.density is not None
+    low, high = scene.bounds
     return {
         "kind": "density grid",
-        "size_zyx": list(grid.density.shape),
-        "bounds_m": grid.bounds,
+        "size_zyx": list(volume.density.shape),
+        "bounds_m": [(np.round(corner, 6) + 0.0).tolist() for corner in (low, high)],
         "density": {
-            "lowest": float(grid.density.min()),
-            "mean": float(grid.density.mean(dtype=np.float64)),
-            "highest": float(grid.density.max()),
+            "lowest": float(volume.density.min()),
+            "mean": float(volume.density.mean(dtype=np.float64)),
+            "highest": float(volume.density.max()),
         },
-        "warnings": list(grid.warnings),
+        "warnings": list(scene.warnings),
     }
 
 

@@ -33,6 +33,19 @@ class Number(click.FloatRange):
         return number
 
 
+AUTO = "auto"
+"""Of --exposure: from the image itself."""
+
+
+class Stops(Number):
+    """An exposure in stops, or `AUTO`."""
+
+    def convert(  # type: ignore[override]
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | str:
+        return AUTO if value == AUTO else super().convert(value, param, ctx)
+
+
 class Seconds(click.types.FloatParamType):
     """A time in seconds, within thirty years of zero."""
 
@@ -102,12 +115,15 @@ def samples_option(default: int | None, help: str = "Jittered samples per pixel.
 
 
 def display_options(
-    exposure_help: str = "Instead of the camera's.",
+    exposure_help: str = "Instead of the camera's; auto: from the image itself.",
     curve_help: str = "Display curve.  [default: agx]",
 ) -> Decorator:
-    """--exposure, --tone-map, --lut, given as `exposure`, `tone_map` and `lut`, None without."""
+    """--exposure, --tone-map, --lut, given as `exposure`, `tone_map` and `lut`, None without.
+
+    `exposure` is a number of stops or `AUTO`.
+    """
     return together(
-        click.option("--exposure", type=Number(-64, 64), metavar="STOPS", help=exposure_help),
+        click.option("--exposure", type=Stops(-64, 64), metavar="STOPS|auto", help=exposure_help),
         click.option(
             "--tone-map", type=click.Choice(["agx", "aces", "neutral", "none"]), help=curve_help
         ),
@@ -123,9 +139,12 @@ def display_options(
 def displayed(image: Image, options: Mapping[str, Any]) -> Image:
     """The image with the exposure, curve and table that `display_options` ask for."""
     names = {"exposure": "exposure_stops", "tone_map": "tone_map", "lut": "lut"}
-    return replace(
-        image, **{of: options[name] for name, of in names.items() if options[name] is not None}
-    )
+    shown = {of: options[name] for name, of in names.items() if options[name] is not None}
+    if options["exposure"] == AUTO:
+        from ..maths.tone import auto_exposure
+
+        shown["exposure_stops"] = float(auto_exposure(image.radiance))
+    return replace(image, **shown)
 
 
 def display_doubts(suffix: str, options: Mapping[str, Any]) -> list[str]:

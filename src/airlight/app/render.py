@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ import click
 
 from ..errors import SettingsError
 from .options import (
+    AUTO,
     SECONDS,
     check_settings,
     display_doubts,
@@ -25,7 +25,7 @@ from .options import (
 from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
 from .scene_argument import load_scene, reads, show_warnings
-from .scene_options import camera_options, scene_options, with_camera
+from .scene_options import camera_options, scene_options, with_camera, with_exposure
 from .watching import watched
 
 if TYPE_CHECKING:
@@ -95,9 +95,7 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         started_s = time.perf_counter()
         loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
         load_s = time.perf_counter() - started_s
-        if options["exposure"] is not None:  # which unlit surfaces follow
-            camera = replace(loaded.camera, exposure_stops=options["exposure"])
-            loaded = replace(loaded, camera=camera)
+        loaded = with_exposure(loaded, options["exposure"])  # which unlit surfaces follow
         # The scene may have read files that the outputs would replace.
         check_outputs(output, stats_path)
         from ..rendering import render
@@ -105,7 +103,10 @@ def _rendered(scene: str, output: Path, options: dict[str, Any]) -> None:
         # The first image is complete when its last sample is, not when it is denoised or written.
         finished_s: list[float] = []
         asked = _asked(loaded, options)
-        image = displayed(render(loaded, **asked, progress=_stamped(report, finished_s)), options)
+        image = render(loaded, **asked, progress=_stamped(report, finished_s))
+        # Where the image set its exposure it has it, unlit surfaces left aside.
+        stops = None if options["exposure"] == AUTO else options["exposure"]
+        image = displayed(image, {**options, "exposure": stops})
         if options["denoise"]:
             report("denoising", 0.0)
             image = image.denoised()

@@ -23,15 +23,15 @@ def scene_options() -> Decorator:
 
 
 def model_options() -> Decorator:
-    """--up, --scale and --variant of a mesh file; the command gets `model`, {name: value}, of what
-    was given."""
+    """--up, --scale and --variant of a model, --param of a Mitsuba file; the command gets `model`,
+    {name: value}, of what was given."""
     return together(
         click.option(
             "--up",
             type=click.Choice(["y", "z"]),
             callback=_model,
             expose_value=False,
-            help="Of a mesh file: the axis that points upwards.  [default: y]",
+            help="Of a mesh file or grid: the axis that points upwards.  [default: y]",
         ),
         click.option(
             "--scale",
@@ -39,7 +39,8 @@ def model_options() -> Decorator:
             metavar="METRES",
             callback=_model,
             expose_value=False,
-            help="Of a mesh file: how long its unit is, .001 for millimetres.  [default: 1]",
+            help="Of a mesh file or grid: how long its unit is, .001 for millimetres; a grid's "
+            "coefficients stay per metre.  [default: 1]",
         ),
         click.option(
             "--variant",
@@ -47,6 +48,15 @@ def model_options() -> Decorator:
             callback=_model,
             expose_value=False,
             help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+        ),
+        click.option(
+            "--param",
+            "parameters",
+            multiple=True,
+            metavar="NAME=VALUE",
+            callback=_parameters,
+            expose_value=False,
+            help="Of a Mitsuba file: what $NAME stands for, as Mitsuba's -D; may be repeated.",
         ),
     )
 
@@ -123,6 +133,14 @@ def with_camera(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return replace(scene, camera=camera, warnings=(*scene.warnings, *told))
 
 
+def with_exposure(scene: Scene, exposure: float | str | None) -> Scene:
+    """The scene with the exposure that --exposure gives its camera; None: its own."""
+    if exposure is None:
+        return scene
+    stops = None if isinstance(exposure, str) else exposure
+    return replace(scene, camera=replace(scene.camera, exposure_stops=stops))
+
+
 def _camera(ctx: click.Context, param: click.Parameter, value: float | None) -> None:
     camera: dict[str, Any] = ctx.params.setdefault("camera", {})
     if value is not None:
@@ -133,6 +151,17 @@ def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
     model: dict[str, Any] = ctx.params.setdefault("model", {})
     if value is not None:
         model[str(param.name)] = value
+
+
+def _parameters(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> None:
+    """The last value of a name holds. None of them is no option that a file could refuse."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise click.BadParameter(f"'{text}' is not written as name=value")
+        found[name.strip()] = value.strip()
+    _model(ctx, param, found or None)
 
 
 def _ground(ctx: click.Context, param: click.Parameter, value: bool | None) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from ..maths.latlong import turned_about_y
 from .options import (
     Number,
 )
@@ -17,7 +18,11 @@ from .sequence.cli import FRAME_OPTIONS, check_sequence, make_sequence, plan_of
 from .sequence.video import VIDEO_SUFFIXES
 
 if TYPE_CHECKING:
-    from ..scene import Scene
+    from ..maths.transforms import F64
+    from ..scene import Camera, Scene
+
+_VIEWS = 72
+"""Sides that are looked at: between two of them less than .1 % of a radius is not seen."""
 
 
 @click.command("turntable")
@@ -48,11 +53,13 @@ def command(scene: str, output: Path, **options: Any) -> None:
 def around(scene: Scene, seconds: float, fps: float) -> Scene:
     """The scene with an animation of its own: its camera goes once around what it looks at.
 
-    Within walls it turns on the spot.
+    Within walls it turns on the spot. Where it shows all of the model it starts as far back as
+    keeps all of it in the image on every side.
     """
     from ..scene.animation import Animation
     from ..scene.animation.tracks import OrbitTrack
     from ..scene.io.ground import without_ground
+    from ..scene.io.outline import outline
     from .view.free_space import FreeSpace
 
     camera = scene.camera
@@ -68,5 +75,31 @@ def around(scene: Scene, seconds: float, fps: float) -> Scene:
         # Where the middle lies behind the eye it is the pivot itself.
         x, y, z = (eye + look * ahead if ahead > 0.0 else (low + high) / 2.0).tolist()
         pivot = (x, y, z)
+        back = look * _step_back(camera, outline(without_ground(scene)), np.array(pivot))
+        camera = _moved(camera, -back)
     track = OrbitTrack(camera, seconds, pivot)
-    return replace(scene, animation=Animation((track,), end_s=seconds, fps=fps))
+    return replace(scene, camera=camera, animation=Animation((track,), end_s=seconds, fps=fps))
+
+
+def _moved(camera: Camera, by: F64) -> Camera:
+    """The camera elsewhere, by (3,) metres, looking the same way."""
+    position, target = (np.add(p, by).tolist() for p in (camera.position, camera.target))
+    return replace(camera, position=tuple(position), target=tuple(target))
+
+
+def _step_back(camera: Camera, points: F64, pivot: F64) -> float:
+    """How far back, metres, the eye has to be for all points (N, 3) to stay in a 4:3 image while
+    they turn about the vertical through `pivot`; 0 where the image does not show all of them."""
+    forward = np.subtract(camera.target, camera.position)
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    half = np.tan(np.radians(camera.fov_y_deg) / 2.0)
+    # Turned points before a camera that rests are what an orbiting one sees.
+    needed = []
+    for angle in np.linspace(0.0, 2.0 * np.pi, _VIEWS, endpoint=False):
+        offset = turned_about_y(points - pivot, np.degrees(angle)) + pivot - camera.position
+        x, y = offset @ right, offset @ np.cross(right, forward)
+        outside = np.maximum(np.abs(x) * 0.75, np.abs(y)) / half - offset @ forward
+        needed.append(float(outside.max(initial=-np.inf)))
+    return max(needed) if needed[0] <= 0.0 < max(needed) else 0.0

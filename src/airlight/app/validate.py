@@ -55,7 +55,8 @@ def check_techniques(scene: Scene, file: str) -> None:
 
 def check_sequences(scene: Scene) -> None:
     """Read every file of the scene's density sequences. Raises SceneError."""
-    from ..scene.animation.density import FileSequence, VolumeTrack
+    from ..scene.animation.density import VolumeTrack
+    from ..scene.animation.file_sequence import FileSequence
 
     for track in scene.animation.tracks if scene.animation else ():
         if isinstance(track, VolumeTrack) and isinstance(track.density, FileSequence):

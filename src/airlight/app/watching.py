@@ -10,6 +10,7 @@ import click
 
 from ..errors import AirlightError, SettingsError
 from ..scene.io import BUILTIN_PREFIX
+from .streams import say
 from .view.watch import INTERVAL_S, Watch
 
 
@@ -26,7 +27,7 @@ def watched(scene: str, work: Callable[[], None]) -> None:
         try:
             work()
         except AirlightError as error:
-            click.echo(f"airlight: {error}", err=True)
+            say(f"error: {error}")
         click.echo(f"watching {scene}; Ctrl-C ends it", err=True)
         while not watch.changed():
             time.sleep(INTERVAL_S / 2.0)

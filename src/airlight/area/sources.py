@@ -17,6 +17,7 @@ from ..scene.lights.area import ball, world_from_unit
 from ..scene.material import Texture
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
+from ..scene.texels import nearest
 from .touching import Part, parts_of_wholes
 
 
@@ -112,12 +113,7 @@ def snapped(geometry: Geometry) -> Geometry:
 
 def texture_light(texture: Texture, uv: F64) -> F64:
     """Linear RGB (n, 3), 0 to 1, of the texels at `uv` (n, 2)."""
-    # The nearest texel; coordinates repeat.
-    height, width = texture.pixels.shape[:2]
-    place = (uv * texture.scale + texture.offset) % 1.0
-    x = np.minimum((place[:, 0] * width).astype(int), width - 1)
-    y = np.minimum((place[:, 1] * height).astype(int), height - 1)
-    rgb = texture.pixels[y, x, :3].astype(np.float64) / 255.0
+    rgb = nearest(texture, uv)[:, :3].astype(np.float64) / 255.0
     return np.asarray(srgb_decode(rgb) if texture.is_srgb else rgb)
 
 

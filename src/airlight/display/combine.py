@@ -13,6 +13,7 @@ from ..gpu.memory import Texture
 from ..gpu.slots import texture, uniform
 
 MOST_LAYERS = 4
+# How layers become one image: radiance adds up, the others are shown as they are.
 RADIANCE, RAW, NORMAL, DEPTH = range(4)
 _SLOTS = tuple(f"layer{i}" for i in range(MOST_LAYERS))
 

@@ -21,6 +21,7 @@ fn shown(pixel: vec2i) -> vec3f {
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2i(position.xy);
     let sample = shown(pixel);
+    // The running mean; the first image replaces what was there.
     if (params.weight >= 1.0) {
         return vec4f(sample, 1.0);
     }

@@ -39,5 +39,6 @@ class Meter:
 
     def encode(self, commands: Commands, image: Texture, speed: float = 1.0) -> None:
         """Meter `image`, radiance."""
+        # One workgroup, whose lanes share the histogram.
         params = MeterParams(size=image.size[:2], speed=speed)
         self._pass.dispatch(commands, (256,), params=params, image=image, metered=self.stops)

@@ -15,6 +15,7 @@ from .show import Place, Show
 from .tone import Tone
 
 IMAGE = "image"
+# Layers that are no radiance, and how their values are shown.
 _RAW_LAYERS = {"transmittance": RAW, "albedo": RAW, "normal": NORMAL, "depth": DEPTH}
 
 
@@ -47,12 +48,14 @@ class Presenter:
     def __init__(self, gpu: Gpu, size: tuple[int, int], format: str) -> None:
         # A scope of its own, so that all memory goes back at once.
         self.size, self.gpu = size, gpu.scope()
+        # In the order in which an image goes through them.
         self._combine, self._meter = Combine(self.gpu, size), Meter(self.gpu)
         self._tone, self._show = Tone(self.gpu, size), Show(self.gpu, format)
         self._is_metered_before = False
 
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on; the mean is lost."""
+        # A mean of images of another size is worth nothing.
         if size != self.size:
             self.size = size
             self._combine.resize(size)
@@ -62,6 +65,7 @@ class Presenter:
         self, commands: Commands, images: dict[str, Texture], view: View, look: Look, index: int
     ) -> None:
         """Add sample number `index` of a drawn view to the mean; 0 restarts it."""
+        # Layers of radiance add up to the image; raw ones are shown as they are.
         kind = _RAW_LAYERS.get(look.layer, RADIANCE)
         with commands.stage("combine"):
             self._combine.encode(
@@ -116,6 +120,7 @@ class Presenter:
         Without a `place` the image fills it. `compared`: another presenter, and the share of the
         width right of which its image is seen.
         """
+        # The image fills the surface; another presenter brings an image with its own tone.
         place = place or Place((0.0, 0.0), tuple(view.size[:2]))
         other = (compared[0]._tone.shown, compared[1]) if compared else None
         self._show.draw(commands, view, place, self._tone.shown, other)

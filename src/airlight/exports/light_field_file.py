@@ -40,6 +40,8 @@ _ABOUT = {
     "axes": "arrays are (z, y, x, ...); right-handed, +Y up; metres; linear Rec.709",
     "axes_xyz": "per lattice: the unit vectors of the world along which its cells lie; its origin, "
     "its fade and the components of its SH and its six sides are along them",
+    "origin_m": "per lattice: the low corner of cell (0, 0, 0), along axes_xyz; cell (i, j, k) has "
+    "its middle at origin_m + cell_m (i + 1/2, j + 1/2, k + 1/2), where its values are",
     "fade_m": "per lattice, finest first: where its light begins, over which width, where it "
     "ends, over which width; beyond, the next lattice has it",
     "sh": {

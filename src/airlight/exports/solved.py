@@ -51,9 +51,12 @@ def export_lattice(
 
 
 def light_field(renderer: Renderer, technique: str = "") -> LightField:
-    """The light that `renderer` solved for its last frame.
+    """The light that `renderer` solved for its last frame, as arrays.
 
-    Raises SettingsError where the technique stores no light.
+    For light that changes: move something with `renderer.frame(lights=..., read=False)` and ask
+    again; nothing is loaded or compiled a second time. `technique` is the name that the arrays'
+    header has, the renderer's own by default. Raises SettingsError where the technique stores no
+    light.
     """
     used = renderer.technique
     volumes = _volume_lights(used, renderer)

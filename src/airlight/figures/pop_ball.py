@@ -1,7 +1,7 @@
 """A lamp in the middle of a ball of white air, by Monte Carlo that knows the ball's symmetry.
 
 What leaves a ball depends on one number: how far from the middle its line passes, the impact
-parameter b, which a photon's last straight way already has. All photons that leave are counted
+parameter b, which a photon's last straight path already has. All photons that leave are counted
 into rings of b, so that few of them make an image without visible noise.
 """
 

@@ -1,7 +1,8 @@
 """Final gather: a view's irradiance along rays, the lattices their cache of later bounces.
 
 settings   what can be told of it
-points     G-buffer -> places and normals at reduced resolution
+points     G-buffer -> places and normals at reduced resolution; point_params: their camera
+orphans    more of them, on what no point of a block lies on
 trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
 cells      the same from the cells of media, for what they scatter
 batches    as many rays as the device holds, and what they need

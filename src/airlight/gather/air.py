@@ -65,6 +65,7 @@ class Air:
     def __init__(self, gpu: Gpu, media: GpuMedia, *, sources: int = 0) -> None:
         """`sources`: the most textures of emission there will be."""
         self._gpu, self.media = gpu, media
+        # Tables of sources and lattices as marching has them; another kernel reads them here.
         self._fields = March(gpu, media, sources=sources)
         self._passes: dict[Variant, _Air] = {}
 
@@ -120,6 +121,7 @@ class Met(NamedTuple):
 
 def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
     """The light that media scatter along a gather's rays, or along mirrored ones."""
+    # Mirrored rays show volumes as the eye sees them, other rays what reduced media scatter.
     means = [None if is_mirrored else s.mean for s in fields.volumes]
     # Of volumes either all send what reduced media do, or all as they are seen from the eye.
     is_reduced = all(mean is not None for mean in means)

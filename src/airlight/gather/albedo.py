@@ -15,15 +15,16 @@ from ..gpu.layout import Struct, pack_array, u32, vec4f
 from ..gpu.memory import buffer_of
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo, grazing_albedo
-from ..scene.material import Material, Texture, Wrap
+from ..scene.material import Material, Texture
 from ..surface.materials import reflecting_share, uv_transform
+from ..surface.packed_maps import WRAP_BITS
 
 F64 = NDArray[np.float64]
 _SIDE = 64  # texels of a map at most
 _READ = 8  # pixels along a side that a texel is the mean of, at most
 MOST_GRAZING = 0.0625
+# Bits of a row: how its coordinates repeat, and whether its back is black.
 _BLACK_BACK = 16
-_WRAPS: dict[Wrap, int] = {"repeat": 0, "mirror": 1, "clamp": 2}
 
 
 class AlbedoData(Struct):
@@ -44,6 +45,7 @@ class Albedos:
         # Maps one after the other, each at its own small size.
         for material in materials:
             found = albedo_map(material)
+            # Coordinates go by the map that the texels are made of.
             map = material.base_color_texture or material.metallic_roughness_texture
             wrap = map.wrap if map else ("repeat", "repeat")
             rows.append(
@@ -52,11 +54,12 @@ class Albedos:
                     "first": first,
                     "width": found.shape[1],
                     "height": found.shape[0],
-                    "wrap": _WRAPS[wrap[0]]
-                    | _WRAPS[wrap[1]] << 2
+                    "wrap": WRAP_BITS[wrap[0]]
+                    | WRAP_BITS[wrap[1]] << 2
                     | _BLACK_BACK * (not material.two_sided),
                 }
             )
+            # The texels of all materials lie in one buffer, where the rows find them.
             texels.append(packed(found).ravel())
             first += found.shape[0] * found.shape[1]
         self.rows = buffer_of(gpu, "albedo maps", pack_array(AlbedoData, rows))
@@ -99,6 +102,7 @@ def packed(albedo: F64) -> NDArray[np.uint32]:
 
     A byte each.
     """
+    # Square roots leave dark colours more of a byte's steps.
     values = np.concatenate(
         [np.sqrt(np.clip(albedo[..., :3], 0.0, 1.0)), albedo[..., 3:] / MOST_GRAZING], axis=-1
     )
@@ -109,6 +113,7 @@ def packed(albedo: F64) -> NDArray[np.uint32]:
 def _size(map: Texture | None) -> tuple[int, int]:
     if map is None:
         return (1, 1)
+    # No more texels than a ray of a gather can tell apart.
     height, width = map.pixels.shape[:2]
     return (min(height, _SIDE), min(width, _SIDE))
 
@@ -116,6 +121,7 @@ def _size(map: Texture | None) -> tuple[int, int]:
 def reduced(map: Texture, size: tuple[int, int]) -> F64:
     """(H, W, 3): the linear means of a map over blocks of its pixels."""
     pixels = map.pixels[..., :3]
+    # Values of 8 bits become linear by a table.
     table = np.arange(256) / 255.0
     table = srgb_decode(table) if map.is_srgb else table
     for axis, count in enumerate(size):

@@ -43,6 +43,7 @@ class ViewBatches:
     ) -> None:
         rays, is_occluded = settings.gather_rays, kit.settings.ambient_occlusion
         self.rays = rays
+        # A point of the image for each block of pixels.
         self.points = Points(gpu, size, is_occluded=is_occluded)
         # As many rays of every point at once as an image of hits can hold.
         width, height = self.points.reduced
@@ -50,6 +51,7 @@ class ViewBatches:
         self.batch = max(min(rays, RAYS), min(rays, most, MOST_HITS // self.points.count))
         hits = (width, height * self.batch)
         self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
+        # Paths of rays by the cosine, and beside them rays that patches lead.
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
         guided = settings.gather_guided
         self.guided = GuidedRays(gpu, self.points, rays, guided, has_air=has_air)
@@ -81,6 +83,7 @@ class CellBatches:
 
     def number_of(self, sample: int, given: AirLight) -> int:
         """How many samples in a row there were of this light before this one."""
+        # Samples that follow one another in the light of one solve add up; others begin again.
         is_next = given is self._given and sample == self._sample + 1
         self._number = self._number + 1 if is_next and sample else 0
         self._given, self._sample = given, sample

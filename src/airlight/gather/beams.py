@@ -50,6 +50,7 @@ class Beams:
         self, commands: Commands, points: Points, sums: Buffer, rays: int, irradiance: Irradiance
     ) -> None:
         """Add it to the `sums` of points with so many `rays`."""
+        # Read from lattices at each point, as the sum that its rays would have found.
         self._pass.dispatch(
             commands,
             points.reduced,

@@ -19,7 +19,8 @@
         var direction = cosine_direction(n, numbers);
         // A part of the second number chooses whether a patch leads the ray; the rest of it is uniform again.
         if (has_guide()) {
-            let choice = guide_choice(origin, n, numbers.x);
+            var cones: PatchCones;
+            let choice = guide_choice(origin, n, numbers.x, &cones);
             let part = guided_share(choice.found);
             let is_led = numbers.y < part;
             let rest = select((numbers.y - part) / (1.0 - part), numbers.y / max(part, 1e-9), is_led);
@@ -29,7 +30,7 @@
             }
             // What the path counts, both ways to choose its direction know (Veach1995, the balance heuristic).
             let cosine = max(dot(direction, n), 0.0) / 3.14159265;
-            let density = part * guide_density(origin, n, direction).density;
+            let density = part * density_of_cones(&cones, choice.total, direction);
             let counts = cosine / max((1.0 - part) * cosine + density, 1e-30);
             let row = 2u * (id.y * params.reduced.x + id.x) + 1u;
             paths[row] = vec4f(counts * paths[row].rgb, paths[row].w);
@@ -38,7 +39,5 @@
             found = gather_hit(origin, direction);
         }
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

@@ -6,6 +6,7 @@
         return;
     }
     let known = paths[2u * path + 1u];
+    // Where lattices have a share in the path.
     if (known.w > 0.0) {
         paths[2u * path] += vec4f(factor[0] * known.rgb, 0.0);
     }

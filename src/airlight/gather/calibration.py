@@ -65,6 +65,7 @@ class Calibration:
     """`shares` of each of `count` paths, as `fold.wgsl` leaves them, and the factor they ask."""
 
     def __init__(self, gpu: Gpu, count: int) -> None:
+        # What lattices and traced light say of each path, and the factor on which both agree.
         self.shares = Buffer(gpu, "lattice shares of paths", 16 * count)
         self.factor = Buffer(gpu, "lattice factor", 16)
         self._parts = Buffer(gpu, "lattice shares", 16 * _PARTS)
@@ -86,6 +87,7 @@ class Calibration:
 
     def apply(self, commands: Commands, paths: Buffer, count: int) -> None:
         """Add to `count` paths what lattices know of their ends, times the factor."""
+        # Paths lie in rows, since a dispatch is limited along each axis.
         width = min(count, 1 << 16)
         self._apply.dispatch(
             commands,

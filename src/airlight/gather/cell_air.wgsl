@@ -1,4 +1,5 @@
 // All light in cells for the rays of the next sample: what rays found, and the unscattered light beside it.
+//! use cell_order
 
 const LARGEST_HALF = 65504.0;
 
@@ -6,8 +7,9 @@ const LARGEST_HALF = 65504.0;
     if (any(id >= lattice.count)) {
         return;
     }
-    let point = params.first + (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let point = params.first + cell_in(lattice.count, id);
     let texel = id + vec3u(0u, lattice.first_row, 0u);
+    // Scattered light as rays found it, in the texture's unit, and light that did not scatter.
     let whole = params.scale * before[point].rgb + textureLoad(unscattered, texel, 0).rgb;
     textureStore(air, texel, vec4f(min(whole, vec3f(LARGEST_HALF)), 1.0));
 }

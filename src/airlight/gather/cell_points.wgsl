@@ -12,7 +12,7 @@ fn cosine_around(id: vec3u) -> vec3f {
     var scattering = vec3f(0.0);
     var forward = vec3f(0.0);
     for (var k = 0u; k < 27u; k++) {
-        let step = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
+        let step = vec3f(cell_at_index(vec3u(3u), k)) - 1.0;
         let one = media_coefficients(unwarped_point(lattice, id, 0.5 + AROUND * step));
         let weight = pow(FARTHER, dot(step, step));
         scattering += weight * one.scattering;

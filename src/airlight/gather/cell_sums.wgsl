@@ -1,5 +1,6 @@
 // The radiance along the rays of each cell: its mean, and what of it media there scatter towards the eye.
 //! use gather
+//! use cell_order
 
 const LARGEST_HALF = 65504.0;
 
@@ -8,7 +9,7 @@ const LARGEST_HALF = 65504.0;
         return;
     }
     // The gather point of the cell, as cell_points.wgsl laid it.
-    let point = params.first + (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let point = params.first + cell_in(lattice.count, id);
     let at = vec2u(point % params.width, point / params.width);
     let axis = textureLoad(axes, at, 0);
     let g = textureLoad(cosines, at, 0).rgb;

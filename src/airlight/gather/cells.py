@@ -27,6 +27,7 @@ from ..lattice.placement import LatticeParams, Placement
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
 
+# Texels in a row of the images whose points are cells.
 _WIDTH = 1024
 CellLight = tuple[LatticeSource, AirLight]
 """Light that is scattered towards the eye, and what rays meet."""
@@ -113,6 +114,7 @@ class CellPoints:
 
     def __init__(self, gpu: Gpu, cells: int, media: GpuMedia) -> None:
         """For so many `cells`, of all lattices together, in `media`."""
+        # Cells are points of an image, so that their rays are traced like those of pixels.
         self.reduced = (_WIDTH, -(-cells // _WIDTH))
         self.places = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
         self.normals, self.cosines = (
@@ -130,6 +132,7 @@ class CellPoints:
         self, commands: Commands, view: View, placements: tuple[Placement, ...], walls: Texture
     ) -> None:
         """Take the middles of the cells of these lattices; `walls` as of their blockers."""
+        # Directions lead to a point behind the eye, so that the cell around it is seen, too.
         ahead = np.subtract(view.camera.target, view.camera.position)
         ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
         # Cells of all lattices are numbered in one row, and rays of all of them traced at once.
@@ -154,6 +157,7 @@ class CellSums:
 
     def __init__(self, gpu: Gpu, points: CellPoints, size: tuple[int, int, int]) -> None:
         """`size` in cells: of the textures that lattices share."""
+        # Light towards the eye and light that rays meet, in textures of all lattices.
         self._inscattered, self._air = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
             for name in ("gathered in-scattering", "gathered light in air")

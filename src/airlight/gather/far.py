@@ -15,7 +15,7 @@ from .points import Points
 class FarParams(Struct):
     """How many points there are, and how wide."""
 
-    reduced = vec2u("points")
+    reduced = vec2u("points of blocks")
     texel = f32("m, how wide a texel is one metre away")
     pad = u32()
 
@@ -39,10 +39,11 @@ class Far:
 
     def encode(self, commands: Commands, view: View) -> None:
         """Find it; the view's points are known."""
+        # One workgroup, one length for the whole image.
         self._pass.dispatch(
             commands,
             (64,),
-            params=FarParams(reduced=self._points.reduced, texel=self._points.texel_m(view), pad=0),
+            params=FarParams(reduced=self._points.blocks, texel=self._points.texel_m(view), pad=0),
             places=self._points.places,
             far=self.buffer,
         )

@@ -2,10 +2,8 @@
 // (docs/techniques/gather.md, "Sharing"). Source: Dammertz2010 (edge-avoiding a-trous wavelets), whose steps double from
 // pass to pass.
 //! use gather
+//! use orphans
 //! use tone
-
-// The least share of a point's rays that how near surfaces are is the mean of.
-const FEWEST = 0.125;
 
 struct Point {
     place: vec4f,           // m; w: from the eye, 0 where there is no surface
@@ -152,24 +150,36 @@ fn put_together(sums: PointSums) -> PointSums {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= params.reduced)) {
+    if (id.x >= params.reduced.x || id.y >= params.rows) {
         return;
     }
     let own = point_at(vec2i(id.xy));
+    let block = vec2i(block_of(id.xy));
     // As in later samples of a still.
     let falloff = params.falloff * sqrt(1.0 + own.sums.frames);
     let texel_m = params.texel * max(own.place.w, 1e-9) * f32(params.stride);
     let last = vec2i(params.reduced) - 1;
+    // 25 neighbours, of which each kind of light has weights of its own.
     var sum: Shared;
     var k = 0;
     loop {
         if (own.place.w <= 0.0) { break; }
         let offset = vec2i(k % 5, k / 5) - 2;
-        let at = vec2i(id.xy) + offset * i32(params.stride);
+        let at = block + offset * i32(params.stride);
         if (all(at >= vec2i(0)) && all(at <= last)) {
-            let its = point_at(at);
-            let faded = select(0.0, exp(-falloff * f32(dot(offset, offset))), its.place.w > 0.0);
-            sum = with_neighbour(sum, its, weights_of(own, its, faded, texel_m));
+            // The block's point, and those of its orphans.
+            let faded = exp(-falloff * f32(dot(offset, offset)));
+            let orphans = orphans_of(vec2u(at));
+            var texel = vec2u(at);
+            var next = orphans.first;
+            loop {
+                let its = point_at(vec2i(texel));
+                let counts = select(0.0, faded, its.place.w > 0.0);
+                sum = with_neighbour(sum, its, weights_of(own, its, counts, texel_m));
+                if (next >= orphans.end) { break; }
+                texel = orphan_texel(next);
+                next++;
+            }
         }
         k++;
         if (k >= 25) { break; }

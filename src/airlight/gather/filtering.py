@@ -21,13 +21,15 @@ WIDTH = 1.2
 class FilterParams(Struct):
     """How far apart points are, and how fast weights fall off."""
 
-    reduced = vec2u("points")
+    reduced = vec2u("blocks of pixels")
+    rows = u32("of points, orphans' below those of the blocks")
     stride = u32("texels")
     falloff = f32("per squared stride")
     texel = f32("m, how wide a texel is one metre away")
     rays = u32("of a point, by the cosine")
     sky_rays = u32("of a point, towards what is bright of the sky")
     is_last = u32("1 in the last pass, which puts near and far together")
+    pad = u32()
 
 
 class _Filter(ComputePass):
@@ -35,6 +37,7 @@ class _Filter(ComputePass):
         uniform("params", FilterParams),
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
+        storage("orphans", "u32"),
         storage("before", PointSums),
         storage("after", PointSums, "read_write"),
     )
@@ -50,6 +53,7 @@ class Filtering:
         """`rays`: of a point."""
         self._points, self._rays = points, rays
         self._filter = _Filter(gpu)
+        # Each pass reads what the one before has written.
         self._between = [new_sums(gpu, f"filtered sums {i}", points) for i in range(len(STRIDES))]
 
     def encode(self, commands: Commands, view: View, sums: Buffer, sky_rays: int) -> Buffer:
@@ -64,16 +68,19 @@ class Filtering:
                 commands,
                 points.reduced,
                 params=FilterParams(
-                    reduced=points.reduced,
+                    reduced=points.blocks,
+                    rows=points.reduced[1],
                     stride=stride,
                     falloff=falloff(view.sample),
                     texel=points.texel_m(view),
                     rays=self._rays,
                     sky_rays=sky_rays,
                     is_last=int(stride == STRIDES[-1]),
+                    pad=0,
                 ),
                 places=points.places,
                 planes=points.planes,
+                orphans=points.orphans.buffer,
                 before=sums,
                 after=after,
             )

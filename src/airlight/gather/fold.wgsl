@@ -63,6 +63,7 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     let row = 2u * (id.y * sky.reduced.x + id.x);
     let air = air_of(row);
     var path: Path;
+    // The first segment begins the path, later ones take it up.
     if (params.segment == 0u) {
         path = first_found(id.xy, hit, air);
         let side = octahedron_encode(textureLoad(hit_normals, id.xy, 0).xyz);
@@ -76,17 +77,21 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     var known = vec3f(0.0);     // by lattices
     var traced = 0.0;           // luminance
     if (path.is_open > 0.0) {
+        // Light of media along the segment and of the surface at its end, times what the path passes on.
         var found = path.passed * air.light;
         path.passed *= air.passed;
         if (hit.w > 0.0) {
             let towards_lights = textureLoad(hit_albedos, id.xy, 0).rgb;
             let albedo = towards_lights + textureLoad(hit_normals, id.xy, 0).w;
             let all_around = albedo / max(towards_lights, vec3f(1e-4));
+            // Most rays meet what no light shines on: only the others ask how likely a guide is to send them.
+            let lit = textureLoad(direct_light, id.xy, 0).rgb;
             var share = 1.0;
-            if (params.segment == 0u && params.guided > 0u) {
+            // Other rays are guided to the same light; each of them counts a share.
+            if (params.segment == 0u && params.guided > 0u && any(lit > vec3f(0.0))) {
                 share = first_share(id.xy, hit);
             }
-            found += share * path.passed * textureLoad(direct_light, id.xy, 0).rgb;
+            found += share * path.passed * lit;
             var forward = vec3f(0.0);
             if (params.has_forward != 0u) {
                 forward = path.passed * all_around * textureLoad(forward_light, id.xy, 0).rgb;

@@ -18,7 +18,5 @@
         let direction = lobe_direction(-axis.xyz, axis.w, ray_numbers(at.x, at.y, ray));
         found = gather_hit(place.xyz, direction);
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

@@ -37,11 +37,13 @@ class Glosses:
         self._meshes = list(first.values())
         self._scope = gpu.scope()
         self._shown: list[tuple[float, float, float]] | None = None
+        # Paths go on from mirror to mirror where there is metal.
         self.mirrors = any(original[k].material.metallic > 0.0 for k in self._meshes)
         """Whether any of them mirrors what mirrored rays bring."""
 
     def follow(self, current: Sequence[Mesh]) -> None:
         """Upload what glows as `current` meshes do, where that has changed."""
+        # What glows may flicker, the rest of a material stays.
         materials = [current[k].material for k in self._meshes]
         glow = [material.emission for material in materials]
         if glow == self._shown:

@@ -48,7 +48,7 @@ class LitTile(Struct):
 class TileParams(Struct):
     """A set of maps, and where its tiles are written."""
 
-    reduced = vec2u("points")
+    reduced = vec2u("points of blocks")
     resolution = u32("texels")
     side = u32("tiles along a map's side, a power of two")
     layers = u32()
@@ -59,7 +59,7 @@ class TileParams(Struct):
 class PatchParams(Struct):
     """How many tiles and points there are."""
 
-    reduced = vec2u("points")
+    reduced = vec2u("points of blocks")
     count = u32("tiles")
 
 
@@ -97,6 +97,7 @@ class LightGuide:
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
         self._scope = gpu.scope()
+        # Compiled for what rays meet in the scene, and again where that is other.
         self._pass: _Tiles | None = None
         self._constants: dict[str, float] = {}
         self._patches = _Patches(gpu)
@@ -115,6 +116,7 @@ class LightGuide:
 
         `diagonal`, m: of the scene.
         """
+        # Without maps it is not known what lights shine on.
         drawn = [one for one in maps if one.layers]
         if not drawn:
             return False
@@ -127,7 +129,7 @@ class LightGuide:
                 commands,
                 (counts[k],),
                 params=TileParams(
-                    reduced=points.reduced,
+                    reduced=points.blocks,
                     resolution=one.resolution,
                     side=_side(one),
                     layers=one.layers,
@@ -145,7 +147,7 @@ class LightGuide:
         self._patches.dispatch(
             commands,
             (256,),
-            params=PatchParams(reduced=points.reduced, count=sum(counts)),
+            params=PatchParams(reduced=points.blocks, count=sum(counts)),
             **seen,
             tiles=tiles,
             lit_patches=self.patches,
@@ -167,4 +169,5 @@ class LightGuide:
 
 
 def _side(maps: ReflectiveShadowMaps) -> int:
+    # A power of two, since tiles lie along a Morton curve.
     return 1 << (-(-maps.resolution // TILE) - 1).bit_length()

@@ -19,6 +19,7 @@ from .guide import LightPatch
 from .points import Points
 from .sums import PointSums
 
+# What air lets by and adds along a ray, where there is any.
 _ALL_PASSED = """
 fn passed_by_ray(row: u32) -> vec3f { return vec3f(1.0); }
 """
@@ -61,6 +62,7 @@ class GuidedRays:
     def __init__(self, gpu: Gpu, points: Points, rays: int, count: int, *, has_air: bool) -> None:
         """`rays`: of a point, by the cosine."""
         self._points, self._rays = points, rays
+        # As many rays as an image of hits has rows for.
         width, height = points.reduced
         self.count = min(count, gpu.limits["max-texture-dimension-2d"] // height)
         size = (width, height * max(1, self.count))
@@ -70,6 +72,7 @@ class GuidedRays:
 
     def encode(self, commands: Commands, light: Texture, patches: Buffer, sums: Buffer) -> None:
         """Add the `light` of lights on what they met to `sums`."""
+        # Rays by the cosine may find the same light; the balance heuristic shares it.
         self._pass.dispatch(
             commands,
             self._points.reduced,

@@ -12,15 +12,15 @@
     let n = textureLoad(normals, at, 0).xyz;
     var found = no_ray();
     if (place.w > 0.0) {
+        // A patch by what it sends, then a direction within the cone of its sphere.
         let origin = ray_start(place, n);
         let numbers = ray_numbers(at.x, at.y, params.first_ray + id.y / params.reduced.y);
-        let choice = guide_choice(origin, n, numbers.x);
+        var cones: PatchCones;
+        let choice = guide_choice(origin, n, numbers.x, &cones);
         let direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, numbers.y));
         if (choice.total > 0.0 && is_guided(choice.found) && dot(direction, n) > 0.0) {
             found = gather_hit(origin, direction);
         }
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

@@ -14,6 +14,7 @@
     let origin = ray_start(place, n);
     var sum = vec3f(0.0);
     var flux = vec3f(0.0);
+    // Of each ray's light the share that rays by the cosine leave to it.
     for (var k = 0u; k < params.guided; k++) {
         let texel = vec2u(id.x, id.y + k * params.reduced.y);
         let hit = textureLoad(hit_positions, texel, 0);

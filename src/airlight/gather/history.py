@@ -29,6 +29,7 @@ class PlaceBefore(Struct):
     place = vec3f("m")
     frames = f32("that are in its mean, 0 where there is no surface")
     normal = vec3f("of its plane")
+    orphans = u32("of its block, as `Orphans` says")
 
 
 class HistoryParams(Struct):
@@ -37,11 +38,13 @@ class HistoryParams(Struct):
     clip_from_world = mat4x4f()
     before_from_world = mat4x4f("clip space of the frame before")
     size = vec2f("px")
-    reduced = vec2u("texels")
+    reduced = vec2u("texels, one for each block of pixels")
+    rows = u32("of points, orphans' below those of the blocks")
     scale = u32("pixels along a side of a texel")
     texel = f32("m, how wide a texel is one metre away")
     most = f32("frames before that count; 0 in the first")
     is_changing = u32("whether light may have changed since")
+    pad = u32()
 
 
 class _Reproject(ComputePass):
@@ -49,6 +52,7 @@ class _Reproject(ComputePass):
         uniform("params", HistoryParams),
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
+        storage("orphans", "u32"),
         storage("sums", PointSums),
         storage("sums_before", PointSums),
         storage("places_before", PlaceBefore),
@@ -69,6 +73,7 @@ class History:
     def __init__(self, gpu: Gpu, points: Points, most: int) -> None:
         """`most`: frames before one that count for it."""
         self._points, self._most, self._pass = points, most, _Reproject(gpu)
+        # Two sets of sums and places: of the frame before, and of this one.
         self._kept = [
             (
                 new_sums(gpu, f"sums of frames {i}", points),
@@ -88,6 +93,7 @@ class History:
         points = self._points
         # Two sets of buffers: one is read, the other written, and then they change places.
         before, after = self._kept[self.number % 2], self._kept[1 - self.number % 2]
+        # The first frame finds nothing before it.
         is_first = self._before is None
         self._pass.dispatch(
             commands,
@@ -96,14 +102,17 @@ class History:
                 clip_from_world=view.clip_from_world,
                 before_from_world=view.clip_from_world if self._before is None else self._before,
                 size=points.size,
-                reduced=points.reduced,
+                reduced=points.blocks,
+                rows=points.reduced[1],
                 scale=points.scale,
                 texel=points.texel_m(view),
                 most=0.0 if is_first else self._most,
                 is_changing=int(is_changing),
+                pad=0,
             ),
             places=points.places,
             planes=points.planes,
+            orphans=points.orphans.buffer,
             sums=sums,
             sums_before=before[0],
             places_before=before[1],
@@ -118,6 +127,7 @@ class History:
 
 def lit_alike(one: Scene, other: Scene) -> bool:
     """Whether what lights two scenes' surfaces is the same; parts of frames that rest are."""
+    # All that lights surfaces; the camera does not.
     single = ("environment", "medium")
     several = ("lights", "light_groups", "meshes", "volumes")
     pairs = [(getattr(one, name), getattr(other, name)) for name in single]

@@ -2,6 +2,7 @@
 // then, where the same surface was there. Source: Schied2017 (temporal accumulation by moments of its length), at points.
 //! use gather
 //! use gather_history
+//! use orphans
 //! use tone
 
 // A place in the image of a camera, in texels from the middle of the first; w: whether it is before the eye.
@@ -60,15 +61,23 @@ fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
         // Each of the nine, by its distance in the image and its likeness.
         let other = vec2i(round(at)) + vec2i(k % 3, k / 3) - 1;
         if (all(other >= vec2i(0)) && all(other <= last)) {
-            let index = u32(other.y) * params.reduced.x + u32(other.x);
-            let its = places_before[index];
-            var like = likeness(place.xyz, n, its.place, its.normal, texel_m);
-            like = select(0.0, like, its.frames > 0.0);
-            let weight = like * texel_share(vec2f(other) - at);
-            sum = plus(sum, weight, sums_before[index]);
-            out.frames += weight * its.frames;
-            total += weight;
-            best = max(best, like);
+            // The block's point, and those of its orphans.
+            var index = u32(other.y) * params.reduced.x + u32(other.x);
+            let orphans = orphan_run(places_before[index].orphans);
+            var next = orphans.first;
+            loop {
+                let its = places_before[index];
+                var like = likeness(place.xyz, n, its.place, its.normal, texel_m);
+                like = select(0.0, like, its.frames > 0.0);
+                let weight = like * texel_share(vec2f(other) - at);
+                sum = plus(sum, weight, sums_before[index]);
+                out.frames += weight * its.frames;
+                total += weight;
+                best = max(best, like);
+                if (next >= orphans.end) { break; }
+                index = blocks_of_image() + next;
+                next++;
+            }
         }
         k++;
         if (k > 8) { break; }
@@ -99,22 +108,30 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
     loop {
         let other = vec2i(texel) + vec2i(k % 5, k / 5) - 2;
         if (all(other >= vec2i(0)) && all(other <= last)) {
-            // Whatever a like neighbour has, in sums of its light and of the squares.
-            let its = textureLoad(places, other, 0);
-            let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, other, 0).xyz, texel_m);
-            let weight = select(0.0, like, its.w > 0.0);
-            let index = u32(other.y) * params.reduced.x + u32(other.x);
-            let surfaces = sums[index].near + sums[index].far + sums[index].later;
-            let sky = sums[index].sky;
-            let light = luminance(surfaces + sky);
-            out.surfaces += weight * surfaces;
-            out.sky += weight * sky;
-            out.light += weight * light;
-            out.surfaces_variance += weight * surfaces * surfaces;
-            out.sky_variance += weight * sky * sky;
-            out.light_variance += weight * light * light;
-            total += weight;
-            squared += weight * weight;
+            var at = vec2u(other);
+            let orphans = orphans_of(at);
+            var next = orphans.first;
+            loop {
+                // Whatever a like neighbour has, in sums of its light and of the squares.
+                let its = textureLoad(places, at, 0);
+                let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, at, 0).xyz, texel_m);
+                let weight = select(0.0, like, its.w > 0.0);
+                let index = at.y * params.reduced.x + at.x;
+                let surfaces = sums[index].near + sums[index].far + sums[index].later;
+                let sky = sums[index].sky;
+                let light = luminance(surfaces + sky);
+                out.surfaces += weight * surfaces;
+                out.sky += weight * sky;
+                out.light += weight * light;
+                out.surfaces_variance += weight * surfaces * surfaces;
+                out.sky_variance += weight * sky * sky;
+                out.light_variance += weight * light * light;
+                total += weight;
+                squared += weight * weight;
+                if (next >= orphans.end) { break; }
+                at = orphan_texel(next);
+                next++;
+            }
         }
         k++;
         if (k > 24) { break; }
@@ -163,17 +180,18 @@ fn following(before: Before, around: Around) -> Before {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
-    if (any(id.xy >= params.reduced)) {
+    if (id.x >= params.reduced.x || id.y >= params.rows) {
         return;
     }
+    let block = block_of(id.xy);
     let place = textureLoad(places, id.xy, 0);
     let n = textureLoad(planes, id.xy, 0).xyz;
     let index = id.y * params.reduced.x + id.x;
     var before: Before;
     if (place.w > 0.0 && params.most > 0.0) {
-        before = found_before(id.xy, place, n);
+        before = found_before(block, place, n);
         if (params.is_changing != 0u) {
-            before = following(before, light_around(id.xy, place, n));
+            before = following(before, light_around(block, place, n));
         }
     }
     // The mean over frames of what was found before and of what this frame has.
@@ -183,5 +201,5 @@ fn following(before: Before, around: Around) -> Before {
     mean.frames = before.frames;
     sums_after[index] = mean;
     let frames = select(0.0, before.frames + 1.0, place.w > 0.0);
-    places_after[index] = PlaceBefore(place.xyz, frames, n);
+    places_after[index] = PlaceBefore(place.xyz, frames, n, orphans[index]);
 }

@@ -109,11 +109,12 @@ fn weight_of(k: u32) -> f32 {
     workgroupBarrier();
     // Where rays by the cosine find the patches' light well enough, there is no guide.
     var found = vec2f(0.0);
+    var cones: PatchCones;
     for (var k = 0u; k < PROBES; k++) {
         let hash = pcg_hash(lane * PROBES + k);
         let at = vec2u(hash % params.reduced.x, pcg_hash(hash) % params.reduced.y);
         let place = textureLoad(places, at, 0);
-        let choice = guide_choice(place.xyz, textureLoad(normals, at, 0).xyz, 0.0);
+        let choice = guide_choice(place.xyz, textureLoad(normals, at, 0).xyz, 0.0, &cones);
         if (place.w > 0.0 && choice.total > 0.0) {
             found += vec2f(choice.found, 1.0);
         }

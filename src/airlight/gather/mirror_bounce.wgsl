@@ -32,7 +32,5 @@
         }
     }
     textureStore(next_starts, id.xy, start);
-    textureStore(hit_positions, id.xy, hit.position);
-    textureStore(hit_normals, id.xy, hit.normal);
-    textureStore(hit_albedos, id.xy, hit.albedo);
+    keep_hit(id.xy, hit);
 }

@@ -10,6 +10,7 @@ from ..rays.rays import RAY_SLOTS
 from .albedo import AlbedoData
 from .glosses import GlossData
 
+# How a texel's ray ended: none was sent, it left the scene, it met a surface.
 KINDS = "const NOWHERE = 0.0;\nconst LEFT = 1.0;\nconst MET = 2.0;\n"
 _NO_AIR = "fn air_of(row: u32) -> Air { return Air(vec3f(0.0), vec3f(1.0)); }\n"
 _AIR = "fn air_of(row: u32) -> Air { return Air(air[row].rgb, air[row + 1u].rgb); }\n"
@@ -32,6 +33,7 @@ class MirrorParams(Struct):
     pad = vec2u()
 
 
+# Of the view's pixels, then of what rays met.
 _PIXELS: tuple[Slot, ...] = (
     uniform("params", MirrorParams),
     texture("depth", "2d", "depth"),

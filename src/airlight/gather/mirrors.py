@@ -47,8 +47,10 @@ class Mirrors:
         """As for `GatherSolver`. `segments`: of a path from mirror to mirror, at most."""
         gpu = kit.gpu
         self._kit, self.lighting, self._air = kit, lighting, air
+        # Which pixels mirror, the light of what their rays meet, and how pixels share it.
         self._list, self._light = Listing(gpu), MirrorLight(gpu, has_air=air is not None)
         self._resolve = Resolving(gpu, generated=KINDS)
+        # Without metal no path goes on from mirror to mirror.
         self._glosses = Glosses(gpu, kit.meshes.original)
         self._segments = segments if self._glosses.mirrors else 1
         # The table of linearly transformed cosines, for the albedo of what is mirrored.
@@ -71,6 +73,7 @@ class Mirrors:
                 FirstRays(gpu, constants=constants),
                 LaterRays(gpu, constants=constants),
             )
+        # What glows may be another, and so may the image's size.
         self._glosses.follow(self._kit.meshes.current)
         sized = self._fitted(view.size)
         pixels = {**view.gbuffer.bound}
@@ -204,6 +207,7 @@ class Mirrors:
             self._scope.release()
             self._sized = None
             has_air = self._air is not None
+            # Where paths go on, hits and starts of two segments are there at once.
             self._sized = _Sized(self._scope, size, min(self._segments, 2), has_air=has_air)
         return self._sized
 
@@ -250,6 +254,7 @@ class _Sized:
         goes_on: bool = False,
     ) -> MirrorParams:
         """For the rows of the list from `first` on."""
+        # Within a reach that shrinks from sample to sample pixels share rays.
         return MirrorParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,

@@ -50,6 +50,7 @@ class SegmentLight(NamedTuple):
     lattices: Texture | None = None
 
 
+# What media add along a segment, and what they let by; row and row + 1 of a buffer.
 _NO_AIR = """
 fn air_of(row: u32) -> Air { return Air(vec3f(0.0), 0.0, vec3f(1.0)); }
 """
@@ -98,6 +99,7 @@ class Paths:
     ) -> None:
         """For `batch` rays of each point. `has_air`: there are media in their way."""
         self._points, self._cells, self._fold = points, cells, _Fold(gpu, has_air=has_air)
+        # Of each ray its light and what still passes, the side that it met, and media along it.
         nbytes = 32 * points.count * batch
         self.buffer = Buffer(gpu, "gathered paths", nbytes)
         self.met = Buffer(gpu, "sides that paths met", 4 * points.count * batch)
@@ -119,7 +121,7 @@ class Paths:
         `rays`: of a point, in this sample of the image. `lattices`: what becomes of theirs.
         `guide`: the patches that lead other rays of points, and how many of these there are.
         """
-        # Points add up what their rays met: light of surfaces, of media on the way, and the
+        # Points add up what their rays met: light of surfaces, of media on the path, and the
         # lattice's where a path ends.
         self._fold.dispatch(
             commands,
@@ -153,6 +155,7 @@ class Paths:
     def _calibrate(self, commands: Commands, segment: Segment, rays: int) -> None:
         """Add the lattices' light at the ends of paths, by the factor of the sample's first."""
         points, numbers = self._points.reduced[0] * self._points.reduced[1], segment.numbers
+        # The sample's first rays measure it, whatever a batch holds.
         if numbers.start % rays == 0:
             self.calibration.measure(commands, points * min(len(numbers), RAYS))
         self.calibration.apply(commands, self.buffer, points * len(numbers))

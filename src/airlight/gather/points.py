@@ -7,28 +7,16 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
 from ..gpu.memory import Texture
 from ..gpu.slots import image, texture, uniform
 from ..lighting.view import View
+from ..maths.gather_orphans import orphan_step
 from ..maths.transforms import F64
+from .orphans import Orphans
+from .point_params import PointParams
 
 MOST_POINTS = 1 << 15
-"""Of an image; blocks grow as large as that asks."""
-
-
-class PointParams(Struct):
-    """The camera, and how the image is reduced."""
-
-    world_from_clip = mat4x4f()
-    eye = vec3f("m")
-    scale = u32("pixels along a side of a texel")
-    size = vec2f("px")
-    reduced = vec2u("texels")
-    sample = u32("of the still")
-    texel = f32("m, how wide a texel is one metre away")
-    rays = u32("of a point")
-    pad = u32()
+"""Of an image's blocks of pixels, which grow as large as that asks."""
 
 
 class _Points(ComputePass):
@@ -46,7 +34,7 @@ class _Points(ComputePass):
 
 
 class Points:
-    """The gather points of an image.
+    """The gather points of an image: of its blocks of pixels, and below those of orphan pixels.
 
     places   xyz world, m; w distance to the eye, m, 0 where there is no surface
     normals  of the shaded surface, about which rays are sent; w: the share of the hemisphere that
@@ -57,9 +45,12 @@ class Points:
     def __init__(self, gpu: Gpu, size: tuple[int, int], *, is_occluded: bool) -> None:
         """For an image of `size`, pixels. `is_occluded`: near surfaces shade it."""
         self.size = size
+        # A point for each block of pixels, and blocks as small as MOST_POINTS allows.
         self.scale = reduction(size, MOST_POINTS)
         width, height = (-(-side // self.scale) for side in size)
-        self.reduced = (width, height)
+        self.blocks = (width, height)
+        self.orphans = Orphans(gpu, self.blocks, self.scale, is_occluded=is_occluded)
+        self.reduced = (width, height + self.orphans.rows)
         self.places = Texture(gpu, "gather places", self.reduced, "rgba32float", written=True)
         self.normals = Texture(gpu, "gather normals", self.reduced, "rgba16float", written=True)
         self.planes = Texture(gpu, "gather planes", self.reduced, "rgba16float", written=True)
@@ -81,26 +72,29 @@ class Points:
             eye=view.eye,
             scale=self.scale,
             size=self.size,
-            reduced=self.reduced,
+            reduced=self.blocks,
             sample=view.sample,
             texel=self.texel_m(view),
             rays=rays,
+            step=orphan_step(self.scale),
+            most=self.orphans.most,
             pad=0,
         )
 
     def encode(self, commands: Commands, view: View) -> None:
         """Choose a pixel of each block; the view's G-buffer and its occlusion are drawn."""
-        self._pass.dispatch(
-            commands,
-            self.reduced,
-            params=self.params(view),
-            depth=view.gbuffer.depth,
-            normal=view.gbuffer.normal,
-            near_field=view.occlusion.near,
-            places=self.places,
-            normals=self.normals,
-            planes=self.planes,
-        )
+        params = self.params(view)
+        # With its normal goes how much of the hemisphere the near field leaves open.
+        bound = {
+            "depth": view.gbuffer.depth,
+            "normal": view.gbuffer.normal,
+            "near_field": view.occlusion.near,
+            "places": self.places,
+            "normals": self.normals,
+            "planes": self.planes,
+        }
+        self._pass.dispatch(commands, self.blocks, params=params, **bound)
+        self.orphans.encode(commands, params, bound)
 
 
 def pixel_m(world_from_clip: F64, height: int) -> float:
@@ -114,6 +108,7 @@ def pixel_m(world_from_clip: F64, height: int) -> float:
 
 def reduction(size: tuple[int, int], most: int) -> int:
     """Pixels along a side of the smallest blocks of which an image of `size` has at most `most`."""
+    # Blocks grow until the image has few enough of them.
     scale = 1
     while (-(-size[0] // scale)) * (-(-size[1] // scale)) > most:
         scale += 1

@@ -45,6 +45,7 @@ class PathSegments:
         """Find what lights shine on that points see; how many rays of each point go there."""
         if not sized.guided.count:
             return 0
+        # Patches of what lights shine on, weighted by what points get of it.
         diagonal = float(np.linalg.norm(self.kit.box[1] - self.kit.box[0]))
         rays = self.kit.rays.of_frame(commands)
         with commands.stage("gather guide"):
@@ -61,11 +62,13 @@ class PathSegments:
         """Trace rays towards what lights shine on, light what they meet and add that up."""
         assert self.trace is not None
         guided = sized.guided
+        # Guided rays have numbers of their own, which go on from sample to sample.
         numbers = range(number * guided.count, (number + 1) * guided.count)
         segment = Segment(numbers, 0, self.kit.rays.raised)
         patches, hits = self._guide.patches, guided.hits
         with commands.stage("gather rays"):
             self.trace.encode_guided(commands, sized.points, hits, segment, patches)
+        # Media attenuate what they find.
         if self._air is not None and guided.air is not None:
             self._pass_air(
                 commands, sized, (sized.points.places, hits), segment, fields, guided.air
@@ -93,6 +96,7 @@ class PathSegments:
         """
         assert self.trace is not None
         rays = sized.rays
+        # Two sets of hits, in turn: where a segment starts and where it ends.
         count = self.settings.gather_bounces if self._bounces else 1
         hits, before = sized.hits
         for index in range(count):
@@ -120,6 +124,8 @@ class PathSegments:
 
     def _told(self, left: int, count: int) -> Lattices:
         """What becomes of the lattices' light with so many segments `left` of `count`."""
+        # Lattices stand for what no segment traces: at the end of the last one; and at that of the
+        # one before, to compare both.
         if not self._bounces or left > 1:
             return Lattices.UNASKED
         if count == 1:
@@ -156,6 +162,7 @@ class PathSegments:
         else:
             lit, found = light.apart(commands, hits, layers, first, fields.sky)
             lit = layers.direct if has_sky else lit
+        # What lattices know has forward light in it, which is told beside it.
         if not is_asked:
             return SegmentLight(lit, forward=found if forward else None)
         if forward is None:

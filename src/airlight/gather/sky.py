@@ -16,6 +16,7 @@ from .points import Points
 from .sky_cells import SkyCells, SkyParams
 from .sums import PointSums, Sums
 
+# The share of the sky's light that media let by.
 _ALL_PASSED = """
 fn sky_passed(origin: vec3f, direction: vec3f) -> vec3f { return vec3f(1.0); }
 """
@@ -41,6 +42,7 @@ class _SkyRays(ComputePass):
             storage("sky_cells", "vec4f"),
             storage("sums", PointSums, "read_write"),
         )
+        # Media attenuate the sky along these rays; their own light is met by others.
         passed = media.medium_wgsl + _PASSED if media else _ALL_PASSED
         super().__init__(gpu, generated=passed, constants=constants)
 
@@ -61,6 +63,7 @@ class SkyRays:
         self, commands: Commands, points: Points, sums: Sums, rays: int, sample: int
     ) -> None:
         """Add what they find to the `sums` of points with `rays` by the cosine."""
+        # A uniform sky needs no rays towards it.
         if not self._cells.count(rays):
             return
         self._pass.dispatch(

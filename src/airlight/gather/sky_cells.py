@@ -1,4 +1,4 @@
-"""The environment for rays that leave the scene: cells of even radiance, and how bright each is."""
+"""The environment for rays that leave the scene: cells of uniform radiance, chosen by power."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ class SkyCells:
     """
 
     def __init__(self, gpu: Gpu) -> None:
+        # Until there is a sky, all of it is alike.
         self._gpu = gpu.scope()
         self._shown: Environment | None = None
         self._size = (1, 1)
@@ -53,6 +54,7 @@ class SkyCells:
 
     def take(self, environment: Environment | None) -> None:
         """Show an environment."""
+        # Environments are frozen: the same one is the same sky.
         if environment is self._shown:
             return
         self._shown = environment
@@ -71,6 +73,7 @@ class SkyCells:
 
     def count(self, rays: int) -> int:
         """Rays by brightness beside `rays` by the cosine."""
+        # Half as many as by the cosine; a uniform sky needs none.
         return 0 if self.is_even else -(-rays // 2)
 
     def params(self, points: Points | CellPoints, rays: int, sample: int) -> SkyParams:
@@ -94,9 +97,11 @@ def cell_rows(environment: Environment | None) -> tuple[NDArray[np.float32], boo
     if environment is None:
         return np.zeros((1, 1, 2, 4), np.float32), True
     radiance = shrunk_map(environment)
+    # A uniform environment is one cell.
     if environment.map is None:
         radiance = radiance[:1, :1]
     height, width = radiance.shape[:2]
+    # A cell is chosen by its power: luminance times solid angle.
     solid_angles = np.repeat(latlong_row_solid_angles(height, width)[:, None], width, axis=1)
     bright = luminance(radiance)
     power = float((bright * solid_angles).sum())

@@ -49,16 +49,20 @@ class GatherSolver(Solver):
         once.
         """
         self.kit, self.settings = kit, settings
+        # What lights hits, and media along rays.
         self._lighting = HitLighting(kit, media)
         self._air = Air(kit.gpu, media, sources=sources) if media else None
         self._beams = Beams(kit.gpu, kit) if media else None
+        # Buffers are made once the sizes of images and lattices are known.
         self._sized: ViewBatches | None = None
         self._in_air: CellBatches | None = None
         self._scope, self._air_scope = kit.gpu.scope(), kit.gpu.scope()
+        # What lies outside, and the paths that may find it.
         self._cells = SkyCells(kit.gpu)
         self._paths = PathSegments(
             kit, settings, self._cells, self._lighting, self._air, bounces=bounces
         )
+        # Points are shaded by near occluders, as pixels are.
         is_occluded = kit.settings.ambient_occlusion
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
         self._albedos: Albedos | None = None
@@ -72,6 +76,7 @@ class GatherSolver(Solver):
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Nothing that does not depend on a view."""
+        # Frames go on from those before as long as light stays the same.
         self._is_changing |= not lit_alike(frame.scene, self._scene)
         self._scene = frame.scene
         self._cells.take(frame.scene.environment)
@@ -101,9 +106,11 @@ class GatherSolver(Solver):
                     commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
                 )
             sized.points.encode(commands, view)
+        # Lit patches and the light in the air are found before the paths that ask for them.
         guided = self._paths.guided(commands, sized, fields)
         fields = self._gathered_air(commands, view, fields)
         self._gather(commands, view, sized, number, fields, guided)
+        # Towards the sky go rays of their own, chosen by its cells.
         rays = self.settings.gather_rays
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
@@ -143,8 +150,10 @@ class GatherSolver(Solver):
                 if index == 0:
                     with commands.stage("gather lighting"):
                         sized.sums.encode(commands, view, sized.paths, numbers, sample)
+            # What later segments found counts once per batch.
             with commands.stage("gather lighting"):
                 sized.sums.encode_later(commands, view, sized.paths, numbers)
+        # Rays towards lit patches share with the others what both may find.
         if guided:
             self._paths.add_guided(commands, sized, number, fields)
 
@@ -161,6 +170,7 @@ class GatherSolver(Solver):
     def _gathered_air(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """`fields` with the light in media of lattices found by rays of their cells."""
         rays, source = self.settings.gather_air, fields.scattered
+        # In lattices of media that are marched, if their cells send rays.
         if not rays or self._air is None or source is None or fields.air is None:
             return fields
         # Buffers are for so many cells: only lattices of other sizes need new ones.
@@ -188,6 +198,7 @@ class GatherSolver(Solver):
 
     def _gathers(self, view: View) -> bool:
         """Whether this view does. Lights by the thousand are in lattices alone, and seen there."""
+        # Stills gather, moving frames on request.
         is_wanted = view.is_still or self.settings.gather == "always"
         can_gather = view.may_gather and not self._scene.light_groups
         return is_wanted and can_gather and bool(self.kit.meshes.draws)
@@ -195,6 +206,7 @@ class GatherSolver(Solver):
     def _make(self, commands: Commands) -> None:
         """Bring the hierarchy up to date, and the passes that look into it."""
         kit = self.kit
+        # Maps of materials stay; meshes of one material share them.
         if self._albedos is None:
             materials = {id(m.material): m.material for m in kit.meshes.original}
             self._albedos = Albedos(kit.gpu, list(materials.values()))
@@ -204,12 +216,14 @@ class GatherSolver(Solver):
             self._paths.trace = Trace(kit.gpu, rays, self._albedos)
             media = self._air.media if self._air else None
             self._sky_rays = SkyRays(kit.gpu, rays, self._cells, media)
+        # Shadow rays of hits look into the same hierarchy.
         self._lighting.shadows = kit.shadow_rays(commands)
         if self._mirrors is not None:
             self._mirrors.lighting.shadows = self._lighting.shadows
 
     def _fitted(self, size: tuple[int, int]) -> ViewBatches:
         if self._sized is None or self._sized.points.size != size:
+            # The old buffers go first: both sets may not fit.
             self._scope.release()
             self._sized = None
             has_air = self._air is not None

@@ -101,6 +101,7 @@ class Sums:
 
         `sample`: the numbers of all rays of this sample of the image. The paths go on without it.
         """
+        # Where far begins is found once for all batches of a sample.
         if numbers.start == sample.start:
             self._far.encode(commands, view)
         self._pass.dispatch(

@@ -83,6 +83,7 @@ class Trace:
     def __init__(self, gpu: Gpu, scene: RayScene, albedos: Albedos) -> None:
         self._scene, self._albedos = scene, albedos
         self.constants = scene.constants
+        # A kernel for each start: points, hits, cells of media, points towards patches.
         self._first = _Trace(gpu, constants=scene.constants)
         self._next = _Bounce(gpu, constants=scene.constants)
         self._from_air = _FromAir(gpu, constants=scene.constants)
@@ -129,6 +130,7 @@ class Trace:
         segment: Segment,
         more: dict[str, Buffer],
     ) -> None:
+        # The rays of a batch lie one below the other: a row of points for each number.
         used.dispatch(
             commands,
             (points.reduced[0], points.reduced[1] * len(segment.numbers)),

@@ -11,11 +11,10 @@
     let n = textureLoad(normals, at, 0).xyz;
     var found = no_ray();
     if (place.w > 0.0) {
+        // By the cosine about the normal, so that irradiance is pi times a mean of radiance.
         let ray = params.first_ray + id.y / params.reduced.y;
         let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));
         found = gather_hit(ray_start(place, n), direction);
     }
-    textureStore(hit_positions, id.xy, found.position);
-    textureStore(hit_normals, id.xy, found.normal);
-    textureStore(hit_albedos, id.xy, found.albedo);
+    keep_hit(id.xy, found);
 }

@@ -18,7 +18,8 @@ from ..lighting.kernel import LATTICES_FIRST, LatticeLight
 from ..lighting.kit import Kit
 from ..lighting.slots import LATTICE_SLOTS
 from ..lighting.view import View
-from .points import PointParams, Points
+from .point_params import PointParams
+from .points import Points
 from .sums import PointSums
 
 
@@ -31,6 +32,7 @@ class _Upsample(FullscreenPass):
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
         storage("sums", PointSums),
+        storage("orphans", "u32"),
         *LATTICE_SLOTS,
     )
     targets = ("rgba16float", "rgba16float")
@@ -50,6 +52,7 @@ class Upsampling:
             is_one_lattice=kit.lattices.table.count == 1,
         )
         self._pass = _Upsample(gpu, constants=light.constants, firsts=LATTICES_FIRST)
+        # Light of surfaces and of the sky apart, since near occluders send some of the first.
         irradiance, sky = (
             Texture(gpu, label, points.size, "rgba16float", target=True, written=True)
             for label in ("gathered irradiance", "gathered sky")
@@ -77,6 +80,7 @@ class Upsampling:
             places=points.places,
             planes=points.planes,
             sums=sums,
+            orphans=points.orphans.buffer,
             near_field=view.occlusion.near,
             sky_cube=sky.cube,
             linear_clamp=self._linear,

@@ -1,14 +1,18 @@
 // Irradiance of pixels from the gather points around them that lie on about the same plane (joint bilateral
-// upsampling, Kopf2007), turned to each pixel's own normal and near occluders. Where the four points next to
-// a pixel are of other surfaces, as at the foot of a wall, the sixteen around it are asked before the lattices.
+// upsampling, Kopf2007), turned to each pixel's own normal and near occluders. Where the blocks of four points next to
+// a pixel show other surfaces, as at the foot of a wall, the sixteen around it are asked; and where none of their points
+// is like it, those that get about the same light, before the lattices.
 //! use pixel_point
-//! use gather
+//! use gather_orphans
+//! use orphans
 //! use flat_normal
 //! use mirrored_light
 //! use tone
 //! use near_field_lookup
 
-const LEAST = 1e-3;         // weight of what lattices say, where hardly any point is alike
+const LEAST = 1e-3;         // weight of points below which those farther off are asked, too
+const KIN = 0.01;           // weight of points that are not alike, but get about the same light
+const LATTICES = 1e-4;      // weight of what lattices say
 
 struct Found {
     @location(0) irradiance: vec4f,     // W m^-2
@@ -23,6 +27,7 @@ struct Around {
     sky_flux: vec3f,
     open: f32,              // share of the hemisphere that near occluders leave
     total: f32,
+    alike: f32,             // of the total, what points that are like the pixel have
 }
 
 // Weights fall off linearly over `reach` points, 1 or 2.
@@ -35,19 +40,31 @@ fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32) -> Around {
     var k = 0;
     loop {
         let corner = base + vec2i(k % (2 * reach), k / (2 * reach));
-        let at = clamp(corner, vec2i(0), last);
-        let place = textureLoad(places, at, 0);
-        let its = textureLoad(planes, at, 0).xyz;
         let near = max(1.0 - abs(middle - vec2f(corner)) / f32(reach), vec2f(0.0)) + 1e-3;
-        let like = near.x * near.y * likeness(p, n, place.xyz, its, texel_m);
-        let weight = select(0.0, like, place.w > 0.0);
-        let index = u32(at.y * i32(params.reduced.x) + at.x);
-        out.surfaces += weight * sums[index].near;
-        out.surfaces_flux += weight * sums[index].near_flux;
-        out.sky += weight * sums[index].sky;
-        out.sky_flux += weight * sums[index].sky_flux;
-        out.open += weight * sums[index].open;
-        out.total += weight;
+        // The block's point, and those of its orphans.
+        var texel = vec2u(clamp(corner, vec2i(0), last));
+        let orphans = orphans_of(texel);
+        var next = orphans.first;
+        loop {
+            let place = textureLoad(places, texel, 0);
+            let its = textureLoad(planes, texel, 0).xyz;
+            let index = texel.y * params.reduced.x + texel.x;
+            let each = 1.0 / max(sums[index].met_rays, FEWEST * f32(params.rays));
+            let kin = kinship(n, its, p - place.xyz, each * sums[index].squares, each * sums[index].products);
+            let share = select(0.0, near.x * near.y, place.w > 0.0);
+            let like = share * likeness(p, n, place.xyz, its, texel_m);
+            let weight = like + KIN * share * kin;
+            out.alike += like;
+            out.surfaces += weight * sums[index].near;
+            out.surfaces_flux += weight * sums[index].near_flux;
+            out.sky += weight * sums[index].sky;
+            out.sky_flux += weight * sums[index].sky_flux;
+            out.open += weight * sums[index].open;
+            out.total += weight;
+            if (next >= orphans.end) { break; }
+            texel = orphan_texel(next);
+            next++;
+        }
         k++;
         if (k >= 4 * reach * reach) { break; }
     }
@@ -94,7 +111,7 @@ fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> 
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
     let flat_n = flat_normal(vec2i(pixel), p, n);
     var found = around(position.xy, p, flat_n, 1);
-    if (found.total < LEAST) {
+    if (found.alike < LEAST) {
         found = around(position.xy, p, flat_n, 2);
     }
     // Near occluders hide the sky, and send light that they reflect.
@@ -102,12 +119,12 @@ fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> 
     let tint = textureLoad(albedo, pixel, 0).rgb;
     let seen = interreflected(open, tint);
     // Of cosine-distributed rays, pi times the mean radiance.
-    let is_any = found.total > 1e-4 * LEAST;
+    let is_any = found.total > 1e-3 * LATTICES;
     let scale = select(0.0, 3.14159265 / (f32(params.rays) * found.total), is_any);
     let its_open = found.open * select(0.0, 1.0 / found.total, is_any);
     let surfaces = turned(scale * found.surfaces, scale * found.surfaces_flux, n, seen, interreflected(its_open, tint));
     let of_sky = turned(scale * found.sky, scale * found.sky_flux, n, vec3f(open), vec3f(its_open));
-    let share = found.total / (found.total + LEAST);
+    let share = found.total / (found.total + LATTICES);
     let unlike = of_lattices(p, n);
     return Found(vec4f(mix(seen * unlike.irradiance, surfaces, share), 1.0),
         vec4f(mix(open * unlike.sky, of_sky, share), 1.0));

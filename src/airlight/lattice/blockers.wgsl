@@ -2,6 +2,7 @@
 // axis covers (Kaplanyan2010 section 3.2).
 //! use blocker_side
 //! use lattice_axes
+//! use nearest_corner
 
 // Rooms let nothing through: where their walls meet, the faces that they cover in part are closed, too.
 const SEALED_GAIN = 4.0;
@@ -17,15 +18,11 @@ const SEALED_GAIN = 4.0;
     let area = lattice_from_world(lattice,
         (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
     // The corner nearest to it.
-    let coordinates = cells_from_world(lattice, world);
-    let corner = vec3i(floor(coordinates + 0.5));
-    if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
+    let corner = nearest_corner(world);
+    if (corner.index == NO_CORNER) {
         return;
     }
-    let offset = coordinates - vec3f(corner);
-    let c = vec3u(corner);
-    let n = lattice.count + 1u;
-    let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
+    let first = CORNER_VALUES * corner.index;
     // Its area across each axis, on the side that it faces, or on both.
     let gain = select(1.0, SEALED_GAIN, surfel.is_sealing != 0u);
     let covered = area * (gain * params.units / (lattice.cell * lattice.cell));
@@ -35,10 +32,10 @@ const SEALED_GAIN = 4.0;
             continue;
         }
         let side = 2u * axis + select(1u, 0u, covered[axis] > 0.0);
-        add_side(first, side, units, offset[axis], surfel.reflectance);
+        add_side(first, side, units, corner.offset[axis], surfel.reflectance);
         if (surfel.is_two_sided != 0u) {
-            add_side(first, side ^ 1u, units, offset[axis], surfel.reflectance);
+            add_side(first, side ^ 1u, units, corner.offset[axis], surfel.reflectance);
         }
-        add_axis(first, axis, units, offset[axis]);
+        add_axis(first, axis, units, corner.offset[axis]);
     }
 }

@@ -17,8 +17,7 @@ struct CellFace {
 }
 
 fn value(corner: vec3u, index: u32) -> f32 {
-    let n = params.count + 1u;
-    return f32(sums[CORNER_VALUES * ((corner.z * n.y + corner.y) * n.x + corner.x) + index]);
+    return f32(sums[CORNER_VALUES * cell_in(params.count + 1u, corner) + index]);
 }
 
 // The mean over the face's four corners.

@@ -19,6 +19,7 @@ from ..maths.reflection import bihemispherical_albedo
 from ..scene.light_shapes import LightMesh
 from ..scene.material import Material, Texture
 from ..scene.mesh import Geometry, Mesh
+from ..scene.texels import in_image, interpolated, nearest
 from ..surface.materials import chance_to_meet, reflecting_share
 from .rooms import Rooms
 
@@ -235,7 +236,7 @@ def _colour_and_cover(material: Material, uv: F64 | None, count: int) -> tuple[F
     texture = material.base_color_texture
     if texture is None or uv is None:
         return colour, cover
-    texel = _texels(texture, uv)
+    texel = nearest(texture, uv)
     rgb = texel[:, :3].astype(np.float64) / 255.0
     if texture.is_srgb:
         rgb = srgb_decode(rgb)
@@ -255,31 +256,11 @@ def _metallic_and_roughness(material: Material, uv: F64 | None, count: int) -> t
     if texture is None or uv is None:
         return metallic, roughness
     # Green is roughness, and blue is metallic, as in glTF.
-    texel = _texels(texture, uv).astype(np.float64) / 255.0
+    texel = nearest(texture, uv).astype(np.float64) / 255.0
     return metallic * texel[:, 2], roughness * texel[:, 1]
-
-
-def _texels(texture: Texture, uv: F64) -> NDArray[np.uint8]:
-    # The nearest texel; coordinates repeat.
-    height, width = texture.pixels.shape[:2]
-    wrapped = (uv * texture.scale + texture.offset) % 1.0
-    x = np.minimum((wrapped[:, 0] * width).astype(int), width - 1)
-    y = np.minimum((wrapped[:, 1] * height).astype(int), height - 1)
-    return np.asarray(texture.pixels[y, x])
 
 
 def _filtered_alpha(texture: Texture, uv: F64) -> F64:
     """Alpha (n,), 0..1, between texels as the surface passes read it before they cut it."""
-    # Bilinear, between the centres of four texels.
-    shape = np.array(texture.pixels.shape[1::-1])
-    texel = ((uv * texture.scale + texture.offset) % 1.0) * shape - 0.5
-    first = np.floor(texel).astype(int)
-    weight = texel - first
-    alpha = texture.pixels[..., 3]
-    # Beyond its border a texture goes on from its other side.
-    sums = np.zeros(len(uv))
-    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
-        share = np.abs(1 - dx - weight[:, 0]) * np.abs(1 - dy - weight[:, 1])
-        x, y = ((first + np.array((dx, dy))) % shape).T
-        sums += share * alpha[y, x]
-    return sums / 255.0
+    alpha = interpolated(texture.pixels[..., 3:], in_image(texture, uv), texture.wrap)
+    return alpha[:, 0] / 255.0

@@ -40,6 +40,7 @@ class Accumulator:
 
     def encode(self, commands: Commands, images: dict[str, Texture], index: int) -> None:
         """Add the image number `index` to the means of all names; 0 restarts them."""
+        # The running mean m += (x - m)/(k + 1): no sum grows with the samples.
         params = AccumulateParams(size=self.size, weight=1.0 / (index + 1))
         for name, mean in self._means.items():
             self._add.dispatch(commands, self.size, params=params, image=images[name], mean=mean)

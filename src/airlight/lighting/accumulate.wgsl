@@ -4,6 +4,7 @@
     }
     let index = id.y * params.size.x + id.x;
     let value = textureLoad(image, vec2i(id.xy), 0);
+    // The first image replaces what there was, which may be no number.
     if (params.weight >= 1.0) {
         mean[index] = value;
     } else {

@@ -65,6 +65,7 @@ def cascades_nest(
     if count == 0:
         cell = fitted(low, high, resolution, axes).cell
         count = nested_count(narrow_gap(furnished(scene).meshes, axes), cell, ratio)
+    # The coarsest covers the box, each next one is finer by the ratio.
     nest = nested(
         low,
         high,

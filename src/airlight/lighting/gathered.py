@@ -36,6 +36,7 @@ class Gathered:
     def bound(self) -> dict[str, Texture]:
         """By slot name, for the lighting pass."""
         found = {"gathered_irradiance": self.irradiance, "gathered_sky": self.sky}
+        # Where no surface is smooth, nothing is mirrored.
         if self.mirrored is not None:
             found |= {"mirrored_light": self.mirrored.light, "mirrored_sky": self.mirrored.sky}
         return found

@@ -20,6 +20,7 @@ def is_any_glossy(materials: Iterable[Material]) -> bool:
 
 
 def _is_glossy(material: Material) -> bool:
+    # The smoothest texel of the map decides; metals mirror at a higher roughness than others.
     roughness = material.roughness
     if material.metallic_roughness_texture is not None:
         roughness *= float(material.metallic_roughness_texture.pixels[..., 1].min()) / 255.0

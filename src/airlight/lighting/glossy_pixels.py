@@ -16,6 +16,7 @@ from ..gpu.slots import Slot, image, storage
 from .kernel import LatticeLight
 from .slots import LATTICE_SLOTS, SURFACE_SLOTS
 
+# Two vec4: what the pixel has, where it is, and how much it mirrors.
 _ENTRY_BYTES = 32
 _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
@@ -54,6 +55,7 @@ class GlossyPixels:
 
     def empty(self, commands: Commands, size: tuple[int, int]) -> dict[str, Any]:
         """An empty list for an image of `size`, pixels, by the slot names of `Lighting`."""
+        # A list has room for all pixels of the image.
         nbytes = _ENTRY_BYTES * size[0] * size[1]
         if self._listed is None or self._listed.nbytes != nbytes:
             if self._listed is not None:

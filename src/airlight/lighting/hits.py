@@ -32,6 +32,7 @@ class HitLighting:
         self._passes: dict[tuple[Any, ...], Lighting] = {}
         self.shadows: ShadowRays | None = None
         """Rays that decide where shadow maps are unsure."""
+        # One pass lights hits where the device binds all that it reads.
         has_panes = kit.meshes.has_translucent
         slots = lighting_slots("whole", attenuation, points=HITS, has_panes=has_panes)
         self._is_whole = fits(kit.gpu, slots)
@@ -40,6 +41,7 @@ class HitLighting:
             # Hits have no coat: of materials none is given.
             self._area = AreaLighting(kit.gpu, kit.area_shadows, (), attenuation, HITS)
         self._linear = linear_sampler(kit.gpu)
+        # What is near a pixel is not near a hit.
         self._no_near_field = Texture(kit.gpu, "no near field", (1, 1), "rgba32uint")
 
     def encode(
@@ -51,6 +53,7 @@ class HitLighting:
         sky: SkyIrradiance,
     ) -> None:
         """Write the radiance of `hits` to `layers`; where a ray left, the environment's, a = 0."""
+        # Lights and lattices one after the other, where one pass would bind too much.
         if not self._is_whole:
             self.apart(commands, hits, layers, irradiance, sky)
             return
@@ -79,6 +82,7 @@ class HitLighting:
         sky: SkyIrradiance,
     ) -> tuple[Texture, Texture]:
         """The textures with what lights and emitters give `hits`, and what `irradiance` does."""
+        # Lights first, then what lattices add to them.
         values = self._bound(commands, hits, irradiance, sky)
         self._draw(commands, "lights", (layers.lit,), values, irradiance)
         self._draw(commands, "rest", layers.targets, values | {"lit": layers.lit}, irradiance)
@@ -106,6 +110,7 @@ class HitLighting:
         irradiance: Irradiance,
     ) -> None:
         lighting = self._lighting_of(part, irradiance)
+        # A pass takes what its slots name.
         drawn = {name: values[name] for name in lighting.names if name in values}
         lighting.draw(commands, targets, **drawn)
 

@@ -9,6 +9,7 @@ from ..area.attenuation import Attenuation
 from .shadow_rays import ShadowRays
 from .slots import GATHERED, MIRRORED, Gloss, Part
 
+# Twins of what a pass may do without, so that one text serves all passes.
 _NO_ATTENUATION = """
 fn light_transmittance(index: u32, p: vec3f) -> vec3f { return vec3f(1.0); }
 """
@@ -49,6 +50,7 @@ fn is_traced_separately(r: Reflector, n_v: f32) -> bool {
 TRACED_INLINE = """
 fn is_traced_separately(r: Reflector, n_v: f32) -> bool { return false; }
 """
+# Pixels whose reflections another pass adds are listed with the light that they have.
 _LISTED = """
 //! use packed_pixel
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32) {
@@ -60,6 +62,7 @@ fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32) {
 _NOT_LISTED = """
 fn list_glossy(pixel: vec2u, direct: vec3f, indirect: vec3f, share: f32) {}
 """
+# Where lights were drawn by a pass before, the rest is added to that.
 _LIT = """
 fn lit_of(pixel: vec2u) -> vec4f { return textureLoad(lit, pixel, 0); }
 """
@@ -211,6 +214,7 @@ def lights_kernel(
 
     `shadows`: the constants of `ShadowRays`, where rays look for them.
     """
+    # Another part draws them, into the texture that this one reads.
     if part not in ("whole", "lights"):
         return Kernel(_LIT + _NO_LIGHTS, {"HAS_LIGHTS": 0.0}, {})
     is_box = attenuation is not None and attenuation.is_one_box
@@ -235,5 +239,6 @@ def _transmittance_wgsl(attenuation: Attenuation | None) -> str:
     """What the media bind, and `light_transmittance`, which `direct_light` asks for."""
     if attenuation is None:
         return _NO_ATTENUATION
+    # The coefficients of a single box come with the triangle, not from a table in each fragment.
     by = _ATTENUATED_BY_ONE_BOX if attenuation.is_one_box else _ATTENUATED_BY_MEDIA
     return attenuation.wgsl + by

@@ -200,6 +200,7 @@ class Kit:
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Update all that is shared to `scene`; low..high as from `bounds`."""
+        # What light must reach, and lattices ahead of the camera; then maps, blockers and the sky.
         self.box = (low, high)
         self.rays.take(scene, low, high)
         self.lattices.follow(scene.camera)
@@ -232,6 +233,7 @@ class Kit:
 
     def shadow_rays(self, commands: Commands) -> ShadowRays | None:
         """Rays for shadow maps that are unsure, where there are any and the settings want them."""
+        # Lights without extent alone have maps that may be unsure.
         if not (self.settings.shadow_rays and self.emitters.plain and self.meshes.draws):
             return None
         return self.rays.shadows(commands)
@@ -239,6 +241,7 @@ class Kit:
     @property
     def no_irradiance(self) -> Irradiance:
         """A field without indirect light."""
+        # Lattices with black textures.
         rows = [placement.params(1.0) for placement in self.lattices.placements]
         return Irradiance({"lattices": self.lattices.table.filled(rows), **self._black.bound})
 
@@ -266,6 +269,7 @@ class Kit:
 
 def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = False) -> Nest:
     """One lattice over the scene, with its medium if `in_medium`, or over the settings' box."""
+    # Along the walls, over the scene or the settings' box; a medium far beyond it has one more.
     axes = lattice_axes(scene, follows_walls=settings.follow_walls)
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes

@@ -127,6 +127,7 @@ def medium_around(scene: Scene, bounds: Sequence[float], nest: Nest) -> Box | No
     reach = None if bounds else reach_of(scene)
     if reach is None:
         return None
+    # The box of the nest, and around it what eyes see of the medium.
     whole = nest.levels[-1]
     filled = reach.along(np.array(whole.axes))
     low, high = np.minimum(nest.low, filled[0]), np.maximum(nest.high, filled[1])

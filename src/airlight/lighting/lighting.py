@@ -77,6 +77,7 @@ class RadianceLayers:
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
         self.direct = Texture(gpu, "direct", size, "rgba32float", target=True, written=True)
         self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True, written=True)
+        # Layers that few images ask for are made for the first that does.
         self._gpu, self._size = gpu, size
         self._lit: Texture | None = None
         self._also: Texture | None = None

@@ -66,6 +66,7 @@ class Lights:
             affordable_side(asked, layers, most)
             for asked, layers in zip(resolutions, (parallel, local), strict=True)
         ]
+        # Maps of both kinds are as large as settings ask, or as there is room for.
         self.parallel = ShadowMaps(
             gpu, "directional shadows", sides[0], parallel, has_panes=has_panes
         )

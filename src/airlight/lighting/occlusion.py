@@ -82,6 +82,7 @@ class OcclusionLayers:
     def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int = SCALE) -> None:
         """For an image of `size`, pixels. `scale`: pixels along a texel's side."""
         self.size, self.scale = size, scale
+        # The near field is found for blocks of pixels, and interpolated.
         reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
         self.surfaces, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True, written=True)
@@ -105,6 +106,7 @@ def lattice_reach(wanted: float, placements: Sequence[Placement]) -> Reach:
 
     `placements`: of the lattices, the finest first.
     """
+    # Near the eye the finest cells; from there on they grow with the distance, up to the coarsest.
     finest, coarsest = placements[0], placements[-1]
     return Reach(
         wanted * finest.cell,
@@ -128,6 +130,7 @@ class Occlusion:
 
         `has_light`: occluders contribute the radiance that they show.
         """
+        # How many samples there are depends on what they cost on this device.
         usual = gpu.paths.occlusion_samples
         counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
         kind = {"HAS_LIGHT": float(has_light)}
@@ -150,6 +153,7 @@ class Occlusion:
 
         `lit`: radiance of surfaces towards the eye, W m^-2 sr^-1, per pixel.
         """
+        # Surfaces at reduced size, horizons among them, then the mean over the pattern.
         params = occlusion_params(world_from_clip, layers, reach)
         inputs = {
             "params": params,

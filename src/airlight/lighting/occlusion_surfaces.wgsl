@@ -38,6 +38,7 @@ fn chosen_pixel(texel: vec2u) -> vec2u {
     let pixel = chosen_pixel(texel);
     let inverse = inverse_distance(pixel);
     var surface = SurfaceTexel(inverse, pixel - texel * params.scale, vec3f(0.0, 0.0, 1.0), vec3f(0.0));
+    // What the texel's pixel sees; where that is the background it blocks nothing.
     if (inverse > 0.0) {
         surface.normal = textureLoad(normal, pixel, 0).xyz;
         if (HAS_LIGHT) {

@@ -113,8 +113,11 @@ class MadeFor:
 
     def showing(self, scene: Scene) -> MadeFor:
         """What resources have to be made for to show `scene`: the very same where they fit it."""
+        # Another scene asks for other resources, an eye beyond the reach for larger lattices.
         if not drawn_alike(scene, self.first):
-            return MadeFor(scene, follows_eye=self.follows_eye)
+            # All else stays as it was first, so that a frame does not depend on those before it.
+            first = replace(self.first, volumes=scene.volumes)
+            return MadeFor(first, follows_eye=self.follows_eye)
         eye = self.reach.beyond(scene) if self.reach else None
         return self if eye == self.eye else replace(self, eye=eye)
 
@@ -124,6 +127,7 @@ def reach_of(scene: Scene) -> Reach | None:
 
     The far light of an endless medium is in a table of its own (`media.half_space`).
     """
+    # A medium without extinction is not seen.
     medium = scene.medium
     if medium is None or medium.endless or not any(medium.sigma_t):
         return None

@@ -46,6 +46,7 @@ def read_layers(
     All are read at once, since the next frame takes their textures; files that do not hold them
     do without their arrays.
     """
+    # The means of all samples, or the textures of the only one.
     read = {n: means.read(n) if means else t.read() for n, t in textures.items()}
     g = view.gbuffer
     surfaces = {"albedo": g.albedo.read(), "normal": g.normal.read()}

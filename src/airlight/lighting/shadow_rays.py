@@ -45,6 +45,7 @@ class SceneRays:
     def of_frame(self, commands: Commands) -> RayScene:
         """The hierarchy, up to date; the frame's scene has meshes."""
         assert self._scene is not None, "no scene was taken"
+        # Built for the first who sends rays, then brought up to date with the frame.
         if self._made is None:
             self._made = RayScene(self._gpu, self._meshes)
         with commands.stage("rays"):

@@ -36,6 +36,7 @@ class Sky:
         self._environment = environment
         self._drawn_version = -1
         self.version = 0
+        # As many layers as there may ever be lights, if there are any now.
         layers = count if self.lights else 0
         self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
         self._compare = comparison_sampler(gpu)
@@ -49,6 +50,7 @@ class Sky:
         placement: Placement,
     ) -> bool:
         """Update the maps for the lattice at `placement`; returns whether anything changed."""
+        # Another environment has other lights, whose maps are drawn again.
         if environment is not self._environment:
             self._environment = environment
             self.lights = sky_lights(environment, self._count)

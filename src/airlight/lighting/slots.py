@@ -54,6 +54,7 @@ class LightingParams(Struct):
 NO_SUNS = {"sun_radiance": (0.0, 0.0, 0.0), "map_sun_colour": (0.0, 0.0, 0.0)}
 """Of `LightingParams`, where what is seen must not have the suns that are lights."""
 
+# By what it is for: surfaces, lights, panes, lattices, the list of glossy pixels.
 SURFACE_SLOTS = (
     uniform("params", LightingParams),
     PIXELS.slot,
@@ -78,6 +79,7 @@ LATTICE_SLOTS = (
     *BLOCKER_SLOTS,
     sampler("linear_clamp"),
 )
+# Glossy pixels, whose number atomics count.
 _LISTS = (
     storage("found", "atomic<u32>", "read_write"),
     storage("listed", "vec4u", "read_write"),
@@ -98,8 +100,7 @@ def lighting_slots(
     is_traced: bool = False,
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
-    # What one part has lit, the next reads; what it does not read is not bound.
-    # Whatever a part reads: of surfaces always, of lights or lattices as it has them.
+    # What one part has lit, the next reads; a part binds what it reads, and nothing else.
     is_after = part in ("lattices", "rest", "gathered")
     has_lattices = part not in ("lights", "gathered")
     gathered = GATHERED + MIRRORED * (gloss == "traced") if part == "gathered" else ()

@@ -44,6 +44,7 @@ class Surfaces:
         self._passes: dict[tuple[Any, ...], Lighting] = {}
         self.glossy: GlossyPixels | None = None
         self._occlusion: Occlusion | None = None
+        # Mirrored rays are followed where any material is smooth enough.
         self._is_glossy = kit.settings.glossy_rays and is_any_glossy(
             mesh.material for mesh in scene.meshes
         )
@@ -54,6 +55,7 @@ class Surfaces:
         self._fits_whole = {
             traced: fits(kit.gpu, slots_of(is_traced=traced)) for traced in (False, True)
         }
+        # Lights with extent: their light on surfaces, and their part of each pixel.
         self._area: AreaLighting | None = None
         self._coverage: Coverage | None = None
         if kit.area_shadows is not None:
@@ -82,6 +84,7 @@ class Surfaces:
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
         self._emission = self._emitted(commands, view)
+        # Rays look for shadows in stills, and where rays gather light anyway.
         is_traced = view.is_still or gathered is not None
         self._shadows = self.kit.shadow_rays(commands) if is_traced else None
         # Gathered light replaces all that follows from lattices.
@@ -110,6 +113,7 @@ class Surfaces:
 
     def _emitted(self, commands: Commands, view: View) -> Texture:
         """Draw emission, and the light of emitters."""
+        # Without lights with extent, emission is that of the G-buffer.
         if self._area is None:
             return view.gbuffer.emission
         with commands.stage("area lights"):
@@ -123,6 +127,7 @@ class Surfaces:
 
     def _covered(self, commands: Commands, view: View) -> Texture:
         """The glow of surfaces: in stills polygons by their part of each pixel, unless blurred."""
+        # Single frames, and images that a lens blurs, show polygons as they are rasterised.
         if self._coverage is None or not view.is_still or view.camera.aperture_m > 0.0:
             return view.gbuffer.emission
         camera = (view.clip_from_world, view.world_from_clip, np.array(view.eye))
@@ -157,6 +162,7 @@ class Surfaces:
         gathered: Gathered | None = None,
     ) -> None:
         layers = view.layers
+        # What all parts read, then what this one has besides.
         values = self._bound(view, part, irradiance, sky)
         shadows = None if part in _AFTER else self._shadows
         values |= gathered.bound if gathered else {}
@@ -220,6 +226,7 @@ class Surfaces:
 
     def _make_cpu_passes(self, size: tuple[int, int]) -> None:
         """Create the extra pass of CPU adapters: glossy pixels."""
+        # Glossy pixels are listed where that is this device's path and the list fits.
         is_listed = self._is_glossy and self.gpu.paths.listed_gloss and can_list(self.gpu, size)
         if self._passes and is_listed == (self.glossy is not None):
             return
@@ -258,6 +265,7 @@ class Surfaces:
         return self._passes[key]
 
     def _gloss_of(self, part: Part, gathered: Gathered | None) -> Gloss:
+        # A gather follows mirrored rays itself; else a list has them, or the pass follows them.
         if gathered is not None:
             return "traced" if part == "gathered" and gathered.mirrored else "none"
         if self.glossy is not None and part != "lights":

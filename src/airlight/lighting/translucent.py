@@ -58,6 +58,7 @@ class Translucent:
     def __init__(self, gpu: Gpu, size: tuple[int, int], most: int) -> None:
         """`most` layers are drawn; surfaces behind them, before solid ones, are left out."""
         self.gpu, self._most, self._sized = gpu, most, gpu.scope()
+        # By what they draw, compiled when an image first needs them.
         self._under_passes: dict[tuple[str, ...], _Under] = {}
         self._passed_passes: dict[bool, _Passed] = {}
         self._make(size)
@@ -79,8 +80,10 @@ class Translucent:
         """The views to draw before `view`, whose depth is drawn: one for each layer."""
         gbuffer = self.view.gbuffer
         assert isinstance(gbuffer, PeeledGBuffer)
+        # No pixel has more layers than there are translucent triangles.
         draws = scene.translucent(view.clip_from_world)
         triangles = sum(draw.index_count * draw.instance_count for draw in draws) // 3
+        # Nothing of this image is there yet.
         self._started, self._is_passed = set(), False
         self.view.follow(view)
         gbuffer.begin(view.gbuffer.depth, view.eye)
@@ -110,6 +113,7 @@ class Translucent:
 
     def finish(self, commands: Commands, images: Mapping[str, Texture]) -> dict[str, Texture]:
         """The `images` of what is solid, as they are seen through all layers."""
+        # Without any layer the image is what is solid.
         if not self._is_passed:
             return dict(images)
         for name, image in images.items():

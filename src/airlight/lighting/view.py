@@ -53,6 +53,7 @@ class View:
     ) -> None:
         """Look through `camera`, the image moved by `jitter_px`; it is the still's `sample`."""
         self.sample, self.camera = sample, camera
+        # Unlit surfaces are as bright as brings them out unchanged at this exposure.
         stops = self.metered_stops if camera.exposure_stops is None else camera.exposure_stops
         self.gbuffer.unlit_radiance = 2.0**-stops
         aim = (camera, jitter_px, self.size)
@@ -71,6 +72,7 @@ class View:
 
     def follow(self, other: View) -> None:
         """Look where `other`, of the same size, looks."""
+        # The same camera and jitter, so that pixels of both views match.
         self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
         self._aimed, self.jitter_px, self.eye = other._aimed, other.jitter_px, other.eye
         self.gbuffer.unlit_radiance = other.gbuffer.unlit_radiance
@@ -81,5 +83,6 @@ class View:
         """Draw images of `size`, pixels, from here on."""
         self.size = size
         self.gbuffer.resize(size)
+        # Layers of the former size are given back together.
         self._sized.release()
         self._make_layers()

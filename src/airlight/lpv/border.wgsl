@@ -73,7 +73,7 @@ fn add_entering(index: u32, hop: u32, state: vec4f, open: f32) {
     }
     let uvw = lattice_uvw(outer, outer_place(coordinates));
     let n = lattice.count;
-    let first = (cell.z * n.y + cell.y) * n.x + cell.x;
+    let first = cell_in(n, cell);
     let cells = n.x * n.y * n.z;
     add_entering(first, id.z, textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0), open);
     add_entering(first + cells, id.z, textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0),

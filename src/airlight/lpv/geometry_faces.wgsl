@@ -25,7 +25,7 @@ fn blocked(cell: vec3u, hop: u32) -> Blocked {
         corner[axis] += select(1u, 0u, (hop & 1u) == 1u);
         corner[(axis + 1u) % 3u] += k & 1u;
         corner[(axis + 2u) % 3u] += k >> 1u;
-        let index = (corner.z * size.y + corner.y) * size.x + corner.x;
+        let index = cell_in(size, corner);
         sum += 0.25 * volume[index];
         reflects += 0.25 * reflected[index];
     }

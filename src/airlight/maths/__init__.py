@@ -1,7 +1,7 @@
 """The formulas of the package as NumPy float64 truths; no GPU, nothing else of the package.
 
    light       sh, phase, reflection, solid_angle, area_light, light_sizes, occlusion, sampling,
-               gather, gather_history, light_guide, ggx_sampling, translucency,
+               gather, gather_history, gather_orphans, light_guide, ggx_sampling, translucency,
                cosines_fit (of area_light's table)
    sky         sun_position, sunlight, atmosphere; blackbody, observer: spectra as colours
    lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels (Billeter2012)
@@ -10,7 +10,7 @@
                beams (Elek2014); nested_diffusion: on finer grids; halved_cells: light between cells
    media       medium, mixtures, voxels, empty_voxels, solid_voxels, half_space, forward_phase,
                forward_beams, sky_phase, beam_phase
-   space       transforms, octahedron, latlong, weld, keyframes; rays, box_tree
+   space       transforms, octahedron, latlong, weld, closing, keyframes; rays, box_tree
    numbers     colour, tone, lut, half, chunks
 
 Where a shader needs the same formula, a WGSL function of the same name, its twin, stands in

@@ -232,7 +232,7 @@ def bilinear(table: F64, row: F64, column: F64) -> F64:
 
 
 def _to_sphere(r: F64, cosine: F64, radius: float) -> F64:
-    """The way from inside to a sphere around the Earth's centre, metres."""
+    """The distance from inside to a sphere around the Earth's centre, metres."""
     return np.asarray(-r * cosine + np.sqrt((r * cosine) ** 2 + radius**2 - r**2))
 
 

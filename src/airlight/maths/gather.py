@@ -231,11 +231,14 @@ def closeness(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64
     `offset` (..., 3) to it, m; the mean of `nearness` over rays, m^-1. Neighbours share along the
     seam of two walls, and little across it.
     """
-    d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
+    return np.asarray(np.exp(-approach(offset, squares, products) / REACH**2))
 
-    # The symmetric matrix times the offset, by its squares and products.
+
+def approach(offset: ArrayLike, squares: ArrayLike, products: ArrayLike) -> F64:
+    """The square of how far (...) `offset` (..., 3), m, leads by the mean of `nearness`, m^-1."""
+    d, a, b = (np.asarray(v, dtype=np.float64) for v in (offset, squares, products))
     turned = a * d + np.roll(b, -1, -1) * np.roll(d, 1, -1) + np.roll(b, 1, -1) * np.roll(d, -1, -1)
-    return np.asarray(np.exp(-(turned**2).sum(axis=-1) / REACH**2))
+    return np.asarray((turned**2).sum(axis=-1))
 
 
 def far_closeness(

@@ -94,3 +94,30 @@ def density_behind(
         place = (points + ((k + 0.5) * dt)[..., None] * back) * scale
         total += np.where(k < steps, dt * trilinear(density, place), 0.0)
     return total
+
+
+def ratio(part: ArrayLike, whole: ArrayLike) -> F64:
+    """part / whole of grids (z, y, x, ...) where `whole` is more than 0; elsewhere that of the
+    neighbours' sums, and 0 without neighbours.
+
+    Interpolated between a voxel of matter and an empty one, a ratio should stay what the matter's
+    is: what is empty says nothing of it.
+    """
+    a, b = (np.asarray(values, dtype=np.float64) for values in (part, whole))
+    a, b = np.broadcast_arrays(a, b)
+    is_empty = b <= 0.0
+    found = a / np.where(is_empty, 1.0, b)
+    if is_empty.any():
+        sums = [_of_neighbours(np.where(is_empty, 0.0, values)) for values in (a, b)]
+        near = sums[0] / np.where(sums[1] > 0.0, sums[1], 1.0)
+        found = np.where(is_empty, near, found)
+    return np.asarray(found)
+
+
+def _of_neighbours(values: F64) -> F64:
+    """The sums over 3 x 3 x 3 voxels, with nothing beyond the border."""
+    for axis in range(3):
+        width = [(int(axis == k),) * 2 for k in range(values.ndim)]
+        padded = np.moveaxis(np.pad(values, width), axis, 0)
+        values = np.moveaxis(padded[:-2] + padded[1:-1] + padded[2:], 0, axis)
+    return values

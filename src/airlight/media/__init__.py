@@ -7,7 +7,7 @@
         both        -> compositing/: reduced images at full size, surfaces behind media
 
 media            the solver that yields the light of the sky, and draws all of it
-media_image      the passes of one image; image_textures: what they draw to
+media_image      the passes of one image; image_textures: what is asked of it, and drawn to
 gpu_media        all media of a scene on the device; media_slots: what passes bind to read them
 media_rows       each medium as a row of their table
 atlas            their density grids in one texture; emission_grids: what they give off

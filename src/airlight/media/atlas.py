@@ -52,12 +52,14 @@ def packed(counts: Sequence[Size], most: int) -> tuple[list[Region], Size]:
     order = sorted(range(len(counts)), key=lambda i: (counts[i][2], counts[i][1]), reverse=True)
     for i in order:
         nx, ny, nz = counts[i]
+        # A full row opens the next one, a full layer the next layer.
         if x + nx > width:
             x, y, row = 0, y + row, 0
         if y + ny > height:
             x, y, row, z, layer = 0, 0, 0, z + layer, 0
         regions[i] = Region((x, y, z), counts[i])
         x, row, layer = x + nx, max(row, ny), max(layer, nz)
+    # The texture ends where the farthest grid does.
     ends = [np.add(r.first, r.count) for r in regions.values()]
     size = tuple(int(n) for n in np.max(ends, axis=0))
     if max(size) > most:
@@ -91,6 +93,7 @@ class DensityAtlas:
         texels = "rg16float" if has_distances else "r16float"
         self.texture = Texture(self._gpu, "density", size, texels, dimension="3d")
         self._boxes, self._arrays = boxes, list(arrays)
+        # What was made of a grid is made again once its version is another.
         self.version += 1
         self._filled = [self.version] * len(boxes)
         for box, array in zip(boxes, arrays, strict=True):
@@ -116,6 +119,7 @@ class DensityAtlas:
 
         Raises SceneError where a grid has another number of cells.
         """
+        # Arrays are compared by identity: another array is uploaded.
         wanted: dict[int, F32] = {}
         for box, density in zip(self._box_of, densities, strict=True):
             old = self._arrays[box].shape
@@ -140,6 +144,7 @@ class DensityAtlas:
 def _fill(texture: Texture, box: Region, density: NDArray[Any]) -> None:
     x, y, z = box.first
     texels = half_floats(density)
+    # Rays step over empty voxels where the texture holds how far those reach.
     if texture.format == "rg16float":
         texels = np.stack([texels, empty_distances(texels)], axis=-1)
     texture.write(texels, layer=z, row=y, column=x)

@@ -1,6 +1,6 @@
 """Reflective shadow maps attenuated by participating media.
 
-The maps themselves know no media; a copy of their flux that does is recomputed in every frame.
+The maps themselves know no media; a copy of their flux does, which their users bring up to date.
 Elek2014 section 6 samples the maps by such attenuated flux.
 """
 
@@ -36,6 +36,7 @@ class _Attenuate(ComputePass):
     file = "attenuated_maps.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        # Lights of the scene: through media by their columns towards the light.
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
             storage("views", LightViewData),
@@ -54,6 +55,7 @@ class _AttenuateSky(ComputePass):
     file = "attenuated_maps_sky.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
+        # The sky's maps are parallel: along each of them media are marched, without columns.
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
             storage("views", LightViewData),
@@ -71,10 +73,12 @@ class _Attenuated(ReflectiveShadowMaps):
     def __init__(
         self, gpu: Gpu, name: str, of: ReflectiveShadowMaps, attenuate: ComputePass
     ) -> None:
+        # What `of` draws is shared; the flux alone has a texture of its own.
         self.resolution, self.layers, self.views = of.resolution, of.layers, of.views
         self.block = of.block
         self.depth, self.normal = of.depth, of.normal
         self._from, self._attenuate = of, attenuate
+        # A map without layers still has a texture, because slots want one.
         size = (of.resolution, of.resolution, of.layers) if of.layers else (1, 1, 1)
         self.flux = Texture(gpu, name, size, "rgba16float", dimension="2d-array", written=True)
 

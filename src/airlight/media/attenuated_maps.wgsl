@@ -9,6 +9,7 @@
     let texel = vec2i(id.xy);
     let power = textureLoad(flux, texel, id.z, 0);
     let d = textureLoad(depth, texel, id.z, 0);
+    // From the light to the point of the texel, through all media.
     let p = texel_point(views[id.z], texel_centre(id.xy, params.resolution), d);
     let owner = owners[id.z];
     let passed = media_light_transmittance(lights[owner], owner, p);

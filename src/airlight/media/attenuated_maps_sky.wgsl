@@ -11,6 +11,7 @@
     let power = textureLoad(flux, texel, id.z, 0);
     let d = textureLoad(depth, texel, id.z, 0);
     let uv = texel_centre(id.xy, params.resolution);
+    // Along the map's depth, from as far before the map as media may lie.
     var passed = vec3f(1.0);
     if (any(power.rgb > vec3f(0.0))) {
         let start = texel_point(views[id.z], uv, 0.0);

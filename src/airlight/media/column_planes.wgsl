@@ -6,6 +6,7 @@
     if (id.y >= params.lights || id.z >= params.grids) {
         return;
     }
+    // The planes lie across the axis that paths towards the light go along most.
     let g = listed[params.first + id.z];
     let grid = grids[g];
     let path = paths[g * params.lights + id.y];

@@ -37,6 +37,7 @@ def all_texels(
     volumes: Sequence[Volume], fineness: Fineness, groups: int, limit: int
 ) -> list[Size]:
     """Texels of each grid towards four lights; finer in dense matter where all have room for it."""
+    # Fine for dense matter, unless that takes too much memory or too deep a texture.
     fine = [_texels(volume, fineness) for volume in volumes]
     nbytes = _TEXEL_BYTES * groups * sum(x * y * z for x, y, z in fine)
     if nbytes <= _FINE_BYTES and groups * max(z for _, _, z in fine) <= limit:
@@ -55,7 +56,9 @@ def _texels(volume: Volume, fineness: Fineness) -> Size:
     sides = side_lengths(volume)
     deep = max(volume.sigma_t) * float(volume.density.max()) * float(sides.max())
     longest = min(max(fineness.most, deep / fineness.depth), _FINER * fineness.most)
+    # Two texels per voxel, as long as the longest side has no more than it may.
     count = np.ceil(shape * min(2.0, longest / shape.max()))
+    # Whoever reads the columns may need no texels as fine as that.
     if fineness.texel_m > 0.0:
         enough = np.ceil(sides / fineness.texel_m) + 1.0
         count = np.minimum(count, np.maximum(enough, _FEWEST_TEXELS))

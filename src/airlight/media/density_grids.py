@@ -58,5 +58,6 @@ def light_columns(
     """Their columns towards `light_count` lights."""
     atlas = density_atlas(gpu, volumes, shared)
     fineness = Fineness(plan.resolution, plan.texel_m, plan.texel_depth)
+    # Tables of the same grids, lights and fineness read the same columns.
     key = ("columns", id(atlas), light_count, fineness, plan.towards)
     return shared.once(key, lambda: LightColumns(gpu, atlas, volumes, light_count, fineness))

@@ -23,6 +23,7 @@ TEXELS = 64
 VOXELS = 16
 """Voxels of the grid after which the noise repeats."""
 _CELLS = 8  # the coarsest noise: two voxels
+# Any: noise has to be the same in each image.
 _SEED = 23
 
 
@@ -43,6 +44,7 @@ def detail_texture(gpu: Gpu) -> Texture:
 @lru_cache(maxsize=16)
 def detail_bias(amplitude: float) -> float:
     """b: minus the logarithm of the mean of exp(amplitude n)."""
+    # Exponents are at most 0, so that none overflows.
     n = amplitude * detail_noise().astype(np.float64)
     top = float(n.max())
     return -top - float(np.log(np.exp(n - top).mean()))

@@ -32,9 +32,11 @@ class EmissionGrids:
         Raises SceneError where the grids do not fit into one texture.
         """
         self._seen: list[Volume] = list(volumes)
+        # Grids lie side by side in one texture; a volume without one has no place in it.
         sizes = [v.emission.size if v.emission else None for v in volumes]
         boxes, size = packed([(s[2], s[1], s[0]) for s in sizes if s], gpu.limits[LIMIT])
         self.texture = Texture(gpu, "emission grids", size, "rgba16float", dimension="3d")
+        # Boxes come in the order of the volumes that have a grid.
         found = iter(boxes)
         self.places = [NO_GRID if s is None else next(found) for s in sizes]
         for volume, place in zip(volumes, self.places, strict=True):
@@ -46,11 +48,13 @@ class EmissionGrids:
         Raises SceneError where a grid comes, goes or changes in size.
         """
         changed = False
+        # Volumes are frozen: the same emission holds the same grid.
         for i, (volume, old) in enumerate(zip(volumes, self._seen, strict=True)):
             self._seen[i] = volume
             if volume.emission is old.emission:
                 continue
             have, had = (v.emission.size if v.emission else None for v in (volume, old))
+            # A grid keeps its place in the texture, which was as large as the grid.
             if have != had:
                 raise SceneError(
                     "a volume's emission got a grid, lost it, or its grid changed in size",
@@ -92,5 +96,6 @@ def brightest_emission(of: Medium | Volume) -> Rgb:
         return of.emission
     if of.emission is None:
         return (0.0, 0.0, 0.0)
+    # Glow is proportional to the grid's values, of which the peak is the largest.
     r, g, b = (c * of.emission.peak for c in of.emission.radiance)
     return (r, g, b)

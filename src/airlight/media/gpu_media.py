@@ -27,7 +27,6 @@ from ..scene.lights import Light
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .atlas import LIMIT
 from .density_grids import ColumnPlan, density_atlas, light_columns
 from .detail import detail_texture
 from .emission_grids import NO_GRID, EmissionGrids, glows, has_emission
@@ -42,8 +41,8 @@ from .media_rows import (
     gridded,
     has_detail,
     kind_of,
-    kinds_of,
     medium_fields,
+    row_kinds,
     unit_from_box,
     voxel_m,
 )
@@ -54,7 +53,6 @@ from .media_slots import (
     emission_slots,
     emission_wgsl,
     has_tree,
-    list_texels,
     medium_slots,
     medium_wgsl,
     path_list_reads,
@@ -63,7 +61,7 @@ from .media_slots import (
     room_for,
 )
 from .media_tree import media_nodes
-from .path_lists import PathLists
+from .path_lists import path_lists
 
 _OWN_COLUMNS = ColumnPlan()
 MAX_MEDIA = 256
@@ -97,7 +95,7 @@ class GpuMedia:
         self._solved_shafts = SHAFTS_OF_LOCAL if has_local_shafts else NO_SHAFTS
         self._is_own_solved = any(scene.medium is s for s in solved)
         self._solved = {i for i, v in enumerate(scene.volumes) if any(v is s for s in solved)}
-        self._kinds = kinds_of(scene)
+        self._kinds = row_kinds(scene)
         self.count, grids = len(self._kinds), self._kinds.count(GRID)
         if self.count > MAX_MEDIA:
             raise SceneError(
@@ -129,7 +127,7 @@ class GpuMedia:
         # A pass that needs no columns binds none, whatever lights the scene has.
         read = grids if light_count else 0
         self.columns = light_columns(gpu, volumes, light_count, columns, shared) if read else None
-        self.paths = self._path_lists(scene, light_count, columns.towards, shared)
+        self.paths = path_lists(gpu, scene.bounds, self._kinds, light_count, columns, shared)
         self.slots, self.wgsl = self._towards_lights(scene, read, light_count)
         self._lights: tuple[Light, ...] | None = None  # that columns were last asked for
 
@@ -162,9 +160,11 @@ class GpuMedia:
         """
         changed = self._take_media(scene, low, high)
         self.version += int(changed)
+        # Columns and lists of paths depend on media and lights alone.
         if not (changed or scene.lights != self._lights):
             return
         self._lights = scene.lights
+        # Lists of media on paths, then columns: both depend on where lights and media are.
         if self.paths is not None:
             with commands.stage("path lists"):
                 self.paths.encode(commands, self.table, scene.lights, self.rows)
@@ -174,6 +174,7 @@ class GpuMedia:
 
     def _take_media(self, scene: Scene, low: F64, high: F64) -> bool:
         """Bring the table and the grids up to date; returns whether anything changed."""
+        # Media are frozen: the same ones, in the same bounds and for the same eye, need nothing.
         box = (*map(float, low), *map(float, high), *scene.camera.position)
         media = (scene.medium, *scene.volumes)
         if (
@@ -183,7 +184,7 @@ class GpuMedia:
         ):
             return False
         # Kernels are made for these kinds of media.
-        if kinds_of(scene) != self._kinds or has_emission(scene) > self.has_emission:
+        if row_kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
             raise SceneError("the scene's media changed in kind", remedy="Make a new Renderer")
         # Rows are few and quickly made; they and the grids are uploaded where they differ.
         changed = False
@@ -194,6 +195,7 @@ class GpuMedia:
         self.rows = self._rows(scene, low, high)
         packed = np.zeros(room_for(self.count), MediumData.dtype)
         packed[: max(1, self.count)] = pack_array(MediumData, self.rows)
+        # Changes are told by rows without the tree, whose nodes move with any medium.
         plain, boxes = packed.tobytes(), np.array(packed["volume_from_world"])
         blocks = self.paths.count if self.paths else None
         packed["nodes"] = media_nodes(self.rows, len(packed), blocks)
@@ -203,6 +205,7 @@ class GpuMedia:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
         self._box, self._media = box, media
+        # Readers that lag behind ask which boxes changed since their version.
         if changed:
             self._changes.take(self.version + 1, plain, boxes, self._grid_versions())
         return changed
@@ -225,6 +228,7 @@ class GpuMedia:
     def medium_bound(self) -> dict[str, Any]:
         """The resources of `wgsl/media.wgsl` alone."""
         bound: dict[str, Any] = {"media": self.table}
+        # What the scene lacks has no slot either: grids, glowing grids, noise.
         if self.atlas is not None:
             bound |= {"media_linear": self._linear, "media_densities": self.atlas.texture}
         if self._emission is not None:
@@ -251,16 +255,6 @@ class GpuMedia:
         wgsl += path_list_reads(has_lists=self.paths is not None)
         return slots + (path_list_slots() if self.paths else ()), wgsl
 
-    def _path_lists(
-        self, scene: Scene, light_count: int, towards: str, shared: Shared
-    ) -> PathLists | None:
-        """Lists for so many lights, once for all tables of the same media; None for few media."""
-        has_room = light_count * list_texels(self.count) <= self.gpu.limits[LIMIT]
-        if not light_count or not has_tree(self.count) or not has_room:
-            return None
-        key = ("path lists", self._kinds, light_count, towards)
-        return shared.once(key, lambda: PathLists(self.gpu, scene.bounds, self.count, light_count))
-
     def _rows(self, scene: Scene, low: F64, high: F64) -> list[dict[str, Any]]:
         # The scene's own medium comes first, then its volumes in their order.
         rows = []
@@ -279,6 +273,7 @@ class GpuMedia:
             row = medium_fields(volume, kind, matrix, shafts=shafts)
             place = self._emission.places[index] if self._emission else NO_GRID
             row |= {"emission_first": place.first, "emission_count": place.count}
+            # Its texels in the texture of all grids, and those of its columns.
             if kind == GRID:
                 region = next(grids)
                 row |= {

@@ -1,4 +1,4 @@
-"""The textures of an image of media: its layers, and the reduced images that they are made of.
+"""What an image of media is asked for, and its textures: layers, reduced images for them.
 
 single          shafts of lights, reduced as `shaft_rays`     -> shafts_alone
 sky             the sky's single scattering, as `march_rays`  -> single_scatter, with shafts
@@ -8,11 +8,31 @@ transmittance   along marched rays, through density grids     -> transmittance
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
+from ..gpu.shared import Shared
+from ..scene.medium import Medium
+from ..scene.volume import Volume
 from .rays import Rays
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
+
+    `solved`: volumes whose sources bring their single scattering, of local lights unless
+    `has_local_shafts`; see `GpuMedia`. `shared`: where density grids are kept.
+    """
+
+    sources: int = 0
+    has_lattice: bool = False
+    has_sky: bool = False
+    solved: Sequence[Medium | Volume] = ()
+    has_local_shafts: bool = False
+    shared: Shared | None = None
 
 
 @dataclass(frozen=True)
@@ -38,6 +58,7 @@ class ImageTextures:
             return Texture(self._gpu, name, size, "rgba32float", target=True, written=True)
 
         drawn = self._drawn
+        # The layers of the image.
         self.single_scatter = made("single scatter", size)
         self.multiple_scatter = made("multiple scatter", size)
         self.transmittance = made("transmittance", size)
@@ -45,6 +66,7 @@ class ImageTextures:
         self.shafts_alone = self.single_scatter
         if drawn.has_sky:
             self.shafts_alone = made("shafts", size)
+        # What is drawn along fewer rays; the sky's light always, as it is added to shafts.
         is_reduced = drawn.is_marched and self.march_rays.scale > 1
         wanted = {
             "single": drawn.has_shafts and self.shaft_rays.scale > 1,
@@ -60,6 +82,7 @@ class ImageTextures:
 
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with rays and textures of `size`, pixels."""
+        # Both may be the same rays, which are resized once.
         for rays in {id(r): r for r in (self.march_rays, self.shaft_rays)}.values():
             rays.resize(size)
         alone = (self.shafts_alone,) if self._drawn.has_sky else ()

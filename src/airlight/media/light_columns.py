@@ -40,6 +40,7 @@ THINNEST = 2
 """Planes of texels in one of them, at least."""
 RUN = 16
 """Texels along z that an invocation finds: a CPU adapter loads what they share lane by lane."""
+# At most: the planes that are held at once, workgroups along a side of a dispatch.
 _SCRATCH_BYTES = 16 << 20
 _MOST_GROUPS = 65535
 _PLACED = ("kind", "position", "direction")  # of a light, all that columns depend on
@@ -118,6 +119,7 @@ class LightColumns:
         """`volumes`: whose grids the `atlas` holds."""
         self.atlas = atlas
         self._linear = linear_sampler(gpu, "light columns")
+        # Some planes across each light's direction come first, then all texels between them.
         self._planes = _Planes(gpu, generated=_CONSTANTS)
         self._columns = _Columns(gpu, generated=_CONSTANTS)
         # Four lights a texel, and a slab of texels for every four.
@@ -135,6 +137,7 @@ class LightColumns:
         self._listed = Buffer(gpu, "columns to find", 4 * len(slabs))
         self._plane_texels = max(_largest_plane(slab) for slab in slabs)
         bytes_each = 4 * (SLABS - 1) * max(1, light_count) * self._plane_texels
+        # As many grids at once as fit the scratch buffer and one dispatch.
         deepest = max(slab[2] for slab in slabs) * groups
         most = min(_SCRATCH_BYTES // bytes_each, _MOST_GROUPS // deepest, len(slabs))
         self._at_once = max(1, most)
@@ -160,6 +163,7 @@ class LightColumns:
             (placed, grid.tobytes(), version)
             for grid, version in zip(grids, self.atlas.versions, strict=True)
         ]
+        # What was found of equal rows, lights and voxels is right still.
         stale = [i for i, (a, b) in enumerate(zip(wanted, self._found, strict=True)) if a != b]
         if not stale or not lights:
             return
@@ -173,6 +177,7 @@ class LightColumns:
 
     def _row(self, row: dict[str, Any], columns: Region) -> dict[str, Any]:
         from_world: F64 = np.asarray(row["volume_from_world"], np.float64)
+        # Columns are followed in the box's own space, 0 to 1 on each axis, and add up metres.
         return {
             "world_from_box": np.linalg.inv(from_world),
             "count": columns.count,
@@ -228,17 +233,19 @@ def _paths(
     from_world = np.array([row["volume_from_world"] for row in rows], np.float64)
     is_local = lights["kind"] != DirectionalLight.kind
     # Towards the light from anywhere, or from the middle of the box.
-    ways = np.einsum("gij,lj->gli", from_world[:, :3, :3], -lights["direction"].astype(np.float64))
+    back = np.einsum("gij,lj->gli", from_world[:, :3, :3], -lights["direction"].astype(np.float64))
     places = np.einsum("gij,lj->gli", from_world[:, :3, :3], lights["position"].astype(np.float64))
     places += from_world[:, None, :3, 3]
-    towards = np.where(is_local[:, None], places - 0.5, ways)
-    # Slabs lie across the axis that paths go along most. Beside a local light they go both ways.
+    towards = np.where(is_local[:, None], places - 0.5, back)
+    # Slabs lie across the axis that paths go along most. Beside a local light they go along
+    # it in both directions.
     axis = np.abs(towards).argmax(axis=-1)
     most = np.take_along_axis(towards, axis[..., None], axis=-1)[..., 0]
+    # A light that lies in the box has slabs on both of its sides, and faces none.
     is_cut = ~is_local | (np.abs(most) > 0.5)
     thickness = np.array([[slab_planes(n) for n in count] for count in counts], np.float64)
     packed = np.zeros(axis.shape, ColumnPath.dtype)
-    packed["towards"] = np.where(is_local[:, None], places, ways)
+    packed["towards"] = np.where(is_local[:, None], places, back)
     packed["is_local"] = is_local
     packed["facing"] = np.eye(3)[axis] * (np.sign(most) * is_cut)[..., None]
     packed["thickness"] = np.take_along_axis(thickness, axis, axis=1)

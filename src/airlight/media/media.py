@@ -20,9 +20,10 @@ from ..scene.medium import Medium, medium_box
 from ..scene.volume import Volume
 from .density_grids import sky_columns
 from .gpu_media import GpuMedia
+from .image_textures import Expected
 from .march.half_space import HalfSpace
 from .march.marched_light import MarchedLight
-from .media_image import Expected, MediaImage
+from .media_image import MediaImage
 from .settings import MediaSettings
 from .sky_in_media import SkyInMedia
 
@@ -63,6 +64,7 @@ class Media(Solver):
         self.kit, self.has_multiple = kit, has_multiple
         scene, sky = kit.context.scene, kit.sky
         has_sky = has_sky and bool(sky.lights and sky.maps.layers)
+        # What draws along eye rays, with the table of all media.
         self.image = MediaImage(
             kit.gpu,
             scene,
@@ -83,6 +85,7 @@ class Media(Solver):
                 columns=sky_columns(kit.lattices.placements[0].cell, kit.shared),
                 solved=solved.media,
             )
+        # An endless medium goes on beyond all lattices, as a half-space.
         is_endless = scene.medium is not None and scene.medium.endless
         self._half_space = HalfSpace(kit.gpu) if is_endless else None
         # Versions of the shadow maps and blockers that shafts and the sky were computed with.
@@ -116,6 +119,7 @@ class Media(Solver):
             self.sky.encode(
                 commands, frame, blockers.walls, lattices.placements, shadows_changed=is_moved
             )
+        # Surfaces read the cube, media scatter the bands, where single scattering is drawn.
         sky = SkyIrradiance(self.sky.cube)
         if not self.image.has_sky:
             return replace(fields, sky=sky)
@@ -126,6 +130,7 @@ class Media(Solver):
         medium = frame.scene.medium
         if self._half_space is None or medium is None:
             return None
+        # The half-space begins at the top of the medium's box.
         box = medium_box(medium, *frame.bounds, frame.scene.camera.position)
         return self._half_space.update(
             medium,

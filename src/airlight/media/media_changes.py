@@ -32,6 +32,7 @@ class MediaChanges:
 
         `boxes`: of its `volume_from_world`; `grids`: the version of each medium's densities.
         """
+        # A medium's row and the version of its grid; with another number of media all may differ.
         size = len(table) // max(1, len(boxes))
         rows = [(table[i * size : (i + 1) * size], grid) for i, grid in enumerate(grids)]
         touched = None
@@ -44,11 +45,13 @@ class MediaChanges:
 
     def since(self, version: int, now: int) -> NDArray[np.float32] | None:
         """The boxes touched after `version` until `now`; None where they may be anywhere."""
+        # Boxes of all versions since then, unless the log has forgotten one.
         later = [touched for of, touched in self._log if of > version]
         if len(later) != now - version or any(touched is None for touched in later):
             return None
         boxes = [touched for touched in later if touched is not None]
         if not boxes:
             return self._boxes[:0]
+        # A medium may have moved more than once.
         found = np.unique(np.concatenate(boxes), axis=0)
         return found if len(found) <= MOST_BOXES else None

@@ -6,19 +6,15 @@ reduced images -> upsampled and composed with surfaces, in one pass where a devi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
-from ..gpu.shared import Shared
 from ..lighting.lights import Lights
 from ..lighting.view import View
 from ..maths.transforms import F64
-from ..scene.medium import Medium
 from ..scene.scene import Scene
-from ..scene.volume import Volume
 from .compositing.compose import Compose
 from .compositing.finish import Finish, Listing, MediaLayers, Reduced, can_finish
 from .compositing.guided import GuidedUpsample
@@ -26,7 +22,7 @@ from .compositing.transmittance import Transmittance
 from .compositing.upsample import Upsample, UpsampleOnto
 from .density_grids import ColumnPlan
 from .gpu_media import GpuMedia
-from .image_textures import Drawn, ImageTextures
+from .image_textures import Drawn, Expected, ImageTextures
 from .march.march import March, MarchTargets, Steps
 from .march.marched_light import MarchedLight
 from .rays import RESOLUTIONS, Rays
@@ -34,22 +30,6 @@ from .settings import MediaSettings
 from .shafts.image import ShaftImage
 
 _NOTHING = MarchedLight()
-
-
-@dataclass(frozen=True)
-class Expected:
-    """What a `MediaImage` will be given to march: `sources` textures, a lattice, the sky's lattice.
-
-    `solved`: volumes whose sources bring their single scattering, of local lights unless
-    `has_local_shafts`; see `GpuMedia`. `shared`: where density grids are kept.
-    """
-
-    sources: int = 0
-    has_lattice: bool = False
-    has_sky: bool = False
-    solved: Sequence[Medium | Volume] = ()
-    has_local_shafts: bool = False
-    shared: Shared | None = None
 
 
 class MediaImage:
@@ -68,6 +48,7 @@ class MediaImage:
         e = expected or Expected()
         self.gpu, self.settings = gpu, settings or MediaSettings()
         s = self.settings
+        # The media, with columns of their density towards the scene's lights.
         self.media = GpuMedia(
             gpu,
             scene,
@@ -85,6 +66,7 @@ class MediaImage:
         self.shafts: ShaftImage | None = None
         if s.shafts != "off" and lights.count and self.media.has_shafts:
             self.shafts = ShaftImage(gpu, self.media, lights, self.shaft_rays, s)
+        # The sky's single scattering is drawn where that of lights may be.
         self.has_sky = e.has_sky and bool(self.media.count) and s.shafts != "off"
         wanted = e.sources or e.has_lattice or self.has_sky or self.media.has_grids
         wanted = wanted or self.media.has_emission
@@ -98,6 +80,7 @@ class MediaImage:
     def _make_compositing(self, size: tuple[int, int]) -> None:
         """Make the passes from reduced images to full ones; all in one where a device can."""
         gpu, media, has_grids = self.gpu, self.media, self.media.has_grids
+        # A pass for each step, where density grids or the device do not allow one for all.
         self._exact = Transmittance(gpu, media)
         self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
         self._guided = GuidedUpsample(gpu, media) if has_grids else None
@@ -147,6 +130,7 @@ class MediaImage:
         """
         with commands.stage("air"):
             self.media.update(commands, scene, low, high)
+        # What schemes make of shadow maps: hierarchies of depth, or facets.
         if self.shafts and shadows_changed:
             with commands.stage("shadow bounds"):
                 self.shafts.prepare(commands)
@@ -168,6 +152,7 @@ class MediaImage:
         self._unfinished = None
         # One pass finishes the image if it draws all that there is.
         is_whole = is_composed and self.has_sky == (light.sky is not None)
+        # Shafts first; marching may take the same rays.
         with commands.stage("shafts"):
             self.shaft_rays.encode(commands, view, frame)
             if self.shafts:
@@ -176,6 +161,7 @@ class MediaImage:
         with commands.stage("march"):
             if self.march_rays is not self.shaft_rays:
                 self.march_rays.encode(commands, view, frame)
+            # The full image is left to `compose` where one pass does both.
             if self._finisher and is_whole:
                 self._march_reduced(commands, light)
                 self._unfinished = lights
@@ -188,6 +174,7 @@ class MediaImage:
         """Draw single scattering of lights; `is_listed`: `compose` upsamples and redraws it."""
         assert self.shafts
         reduced, full = self.textures.target("single"), self.textures.full("single")
+        # Along reduced rays, then interpolated; pixels where that cannot be done are redrawn.
         self.shafts.encode(commands, lights, reduced)
         if not is_listed and not self.shafts.refine(commands, view, lights, reduced, full):
             self._upsampled(commands, view, "single")
@@ -195,6 +182,7 @@ class MediaImage:
     def _march(self, commands: Commands, view: View, light: MarchedLight) -> None:
         """March all fields; full-size images of them, of the sky's light and transmittance."""
         made, depth = self.textures, view.gbuffer.depth
+        # Fields along reduced rays, then at full size.
         if self.is_marched:
             self._march_reduced(commands, light)
             self._finish_march(commands, view)
@@ -217,6 +205,7 @@ class MediaImage:
         if light.lattice is None and light.sky is None:
             light = replace(light, half_space=None)
         made = self.textures
+        # Of homogeneous media transmittance has a closed form; with grids it is marched, too.
         targets = MarchTargets(
             made.target("multiple"),
             made.target("transmittance") if self.media.has_grids else None,
@@ -229,6 +218,7 @@ class MediaImage:
         """Upsample what was marched; with the transmittance where there are density grids."""
         if self.march_rays.scale == 1:
             return
+        # Depth guides the interpolation; where there are density grids, the density does.
         if self._guided is None:
             self._upsampled(commands, view, "multiple")
             return
@@ -245,6 +235,7 @@ class MediaImage:
     def compose(self, commands: Commands, view: View) -> None:
         """Attenuate the layers of the view by the media; see `surfaces`."""
         with commands.stage("compose"):
+            # Surfaces are attenuated in the view's own layers where one pass finishes everything.
             self._is_in_view = self._unfinished is not None
             if self._unfinished is not None:
                 self._finish_all(commands, view, self._unfinished)
@@ -267,6 +258,7 @@ class MediaImage:
         """Upsample what was drawn, and attenuate surfaces, in one pass."""
         finisher, made = self._finisher, self.textures
         assert finisher
+        # That pass lists pixels to redraw, too, where shafts and marching take the same rays.
         listing: Listing | None = None
         if self.shafts and self._lists:
             redrawn, listed = self.shafts.listing(view)
@@ -294,6 +286,7 @@ class MediaImage:
     def _upsampled(self, commands: Commands, view: View, name: str) -> None:
         made = self.textures
         rays = made.rays_of(name)
+        # Along full-size rays it was drawn where it belongs.
         if rays.scale > 1:
             self._upsample.encode(
                 commands, rays, view.gbuffer.depth, made.reduced[name], made.full(name)

@@ -36,7 +36,7 @@ def gridded(scene: Scene) -> list[Volume]:
     return [v for v in scene.volumes if v.density is not None]
 
 
-def kinds_of(scene: Scene) -> tuple[int, ...]:
+def row_kinds(scene: Scene) -> tuple[int, ...]:
     """The kinds of all media, in the order of their rows."""
     own = () if scene.medium is None else (BOX,)
     return (*own, *(kind_of(volume) for volume in scene.volumes))
@@ -54,6 +54,7 @@ def medium_fields(
     of: Medium | Volume, kind: int, volume_from_world: F64, *, shafts: int
 ) -> dict[str, Any]:
     """A row without grids; `shafts`: which lights' single scattering they draw."""
+    # No grid, no glow by voxels, no noise: those that have some write over it.
     return {
         "volume_from_world": volume_from_world,
         "sigma_t": of.sigma_t,
@@ -79,6 +80,7 @@ def medium_fields(
 
 def member_bits(rows: Sequence[int]) -> dict[str, tuple[int, ...]]:
     """Rows of media as bits of `members_low` and `members_high`; see `wgsl/members.wgsl`."""
+    # A bit for each of at most 256 media.
     words = [0] * 8
     for row in rows:
         words[row // 32] |= 1 << row % 32

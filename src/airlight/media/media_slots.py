@@ -66,6 +66,7 @@ def path_list_slots() -> tuple[Slot, ...]:
 
 def path_list_wgsl(count: int, *, has_lists: bool) -> str:
     """The constants of `wgsl/path_lists.wgsl` for so many media, with lists or without."""
+    # A walk along a list visits its media, after each texel of bits; one of the tree its nodes.
     texels = list_texels(count) if has_lists else 1
     visits = room_for(count) + texels if has_lists else _tree_nodes(count)
     return (
@@ -96,6 +97,7 @@ def _tree_nodes(count: int) -> int:
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
     """The slots of the table of media, of the density grids, and of their noise."""
     slots: list[Slot] = [storage("media", MediumData)]
+    # Without grids nothing is sampled: some devices bind few textures.
     if grids:
         slots += [sampler("media_linear"), texture("media_densities", "3d")]
     if has_detail:
@@ -110,6 +112,7 @@ def column_slots(grids: int) -> tuple[Slot, ...]:
 
 def medium_wgsl(count: int, grids: int, *, has_detail: bool = False) -> str:
     """The constants, `densities_texel`, `densities_size` and `medium_noise`."""
+    # A texture that is not there cannot be bound; nothing is read instead.
     sample = "textureSampleLevel(medium_noise_texture, media_repeat, at, 0.0).x"
     noise = sample if has_detail else "0.0"
     density, size = _read("media_densities", grids)

@@ -11,9 +11,11 @@ from ..maths.box_tree import box_tree
 from ..maths.transforms import F64
 from .media_slots import has_tree
 
+# Stands where there is none: beyond all indices.
 NO_MEDIUM = NO_NODE = 65535
 _ROOT = 1 << 20  # of what is the root's `after`: beyond all nodes
 _BEYOND = 1e30  # m, where boxes lie that there are not
+# Of the unit cube (8, 3): a medium's box in the world is that around these.
 _CORNERS = np.stack(np.meshgrid(*[(0.0, 1.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
@@ -28,6 +30,7 @@ def media_nodes(
     """
     # A walk needs no stack: a node that is missed names the node after its whole subtree.
     nodes = np.zeros((2 * count, 2, 4))
+    # Few media are taken one by one, without a tree.
     if has_tree(len(rows)):
         tree = box_tree(*_world_boxes(rows))
         nodes[:] = (_BEYOND, _BEYOND, _BEYOND, NO_NODE)

@@ -20,12 +20,14 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
+from ..gpu.shared import Shared
 from ..gpu.slots import image, storage, uniform
 from ..maths.transforms import F64
 from ..scene.lights import DirectionalLight, Light
 from ..surface.light_table import packed_lights
-from .atlas import Size
-from .media_slots import MediumData, list_texels, path_list_wgsl, tree_wgsl
+from .atlas import LIMIT, Size
+from .density_grids import ColumnPlan
+from .media_slots import MediumData, has_tree, list_texels, path_list_wgsl, tree_wgsl
 
 BLOCKS = 1024
 """In all, about; more make shorter lists, which take longer to make."""
@@ -72,6 +74,7 @@ class PathLists:
         """`bounds`: about where media lie, metres; blocks are cubes if they fill them."""
         self.count = _blocks(np.subtract(bounds[1], bounds[0]))
         self._media_count = media_count
+        # A texel has bits for 128 media; the lists of lights lie behind one another along z.
         nx, ny, nz = self.count
         size = (nx * ny, nz, light_count * list_texels(media_count))
         self.texture = Texture(gpu, "path lists", size, "rgba32uint", dimension="3d", written=True)
@@ -114,8 +117,29 @@ class PathLists:
         return {"path_lists": self.texture}
 
 
+def path_lists(
+    gpu: Gpu,
+    bounds: tuple[F64, F64],
+    kinds: tuple[int, ...],
+    light_count: int,
+    columns: ColumnPlan,
+    shared: Shared,
+) -> PathLists | None:
+    """Lists for so many lights, once for all tables of the same media; None for few media.
+
+    `kinds` of the media, as `media_rows` has them; `columns` say whose lights they are.
+    """
+    # A texture has room for the lists of so many lights.
+    has_room = light_count * list_texels(len(kinds)) <= gpu.limits[LIMIT]
+    if not light_count or not has_tree(len(kinds)) or not has_room:
+        return None
+    key = ("path lists", kinds, light_count, columns.towards)
+    return shared.once(key, lambda: PathLists(gpu, bounds, len(kinds), light_count))
+
+
 def _blocks(extent: F64) -> Size:
     """How many blocks there are along each side."""
+    # A flat side counts as a thousandth of the longest.
     extent = np.maximum(extent, 1e-3 * max(float(np.max(extent)), 1e-6))
     side = np.cbrt(np.prod(extent) / BLOCKS)
     nx, ny, nz = (int(n) for n in np.clip(np.ceil(extent / side), 1, _MOST_ALONG))
@@ -123,6 +147,7 @@ def _blocks(extent: F64) -> Size:
 
 
 def _path_lights(packed: NDArray[Any]) -> NDArray[Any]:
+    # A direction towards a distant light, the position of a local one.
     is_local = packed["kind"] != DirectionalLight.kind
     found = np.zeros(len(packed), PathLight.dtype)
     found["towards"] = np.where(is_local[:, None], packed["position"], -packed["direction"])

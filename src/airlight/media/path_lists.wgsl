@@ -1,6 +1,7 @@
-// The lists of some blocks for one light: a bit for each medium that lies on the way from any point of a block.
+// The lists of some blocks for one light: a bit for each medium that lies between any point of a block and it.
 //! use media_tree
 //! use wider_box
+//! use cell_order
 
 const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a point between two
 
@@ -18,9 +19,10 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
     var centres: array<vec3f, LISTS_AT_ONCE>;
     for (var k = 0u; k < LISTS_AT_ONCE; k++) {
         let block = id.x + k * apart;
-        let cell = vec3u(block % n.x, block / n.x % n.y, block / (n.x * n.y));
+        let cell = cell_at_index(n, block);
         centres[k] = all.low + (vec3f(cell) + 0.5) * side;
     }
+    // A medium is loaded once and asked for by all blocks.
     for (var texel = 0u; texel < PATH_TEXELS; texel++) {
         var bits: array<vec4u, LISTS_AT_ONCE>;
         let end = min(128u * (texel + 1u), params.media);

@@ -12,6 +12,7 @@ from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
 from ..gpu.slots import Slot, storage, uniform
 
+# A pixel, and the sky's light that its shafts are added to: four words.
 _ENTRY_BYTES = 16
 
 
@@ -43,6 +44,7 @@ class PixelList:
         self.gpu = gpu
         self.found = Buffer(gpu, "differing pixels", 16)
         self.groups = Buffer(gpu, "groups of them", 16, indirect=True)
+        # The arguments of a dispatch of no groups, of which x is counted up.
         self._none = Buffer(gpu, "no groups", 16)
         self._none.write(np.array([0, 1, 1, 0], np.uint32))
         self._make(size)

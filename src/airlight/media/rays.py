@@ -51,6 +51,7 @@ class Rays:
 
     def _set_size(self, size: tuple[int, int]) -> None:
         self.size, scale = size, self.scale
+        # The last texels may reach beyond the image.
         self.reduced = (-(-size[0] // scale), -(-size[1] // scale))
         self.picked = Texture(
             self.gpu, "picked rays", self.reduced, "rg32float", target=True, written=True
@@ -69,6 +70,7 @@ class Rays:
 
     def encode(self, commands: Commands, view: View, frame: int = 0) -> None:
         """Pick the rays of `view`."""
+        # Passes over these rays read the same parameters until the next image.
         self._params = RayParams(
             world_from_clip=view.world_from_clip,
             eye=view.eye,
@@ -77,6 +79,7 @@ class Rays:
             reduced=self.reduced,
             frame=frame,
         )
+        # Which pixel of its block each ray goes through.
         self._pass.draw(
             commands,
             (self.picked,),

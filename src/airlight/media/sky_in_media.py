@@ -72,6 +72,7 @@ class _SkyInMedia(ComputePass):
             *STALE_CELL_SLOTS,
             *(image(name, FILTERED, "3d") for name in self.images),
         )
+        # Every light is met once, whichever bands of it are stored.
         stores = [f"    store_{library}(texel, light);\n" for library in written]
         super().__init__(
             gpu,
@@ -117,6 +118,7 @@ class SkyInMedia:
         is_once = sum(map(len, _WRITTEN.values())) <= gpu.limits[_LIMIT]
         parts = [tuple(_WRITTEN)] if is_once else [(library,) for library in _WRITTEN]
         self._passes = [_SkyInMedia(gpu, self.media, part) for part in parts]
+        # Room for all that may come: lights of a rotated sky, cells of every nested lattice.
         most = max(1, len(sky.lights), sky.maps.layers)
         self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * most)
         self._compare = comparison_sampler(gpu)

@@ -100,6 +100,7 @@ class StaleCells:
         self.is_listed = boxes is not None
         if boxes is None:
             return
+        # What changed lies in these boxes, where it was and where it is.
         if len(boxes):
             self._boxes.write(_touched(boxes))
         # The list begins with its length, which cells count up as they enter.
@@ -131,6 +132,7 @@ def _touched(boxes: NDArray[np.float32]) -> NDArray[Any]:
     # Columns come first in a packed matrix: a row here is an axis of the box.
     to_world = np.linalg.inv(boxes.astype(np.float64))
     rows["centre"] = (np.array([0.5, 0.5, 0.5, 1.0]) @ to_world)[:, :3]
+    # Half its diagonals; the other four are opposite to these.
     corners = np.array([(1.0, y, z) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
     half_diagonals = np.linalg.norm(0.5 * corners @ to_world[:, :3, :3], axis=2)
     rows["radius"] = half_diagonals.max(axis=1)

@@ -14,8 +14,7 @@ fn met(one: vec4f, other: vec4f) -> vec4f {
 
 fn cell_at(cell: vec3i) -> vec4f {
     let inside = clamp(cell, vec3i(0), vec3i(lattice.count) - 1);
-    let n = vec3i(lattice.count);
-    return cells[(inside.z * n.y + inside.y) * n.x + inside.x];
+    return cells[cell_in(lattice.count, vec3u(inside))];
 }
 
 // Towards hop 0..5 (+x -x +y -y +z -z).

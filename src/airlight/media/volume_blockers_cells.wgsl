@@ -35,7 +35,7 @@ fn touches(m: u32, centre: vec3f) -> bool {
         let count = select(0u, n * n * n, touches(m, centre));
         var density = 0.0;
         for (var s = 0u; s < count; s++) {
-            let inside = (vec3f(vec3u(s % n, (s / n) % n, s / (n * n))) + 0.5) / f32(n);
+            let inside = (vec3f(cell_at_index(vec3u(n), s)) + 0.5) / f32(n);
             density += medium_density(m, world_from_cells(lattice, vec3f(id) + inside));
         }
         // Similarity theory: sigma_s (1 - g), and the absorption as it is.

@@ -19,7 +19,8 @@ exchange/      light that one medium scatters into another
 delta/         the scheme delta-beam: forward-scaled beams and one diffusion solve
 grids/         the schemes split and paper: light propagates in a grid per ordinate
 indirect       indirect light of surfaces, from the lattice that another solver filled
-solver         one medium, top to bottom; transport: what a scheme is to it; several_media: in turn
+solver         one medium, top to bottom; transport: what a scheme is to it; schemes: which it is;
+               several_media: in turn
 furnace        the white furnace, which conserves power
 media          the solver of a technique: all media of a scene, as sources for marching
 delta_scaling  media whose phase function is sharper than the ordinates resolve

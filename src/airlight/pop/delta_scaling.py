@@ -35,6 +35,7 @@ class DeltaScaling:
             scene = replace(scene, medium=_scaled(medium))
         if all(max(volume.g) <= SHARPEST for volume in scene.volumes):
             return scene
+        # An unchanged volume gives the same object as before, which later stages know it by.
         volumes = tuple(self._of(volume) for volume in scene.volumes)
         self._made = list(zip(scene.volumes, volumes, strict=True))
         return replace(scene, volumes=volumes)
@@ -42,6 +43,7 @@ class DeltaScaling:
     def _of(self, volume: Volume) -> Volume:
         if max(volume.g) <= SHARPEST:
             return volume
+        # A volume is scaled once, so that it is the same one in each frame.
         made = (scaled for known, scaled in self._made if known is volume)
         return next(made, None) or _scaled(volume)
 
@@ -49,6 +51,8 @@ class DeltaScaling:
 def _scaled(medium: _M) -> _M:
     """The medium without the forward peak; as much is absorbed, and sigma_s (1 - g) stays."""
     g, albedo = np.array(medium.g), np.array(medium.albedo)
+    # Of scattering the share f goes straight on: sigma_t' = (1 - albedo f) sigma_t, with f such
+    # that g' = (g - f)/(1 - f) is SHARPEST (Joseph1976).
     unscattered = np.maximum(g - SHARPEST, 0.0) / (1.0 - SHARPEST)
     left = 1.0 - albedo * unscattered
     return replace(

@@ -29,6 +29,7 @@ class Furnace:
     ) -> None:
         """`outer`: of a finer grid, that of the next larger one."""
         self._medium, self._is_exact = medium, settings.exact_sky
+        # The table of media is a copy in which nothing absorbs; no light of other media enters.
         self._mixture = Mixture(medium.gpu, medium.cells, medium.mixture.count, has_blocks=False)
         around: DeltaBeams | None = outer._beams if outer else None
         self._beams: DeltaBeams = DeltaBeams(
@@ -40,6 +41,7 @@ class Furnace:
         """Take a changed medium: solve it."""
         self._medium.write_mixture(self._mixture, is_white=True)
         params, beams = self._params, self._beams
+        # The uniform sky, with the correction of single scattering that the frame's sky has.
         beams.write(self._sky, (), 1.0)
         if self._is_exact:
             beams.light.write_correction(uniform_light(self._sky))

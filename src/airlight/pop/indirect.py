@@ -28,7 +28,7 @@ from .medium.grid_medium import GridMedium
 from .medium.placement import MediumParams
 from .settings import PopSettings
 
-_WHITE = 0.999
+_WHITE = 0.999  # an albedo above it counts as absorbing nothing
 
 
 class IndirectParams(Struct):
@@ -83,6 +83,8 @@ class IndirectLight:
         self, commands: Commands, params: MediumParams, reflected: ReflectedLight
     ) -> None:
         """Take a changed medium: solve it under a uniform sky, whose ordinates `params` count."""
+        # The share of light that reaches each cell is the fluence under a uniform sky of radiance
+        # 1. Where all of it arrives nobody reads the solution.
         self._uniform.write(self._sky, (), 1.0)
         self._uniform.encode_medium(commands, params)
         if not self._is_whole(reflected):
@@ -101,6 +103,7 @@ class IndirectLight:
 
         `scale`: radiance per unit of `target`.
         """
+        # Each cell looks the lattices up, and scatters what arrives of their light towards the eye.
         medium, source = self._medium, reflected.source
         light = self._uniform.light
         self._pass.dispatch(

@@ -27,11 +27,11 @@ from ..scene.volume import Volume
 from .light.illumination import Illumination
 from .light.importance import Look
 from .light.visibility import Surfaces
-from .medium.kinds import kinds_of
+from .medium.kinds import GridPlan
 from .medium.merged_medium import MergedMedium
 from .medium.mixture import BLOCKS, MediaCount
 from .medium.surrounding import SurroundingMedium
-from .settings import MOST_ALONE, PopSettings, uses_virtual_grids
+from .settings import PopSettings, uses_virtual_grids
 from .several_media import encode, introduce
 from .solver import PopSolver
 from .virtual.maps import reflected_maps
@@ -49,23 +49,24 @@ class PopMedia(Solver):
         kit: Kit,
         media: GpuMedia,
         settings: PopSettings,
+        plan: GridPlan,
         media_of: MediaOf | None = None,
         *,
         has_local_shafts: bool = False,
     ) -> None:
         """`media`: all that are marched, brought up to date by others; the last are solved here.
 
-        `media_of`: the volumes of a scene that are, if not all. `has_local_shafts`: what local
-        lights scatter once is drawn by shafts. Of more than MOST_ALONE those of a kind are solved
-        as one, on one grid: they are all of `media` then.
+        `plan`: on which grids. `media_of`: the volumes of a scene that are, if not all.
+        `has_local_shafts`: what local lights scatter once is drawn by shafts. Where those of a
+        kind share a grid, they are all of `media`.
         """
         self.kit, self.settings, self._has_local_shafts = kit, settings, has_local_shafts
         self._media_of: MediaOf = media_of or (lambda scene: list(scene.volumes))
         self._solves_medium = media_of is not None
         self._scene, self._bounds = kit.context.scene, kit.context.scene.bounds
-        volumes = grouped(self._media_of(self._scene))
-        _check_levels(settings, volumes)
-        self._first_row = media.count - sum(map(len, volumes))
+        # The parts of a volume of varying colour are one medium.
+        _check_levels(settings, plan.volumes)
+        self._first_row = media.count - sum(map(len, plan.volumes))
         # The surfaces around the media, with their virtual point lights.
         self._maps = reflected_maps(kit, settings)
         reflected = self._maps.reflected if self._maps else None
@@ -74,11 +75,13 @@ class PopMedia(Solver):
             self._surfaces = Surfaces(
                 kit.meshes, kit.lights, kit.sky, kit.rays, kit.blockers, reflected
             )
+        # Few media have a grid each, many share one with those of their kind.
         self._merged: list[MergedMedium] = []
-        if len(volumes) > MOST_ALONE:
-            self.solvers = self._made_of_kinds(volumes, media)
+        if plan.kinds:
+            self.solvers = self._made_of_kinds(plan, media)
         else:
-            self.solvers = self._made(volumes, media)
+            self.solvers = self._made(plan.volumes, media)
+        # Each meets the others once all have their grids.
         introduce(self.solvers)
 
     def _made(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> list[PopSolver]:
@@ -107,17 +110,17 @@ class PopMedia(Solver):
         virtual = self._surfaces.virtual_lights if self._surfaces else 0
         return len(self._scene.lights) + virtual
 
-    def _made_of_kinds(self, volumes: list[tuple[Volume, ...]], media: GpuMedia) -> list[PopSolver]:
+    def _made_of_kinds(self, plan: GridPlan, media: GpuMedia) -> list[PopSolver]:
         """A solver for each kind; together they have an eighth of the volumes' cells, if there is
         room, and one volume's at least."""
         gpu, settings, lights = self.kit.gpu, self.settings, self._most_lights
-        every = [part for parts in volumes for part in parts]
-        kinds = kinds_of(every, settings)
+        every, kinds = [part for parts in plan.volumes for part in parts], plan.kinds
         others = MediaCount(others=len(kinds) - 1, other_parts=len(kinds) - 1)
         # Paths to every light, through every kind, are stored in each cell.
         paths = len(kinds) * (settings.ordinates + lights + BLOCKS * others.others)
         most = gpu.limits["max-storage-buffer-binding-size"] / (8 * paths)
-        wanted = settings.grid**3 * max(1.0, len(volumes) / 2**3) / len(kinds)
+        wanted = settings.grid**3 * max(1.0, len(plan.volumes) / 2**3) / len(kinds)
+        # A kind adds up its volumes from their rows in the table of media.
         for kind in kinds:
             cells = min(wanted, _FULL * most)
             rows = [self._first_row + i for i in kind]
@@ -141,6 +144,7 @@ class PopMedia(Solver):
         volumes = self._media_of(scene)
         if not self._merged:
             return grouped(volumes)
+        # Those of a kind are one medium, with the means of what they are in this frame.
         return [
             (medium.volume_of([volumes[i - self._first_row] for i in medium.rows]),)
             for medium in self._merged
@@ -204,6 +208,7 @@ class PopMedia(Solver):
 
 def _check_levels(settings: PopSettings, volumes: list[tuple[Volume, ...]]) -> None:
     """Raises SettingsError where nested grids are asked for and cannot be had."""
+    # Nested grids hand on the diffuse light of one medium; hops and other media have no part in it.
     if settings.grid_levels == 1 or not volumes:
         return
     name = f"grid_levels = {settings.grid_levels}"
@@ -234,6 +239,7 @@ class EveryMedium:
         m = scene.medium
         if m is None or self._box is None:
             return list(scene.volumes)
+        # What fills the scene is a volume like the others, in the box that it had at first.
         low, high = self._box
         bounds = (triple(low), triple(high)) if m.bounds is None else m.bounds
         box = Volume(m.sigma_t, shape="box", bounds=bounds, albedo=m.albedo, g=m.g)

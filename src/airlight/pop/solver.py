@@ -26,10 +26,8 @@ from ..maths.ordinates import Ordinates
 from ..maths.transforms import F64
 from ..scene.lights import PointLight
 from ..scene.volume import Volume
-from .delta.beams import DeltaBeams
 from .delta.emission import Emission
 from .furnace import Furnace
-from .grids.scheme import OrdinateGrids
 from .indirect import IndirectLight
 from .light.illumination import Illumination
 from .light.importance import ViewImportance
@@ -37,9 +35,11 @@ from .light.ordinates import SceneOrdinates, local_lights
 from .medium.finer_medium import FinerMedium
 from .medium.grid_medium import NO_OTHERS, GridMedium
 from .medium.mixture import MediaCount
+from .schemes import scheme_of
 from .settings import PopSettings
 from .transport import Transport
 
+# A row for each virtual light, which the device fills in.
 _VIRTUAL = PointLight((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
@@ -53,6 +53,7 @@ class PopSolver:
 
     Settings = PopSettings
     medium: GridMedium
+    transport: Transport
 
     def __init__(
         self,
@@ -71,6 +72,7 @@ class PopSolver:
         solver of the next larger grid. `voxels`: the density as a filterable 3D texture, if any.
         `has_local_shafts`: as of `Emission`. Raises SceneError for parts in schemes of hops.
         """
+        # A solver given as the volume has the next larger grid; this one solves a finer grid in it.
         outer = volume if isinstance(volume, PopSolver) else None
         given = volume.medium if isinstance(volume, PopSolver) else volume
         self.settings, self._outer = settings, outer
@@ -82,6 +84,7 @@ class PopSolver:
                 f"scheme = '{settings.scheme}' knows no volume whose colour varies",
                 remedy="Use scheme = 'delta-beam', or another technique",
             )
+        # The medium on its grid, and its ordinates; nested grids share those.
         if outer is None:
             self.medium = GridMedium.made_of(
                 gpu, given, settings.grid, voxels=voxels, others=others
@@ -90,8 +93,11 @@ class PopSolver:
         else:
             self.medium = FinerMedium(outer.medium, settings.grid_ratio)
             self._scene_ordinates = outer._scene_ordinates
+        # The light in the cells, and what of it goes towards the eye.
         self.emission = Emission(self.medium, settings, has_local_shafts=has_local_shafts)
-        self.transport: Transport = self._scheme(settings.ordinates + lights)
+        around, capacity = outer.transport if outer else None, settings.ordinates + lights
+        self.transport = scheme_of(self.emission, settings, capacity, around)
+        # The furnace measures what the scheme gets wrong under a uniform sky.
         self._furnace: Furnace | None = None
         if is_beam and settings.furnace_correction > 0.0:
             self._furnace = Furnace(self.medium, settings, outer._furnace if outer else None)
@@ -104,25 +110,6 @@ class PopSolver:
             self.finer = PopSolver(
                 gpu, self, settings, lights=lights, has_local_shafts=has_local_shafts
             )
-
-    def _scheme(self, capacity: int) -> Transport:
-        """How the light of up to `capacity` ordinates spreads."""
-        medium, settings, indirect = self.medium, self.settings, self.emission.indirect
-        if settings.scheme != "delta-beam":
-            return OrdinateGrids(
-                medium, settings, capacity, medium.mixture, indirect=indirect, takes_others=True
-            )
-        outer = self._outer.transport if self._outer else None
-        assert outer is None or isinstance(outer, DeltaBeams)
-        return DeltaBeams(
-            medium,
-            settings,
-            capacity,
-            medium.mixture,
-            indirect=indirect,
-            takes_others=True,
-            outer=outer,
-        )
 
     def encode(
         self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None = None
@@ -153,6 +140,7 @@ class PopSolver:
         if finer is None:
             return
         assert isinstance(finer.medium, FinerMedium)
+        # The finer grid stays ahead of the camera.
         camera = lit.look.camera if lit.look else None
         look = np.subtract(camera.target, camera.position) if camera else np.zeros(3)
         finer.medium.follow(lit.eye, look)
@@ -170,6 +158,7 @@ class PopSolver:
         self, commands: Commands, lit: Illumination, volume: Sequence[Volume] | Volume | None
     ) -> bool:
         """Take the light and the medium of a frame; returns whether the medium changed."""
+        # Another volume is placed again, and so is a grid that follows the camera.
         parts = (volume,) if isinstance(volume, Volume) else volume or self.medium.volumes
         is_same = [*map(id, parts)] == [*map(id, self.medium.volumes)]
         if not is_same or self._outer is not None:
@@ -180,12 +169,14 @@ class PopSolver:
             self._ordinates = self._ordinates_of(lit)
         self._virtual = lit.surfaces.virtual_lights if lit.surfaces else 0
         self._local = local_lights(lit.lights) + [_VIRTUAL] * self._virtual
+        # Blocks of other media have the last rows of the ordinates.
         count = self._ordinates.count + len(self._local) + self.transport.light.blocks
         self.medium.params = self.medium.params_of(count, around=lit.around)
         return self.medium.encode(commands)
 
     def _ordinates_of(self, lit: Illumination) -> Ordinates:
         """Those of the frame; nested grids share them."""
+        # Nested grids of one medium share its ordinates.
         if self._outer is not None:
             return self._outer._ordinates
         importance = self._importance_of(lit)
@@ -218,6 +209,7 @@ class PopSolver:
 
     def is_new_light(self, lit: Illumination) -> bool:
         """Whether the light is not that of the last frame."""
+        # Equal bytes are the same light; virtual point lights count by the versions of their maps.
         directions, power = self._ordinates.direction, self._ordinates.irradiance
         key = (directions.tobytes(), power.tobytes(), *self._local, *lit.versions)
         is_new, self._light_key = key != self._light_key, key
@@ -242,6 +234,7 @@ class PopSolver:
         self, commands: Commands, lit: Illumination, *, is_new_medium: bool, is_new_light: bool
     ) -> None:
         """Fill `emission` for the eye, where anything changed."""
+        # What is scattered towards the eye changes with it, even where all light stays.
         is_new_view = is_new_medium or lit.eye.tobytes() != self._view_key
         if not (is_new_view or is_new_light):
             return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from .. import env
 from ..errors import AirlightError
+from ..scene.fingerprint import array_digest
 from ..scene.io.ledger import own_files
 from ..scene.io.numpy_files import opened_npz
 from ..scene.io.writing import whole_file
@@ -29,10 +29,8 @@ def built(low: F32, high: F32) -> Hierarchy:
     if len(low) < WORTH_CACHING:
         return build(low, high)
     # By the boxes alone: the same mesh in another file has the same hierarchy.
-    told = hashlib.blake2b(str(_VERSION).encode(), digest_size=16)
-    told.update(np.ascontiguousarray(low).data.cast("B"))
-    told.update(np.ascontiguousarray(high).data.cast("B"))
-    path = env.cache_folder() / "hierarchies" / f"{told.hexdigest()}.npz"
+    name = array_digest(np.array(_VERSION), low, high).hex()
+    path = env.cache_folder() / "hierarchies" / f"{name}.npz"
     found = _read(path, len(low))
     if found is None:
         found = build(low, high)

@@ -35,14 +35,21 @@ class _Lights:
     sides: F64
 
 
+def is_lit(volume: Volume) -> bool:
+    """Whether a volume emits anything at this time, so that balls stand for it."""
+    if not volume.is_emissive or volume.emission is None:
+        return False
+    values = volume.density if volume.emission.values is None else volume.emission.values
+    return values is None or float(values.max()) > 0.0
+
+
 def emission_balls(scene: Scene, notes: list[str], seed: int = 0) -> list[Element]:
     """The balls as shapes, and a note that there are some."""
     # Volumes that emit become points of light; the emission of [medium] gets a note.
-    emissive = [v for v in scene.volumes if v.is_emissive]
+    emissive = [v for v in scene.volumes if is_lit(v)]
     if scene.medium is not None and max(scene.medium.emission) > 0.0:
         notes.append("the emission of [medium] is left out: Mitsuba's media emit nothing")
     found = [_voxels(volume) for volume in emissive]
-    found = [one for one in found if one.intensity.max(initial=0.0) > 0.0]
     if not found:
         return []
     notes.append(f"what volumes emit is written as {BALLS} glowing balls: Mitsuba's media emit not")

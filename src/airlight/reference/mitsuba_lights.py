@@ -14,6 +14,7 @@ from ..scene.lights.emitters import Colour, Emitter, ImageFile, LookAt, Point, V
 from ..scene.lights.point import point_emitter
 from ..scene.point_lights import PointLights
 from ..scene.scene import Scene
+from .mitsuba_emission import is_lit
 from .mitsuba_files import FileStore, write_exr
 from .mitsuba_xml import (
     add_lookat,
@@ -76,8 +77,8 @@ def _add(element: Element, name: str, value: Value, files: FileStore) -> None:
 
 
 def has_glow(scene: Scene) -> bool:
-    """Whether anything that the eye may see gives light: surfaces, area lights, balls."""
-    if any(mesh.material.is_emissive for mesh in scene.meshes):
+    """Whether anything that the eye may see gives light: surfaces, area lights, volumes' balls."""
+    if any(mesh.material.is_emissive for mesh in scene.meshes) or any(map(is_lit, scene.volumes)):
         return True
     return any(part.tag == "shape" for light in scene.lights for part in light.emitters([]))
 

@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ..maths.transforms import triple
+from ..maths.voxels import ratio
 from ..scene.checks import F32, F64
 from ..scene.coefficients import albedo_of, shares_by_g, sigma_t_of
 from ..scene.medium import Medium, medium_box
@@ -187,7 +188,7 @@ def _grid_volume(
     if volume.albedo_grid is None and is_one_albedo:
         add_rgb(medium, "albedo", triple(own.albedo))
     else:
-        albedo = ((own_s + around_s) / np.maximum(sigma_t, np.float32(1e-30))).astype(np.float32)
+        albedo = ratio(own_s + around_s, sigma_t).astype(np.float32)
         _add_grid(medium, "albedo", albedo, volume, files)
         if around is not None:
             notes.append(f"{name} in air of another albedo: its albedo is interpolated by voxel")
@@ -216,7 +217,7 @@ def _mixed_phase(
         return _phase(g, name)
     blend = plugin("phase", "blendphase", name)
     whole = sum((s for _, s in before), start=last)
-    weight = (last / np.maximum(whole, np.float32(1e-30))).mean(axis=-1, dtype=np.float32)
+    weight = ratio(last, whole).mean(axis=-1).astype(np.float32)
     _add_grid(blend, "weight", weight, volume, files)
     blend.extend([_mixed_phase(before, volume, files, "phase_0"), _phase(g, "phase_1")])
     return blend

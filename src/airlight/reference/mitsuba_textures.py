@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..scene.checks import F32, Rgb
 from ..scene.material import Material, Texture
+from ..scene.texels import wrapped
 from .mitsuba_files import FileStore, write_exr, write_png
 from .mitsuba_xml import add_matrix, add_text, add_truth, plugin
 
@@ -142,9 +143,8 @@ def _upsampled(alpha: F32, texture: Texture) -> F32:
         factor = max(1, min(OPACITY_UPSAMPLING, MAX_OPACITY_PX // count))
         at = (np.arange(count * factor) + 0.5) / factor - 0.5
         low = np.floor(at).astype(np.int64)
-        wrap = np.mod if mode == "repeat" else lambda i, n: np.clip(i, 0, n - 1)
         weight = (at - low).astype(np.float32)
         weight = weight[:, None] if axis == 0 else weight
-        first, second = (np.take(alpha, wrap(low + k, count), axis=axis) for k in (0, 1))
+        first, second = (np.take(alpha, wrapped(low + k, count, mode), axis=axis) for k in (0, 1))
         alpha = first * (1 - weight) + second * weight
     return alpha

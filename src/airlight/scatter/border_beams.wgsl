@@ -20,7 +20,7 @@ fn leaving(grid: LatticeParams, p: vec3f, direction: vec3f) -> f32 {
         low + grid.cell * vec3f(grid.count)).y;
 }
 
-// How open the way from p in the lattice's cells is to the largest lattice's border, `reach` metres away. Beyond the
+// How open the path from p in the lattice's cells is to the largest lattice's border, `reach` metres away. Beyond the
 // lattice the cells of the largest know the walls.
 fn open_to_border(begin: vec3f, p: vec3f, out: vec3f, reach: f32) -> f32 {
     if (params.is_nested == 0u) {

@@ -56,6 +56,7 @@ def cascades(
     Raises SettingsError where the scheme cannot do the scene's media.
     """
     gpu, made = kit.gpu, []
+    # Where the medium varies in any lattice, the cells of all have coefficients of their own.
     inner = kit.lattices.nest.over_inner
     varies = any(is_varied(scene, place, settings) for place in (inner, kit.placement))
     for level in kit.lattices.levels:

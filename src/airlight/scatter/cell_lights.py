@@ -15,6 +15,7 @@ CELL_LIGHT_SLOTS: tuple[Slot, ...] = (
     texture("lattice_walls", "3d"),
 )
 """Of passes that use `wgsl/cell_light.wgsl`; `CellLights` binds them."""
+# Walls are those of the level that is lit, all else is the lights' own.
 _OF_LIGHTS = tuple(slot.name for slot in CELL_LIGHT_SLOTS if slot.name != "lattice_walls")
 
 

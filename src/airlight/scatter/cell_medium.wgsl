@@ -16,7 +16,7 @@ fn density_of_points(m: u32, cell: vec3u, n: u32) -> f32 {
         medium_coordinates(m, world_from_cells(lattice, vec3f(cell) + vec3f(0.0, 0.0, 1.0))) - origin);
     var sum = 0.0;
     for (var k = 0u; k < n * n * n; k++) {
-        let inside = (vec3f(vec3u(k % n, (k / n) % n, k / (n * n))) + 0.5) / f32(n);
+        let inside = (vec3f(cell_at_index(vec3u(n), k)) + 0.5) / f32(n);
         sum += medium_density_at(m, origin + axes * inside);
     }
     return sum;

@@ -22,7 +22,7 @@ fn faces_of(cell: vec3i) -> vec4f {
     // The cell's own walls count as much as all others around it.
     var sum = 25.0 * faces_of(vec3i(id));
     for (var k = 0u; k < 27u; k++) {
-        sum += faces_of(vec3i(id) + vec3i(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1);
+        sum += faces_of(vec3i(id) + vec3i(cell_at_index(vec3u(3u), k)) - 1);
     }
     let cell = cell_in(params.count, id);
     let rgb = sum.rgb / max(sum.a, 1e-6);

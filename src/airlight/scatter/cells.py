@@ -43,6 +43,7 @@ class LatticeCells:
         cells = level.placement.cells
         self._level, self._settings = level, settings
         self.media, self.is_varied = media, is_varied
+        # A homogeneous medium is one row of coefficients for all cells, which need no means then.
         self._means = CellMedium(gpu, media.lights) if is_varied else None
         self._medium = Buffer(gpu, "medium of cells", 3 * cells * 8 if is_varied else 16)
         self._reflectances = CellReflectance(gpu)
@@ -66,6 +67,7 @@ class LatticeCells:
 
         Light goes on in the largest lattice over surfaces, `inner`, if that is larger.
         """
+        # Light keeps straighter the more cells it has around it, beyond the lattice, too.
         extents = [max(place.count) * place.cell for place in (inner, self.placement)]
         scheme = self._settings.scheme
         return LatticeKind(
@@ -105,9 +107,11 @@ class LatticeCells:
     def take_walls(self, commands: Commands, levels: Levels) -> bool:
         """Update the walls and hand them to `levels`; whether they changed."""
         version = self.blockers.version
+        # Walls that stay as they were are in all levels already.
         if version == self._walls_version:
             return False
         self._walls_version = version
+        # Without `occlusion` every hop is open.
         if self._settings.occlusion:
             self._reflectances.encode(
                 commands, self.placement.count, self.blockers.faces, self._reflectance

@@ -19,6 +19,7 @@ from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
 from ..maths.medium import mean_transmittance
 from ..maths.transforms import F64
 
+# Red, green and blue, each with a medium of its own.
 CHANNELS = 3
 _FIRST = (0, 6, 18)  # one hop of each kind
 
@@ -48,6 +49,7 @@ def step_rows(
     `sigma_s`, `sigma_t` (3,) m^-1. On a coarse `level` light is deposited where the finer walk
     would have. `persistence` is maths.lattice26.persistence of the finest lattice.
     """
+    # M moves light on, T adds up its track in the cell; both by channel.
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
         move, track = _channel_rows(float(s), float(t), cell_size_m, level, persistence / RHO)
@@ -60,6 +62,7 @@ def _channel_rows(
     sigma_s: float, sigma_t: float, cell_size_m: float, level: int, straight: float
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     table = hops()
+    # One hop of each kind stands for all of its kind.
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]
     length_m = cell_size_m * cells
     # Of a hop and of half of it: optical depth, transmittance, track; m: how far along it is lost.
@@ -103,6 +106,7 @@ def handed_on(*, is_gamma_fixed: bool = False) -> float:
 
 def paper_gain(sigma_s: float, sigma_t: float, cell_size_m: float, share: float) -> F64:
     """What eq. 3 leaves of a state (A, B) in a cell, (4,): it scatters `share` of sigma_s."""
+    # Eq. 3: 1 - d sigma_t of the state stays, and what is scattered comes on top of A.
     distance_m = mean_hop_length() * cell_size_m
     passed = 1.0 - distance_m * sigma_t
     return np.array([passed + share * distance_m * sigma_s, passed, passed, passed])
@@ -110,6 +114,7 @@ def paper_gain(sigma_s: float, sigma_t: float, cell_size_m: float, share: float)
 
 def check_depth(sigma_t: Sequence[float], cell_size_m: float) -> None:
     """Raise SettingsError where lambda = d sigma_t >= 1, beyond which eq. 3 is unstable."""
+    # In mean free paths of the channel that is attenuated most.
     depth = mean_hop_length() * cell_size_m * max(sigma_t)
     if depth >= 1.0:
         raise SettingsError(
@@ -131,6 +136,7 @@ def paper_rows(
     Raises SettingsError where lambda = d sigma_t >= 1, beyond which eq. 3 is unstable.
     """
     check_depth(sigma_t, cell_size_m)
+    # One hop stands for all of its kind: through a face, an edge, a corner.
     distance_m = mean_hop_length() * cell_size_m
     table = hops()
     w, cells = table.weights[list(_FIRST)], table.lengths[list(_FIRST)]
@@ -139,6 +145,7 @@ def paper_rows(
     nothing: dict[str, Any] = {name: np.zeros(3) for name in StepCoefficients.fields}
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
+        # A cell's state is taken times the gain, then handed to all neighbours by their weights.
         gain = paper_gain(s, t, cell_size_m, share).tolist()
         moves.append(nothing | {"gain": gain, "arriving": w, "passing": 3.0 * RHO * w / cells})
         # The whole length of a hop counts in the cell that it leaves, open or stopped.

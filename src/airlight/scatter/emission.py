@@ -58,6 +58,7 @@ class Emission(ChannelTextures):
         super().__init__(gpu, "track", size)
         self.placement, self.scale = placement, 1.0
         self._pack = _Pack(gpu)
+        # Beside three channels of two bands, means for media that scatter isotropically.
         self.mean = Texture(gpu, "track mean", size, FILTERED, dimension="3d", written=True)
 
     def encode(

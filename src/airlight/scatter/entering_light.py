@@ -64,6 +64,7 @@ class EnteringLight:
         self.forward = ForwardTextures(
             gpu, kit.lattices.placements, kit.lattices.texture_size, kit.lights.count
         )
+        # Point lights of groups; and fixed-point sums, which become power.
         self._points, self.resolve = InjectPoints(gpu), Resolve(gpu)
         self.flux, self.scale = 0.0, 1.0
         """W, an upper bound of what enters a lattice; fixed-point units per W sr^-1."""
@@ -73,6 +74,7 @@ class EnteringLight:
     def _box(self, frame: Frame) -> tuple[F64, F64]:
         """What light comes into: the surfaces' box, with a medium far beyond them the lattice's."""
         low, high = frame.bounds
+        # Light matters where surfaces are, unless lattices follow a medium far beyond them.
         if self.kit.lattices.nest.inner is None:
             return low, high
         first, last = self.kit.placement.world_bounds
@@ -102,6 +104,7 @@ class EnteringLight:
         """Add virtual point lights, and random points of rays where settings ask for them."""
         s = self.settings
         sampling = Sampling(s.samples, s.seed, is_stratified=s.single == "stratified")
+        # Points of groups, then what the texels of each map reflect and media before them scatter.
         self._points.encode(commands, target)
         for maps, lights in zip(self.maps.groups, self._map_lights, strict=True):
             if not maps.layers:

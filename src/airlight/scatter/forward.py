@@ -11,6 +11,8 @@ Source: ours. differs: Billeter2012 knows isotropic media only.
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -76,6 +78,7 @@ class _Forward(ComputePass):
 
 
 _SLANT_MEDIA = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
+# Light by light it is kept for marching, which the sum for surfaces does without.
 _DROP = """fn store_light(id: vec3u, i: u32, light: vec4f) {}
 """
 _KEEP = """fn store_light(id: vec3u, i: u32, light: vec4f) {
@@ -87,6 +90,7 @@ _KEEP = """fn store_light(id: vec3u, i: u32, light: vec4f) {
 
 
 def _generated(stores: bool, is_near: bool) -> str:
+    # Where it is for surfaces alone, cells that none of them reads are left out.
     cells = "near[cell] != 0u" if is_near else "true"
     return (
         f"const FOR_SURFACES = {str(is_near).lower()};\n"
@@ -111,6 +115,7 @@ class ForwardLight:
     ) -> None:
         self._media, self._textures = media, textures
         self._sky_stride = _SKY_STRIDE if textures else 2 * _SKY_STRIDE
+        # Without textures it is for surfaces alone, in the cells that they read.
         is_near = textures is None
         self._lights = _Forward(gpu, media.lights, stores=not is_near, is_near=is_near)
         self._sky = _Forward(gpu, media.sky, stores=False, is_near=is_near)
@@ -133,6 +138,7 @@ class ForwardLight:
         `light_step`: cells take each so many of the lights, neighbours others. `stale`, where the
         light is not for surfaces alone: the cells that are computed.
         """
+        # Each of the sky's many lights is looked for at a few parts of a cell, and none is blurred.
         params = ForwardParams(
             light_count=lights.count,
             stride=self._sky_stride,
@@ -148,11 +154,8 @@ class ForwardLight:
             commands,
             cells.placement.count,
             params=params,
-            lattice=cells.placement.params(),
-            face_visibility=cells.blockers.face_visibility,
-            base=base,
             forward=self.sky,
-            **({"near": near} if near else {}),
+            **_bound(cells, base, near),
             **(stale.bound if stale else {}),
             **lights.bound,
             **self._media.sky.bound,
@@ -172,7 +175,7 @@ class ForwardLight:
         `near`: of light for surfaces alone, the cells that they read (`near_surfaces`).
         """
         # Each light's forward light in all cells, for marching, and the sum of all for surfaces.
-        textures, visibility = self._textures, cells.blockers.face_visibility
+        textures = self._textures
         params = ForwardParams.of(
             light_count=lights.count,
             # Many lights are samples of few with extent.
@@ -189,15 +192,24 @@ class ForwardLight:
             commands,
             cells.placement.count,
             params=params,
-            lattice=cells.placement.params(),
-            face_visibility=visibility,
-            base=base,
             forward=self.all,
-            **({"near": near} if near else {}),
+            **_bound(cells, base, near),
             **({"unblurred": textures.unblurred} if textures else {}),
             **lights.bound,
             **self._media.lights.bound,
         )
         # Marching takes the blurred light where beams have spread over more than a cell.
         if textures and lights.count:
-            textures.encode_blur(commands, cells.placement, lights.count, visibility)
+            textures.encode_blur(
+                commands, cells.placement, lights.count, cells.blockers.face_visibility
+            )
+
+
+def _bound(cells: LatticeCells | Level, base: Buffer, near: Buffer | None) -> dict[str, Any]:
+    """What the light of the sky and that of lights are both computed from."""
+    return {
+        "lattice": cells.placement.params(),
+        "face_visibility": cells.blockers.face_visibility,
+        "base": base,
+        **({"near": near} if near else {}),
+    }

@@ -7,6 +7,7 @@
 //! use forward_depths
 //! use free_path
 //! use octants
+//! use cell_order
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 //! needs fn is_read(cell: u32) -> bool
@@ -136,7 +137,7 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
         return;
     }
     let cells = lattice.count.x * lattice.count.y * lattice.count.z;
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let cell = cell_in(lattice.count, id);
     let span = cell_span(lattice, id);
     var fluence = vec3f(0.0);
     var flux = mat3x3f();   // columns x, y, z of rgb

@@ -49,6 +49,7 @@ class ForwardBeams:
 
     def encode(self, commands: Commands, frame: Frame) -> None:
         """Find the beams of a frame, where anything changed."""
+        # Forward lobes alone make beams: media that scatter backwards count as isotropic.
         scene = self._forwards.of(frame.scene)
         self._has_any = is_forward(scene)
         if not self._has_any:
@@ -56,6 +57,7 @@ class ForwardBeams:
         if self._made is None:
             # Of the scene that all tables of media are made of, whose densities they share.
             self._made = _Made(self._kit, self._kit.context.scene)
+        # Moving frames may do without the sky's beams, as they do without the gather.
         has_sky = self._sky == "always" or (self._sky == "still" and frame.is_still)
         self._made.encode(commands, replace(frame, scene=scene), has_sky=has_sky)
 
@@ -74,6 +76,7 @@ class _Made:
 
     def __init__(self, kit: Kit, scene: Scene) -> None:
         gpu, self._kit = kit.gpu, kit
+        # Media as beams meet them, beams in the cells of each lattice, and on surfaces.
         self._media = ReducedMedia(kit, scene)
         self.levels = [_Level(kit, level, self._media) for level in kit.lattices.levels]
         self.surfaces = SurfaceBeams(gpu, kit)
@@ -167,6 +170,7 @@ class _ForwardsOnly:
     def of(self, scene: Scene) -> Scene:
         """The scene so."""
         own = scene.medium if self._has_medium else None
+        # Where nothing scatters backwards the scene is as it was.
         if all(min(m.g) >= 0.0 for m in (*scene.volumes, *((own,) if own else ()))):
             return scene
         volumes = tuple(self._forwards(volume) for volume in scene.volumes)
@@ -175,6 +179,7 @@ class _ForwardsOnly:
         return replace(scene, volumes=volumes, medium=medium)
 
     def _forwards(self, medium: _M) -> _M:
+        # An unchanged medium stays the same object, which tables of media know by identity.
         made: _M | None = next((m for known, m in self._made if known is medium), None)
         if made is not None:
             return made
@@ -191,6 +196,7 @@ class ForwardSolver(Solver):
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """The beams of a frame."""
         self.beams.encode(commands, frame)
+        # Where no lattice brings irradiance, that of the beams is all there is.
         forward = self.beams.field
         return replace(fields, forward=forward, irradiance=fields.irradiance or forward)
 

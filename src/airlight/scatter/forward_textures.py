@@ -52,6 +52,7 @@ class ForwardTextures:
         """`placements` of all lattices, the finest first; `size`: cells of all, of one light."""
         self.lights, self.depth = lights, size[2]
         self._finest_m, self._largest_m = placements[0].cell, placements[-1].cell
+        # Each light has a slab of cells along z.
         whole = (size[0], size[1], size[2] * max(1, lights))
         self.unblurred, self.blurred, self._between = (
             Texture(gpu, name, whole, "rgba16float", dimension="3d", written=True)

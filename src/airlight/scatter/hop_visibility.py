@@ -79,6 +79,7 @@ class HopVisibility:
         packs: Buffer,
     ) -> None:
         """`face_visibility` as lattice.blockers; `reflectance` one u32 (rgb unorm8) per cell."""
+        # The hops that each cell sends; from them, those that its neighbours send it.
         params = LatticeSize(count=count)
         self._leaving.dispatch(
             commands,

@@ -25,6 +25,7 @@ fn open_hop(at: vec3i, hop: u32) -> f32 {
         return;
     }
     let cell = cell_in(params.count, id);
+    // The first half of what is packed for a cell; hops that leave it are in the second.
     let words = packed_hops(vec3i(id));
     packs[4u * cell] = vec4u(words[0], words[1], words[2], words[3]);
     packs[4u * cell + 1u] = vec4u(words[4], words[5], words[6], 0u);

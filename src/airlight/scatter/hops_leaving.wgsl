@@ -58,6 +58,7 @@ fn open_hop(at: vec3i, hop: u32) -> f32 {
         return;
     }
     let cell = cell_in(params.count, id);
+    // The second half, and the colour of the walls that turn light back.
     let words = packed_hops(vec3i(id));
     packs[4u * cell + 2u] = vec4u(words[0], words[1], words[2], words[3]);
     packs[4u * cell + 3u] = vec4u(words[4], words[5], words[6], reflectance[cell]);

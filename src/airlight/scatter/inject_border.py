@@ -128,6 +128,7 @@ class InjectBorder:
         walls or media are others than before, or the lattice has moved. Without `reflectance`
         walls are black.
         """
+        # Light from outside stays until medium, lights or walls are others, or the lattice moves.
         if outside == self._outside and not is_new:
             return
         self._outside = outside
@@ -157,6 +158,7 @@ class InjectBorder:
 
     def encode(self, commands: Commands, cells: Buffer, base: Buffer) -> None:
         """cells += what `find` found, and beams = `base` + its track."""
+        # Channels lie one after the other along z, of power and of both tracks alike.
         x, y, z = self._count
         self._add.dispatch(
             commands,

@@ -7,6 +7,7 @@
     }
     let index = cell_in(params.count, id);
     let half = params.count.x * params.count.y * params.count.z;
+    // What comes in hops on from the cell; its track adds to that of beams, as media and as surfaces read them.
     cells[index] += border[index];
     beams[index] = base[index] + border[half + index];
     surface_beams[index] = base[index] + border[2u * half + index];

@@ -69,6 +69,7 @@ class InjectOuter(ComputePass):
         `bound`: as Blockers.bound, which both share. `outer_sum`: the sum of all states of the
         larger one, W. `sigma_t`: m^-1, where the medium is homogeneous.
         """
+        # The finer lattice's hops take states of the larger one across the border.
         (inner, outer), (own, around) = places, media
         x, y, z = own.count
         self.dispatch(

@@ -31,6 +31,7 @@ class SingleParams(Struct):
     is_listed = u32("1: into cells of the list alone")
 
 
+# Fluence is kept where the light in cells is read, added to other light's or alone.
 _DROP = "fn keep_light(cell: u32, fluence: vec3f) {}\n"
 _KEEP = """
 fn keep_light(cell: u32, fluence: vec3f) {
@@ -74,6 +75,7 @@ class InjectSingle(ComputePass):
         where `encode` is given a list of them.
         """
         self._media, self._is_first = media, is_first
+        # Fluence is added to that of other light, or is the first.
         kept = (storage("light_base", "vec4f"), storage("light", "vec4f", "read_write"))
         keep = _KEEP_ALONE if is_first else _KEEP
         self.slots = (  # type: ignore[misc]
@@ -105,6 +107,7 @@ class InjectSingle(ComputePass):
         The media's coefficients count as isotropic. `stale`, where it `is_first`: the cells that
         are computed; the others' light stays as it was.
         """
+        # The light that is there already, and which cells are computed.
         kept: dict[str, Any] = {"light": fluence.after} if fluence else {}
         if fluence and fluence.base:
             kept["light_base"] = fluence.base

@@ -4,6 +4,7 @@
 //! use cell_light
 //! use lights_in_media
 //! use octants
+//! use cell_order
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn keep_light(cell: u32, fluence: vec3f)
 
@@ -11,7 +12,7 @@
 // within it: of its samples nothing is cut off.
 fn true_reach(light: LightData, p: vec3f, cut: f32) -> f32 {
     let is_own = light.kind == LIGHT_SAMPLE && light.shape_x == 0.0;
-    return select(cut, max(length(light.position - p), 1e-6), is_own);
+    return select(cut, max(length(light.position - p), 1e-9), is_own);
 }
 
 // Mean irradiance of a local light over a box of sides `size` about p, which it is close to, and which it
@@ -21,7 +22,7 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
     let radius = ball_radius(size) / 3.0;
     var sum = vec3f(0.0);
     for (var k = 0u; k < 27u; k++) {
-        let third = vec3f(vec3u(k % 3u, (k / 3u) % 3u, k / 9u)) - 1.0;
+        let third = vec3f(cell_at_index(vec3u(3u), k)) - 1.0;
         let at = p + world_from_lattice(lattice, third * size / 3.0);
         let in = incoming_in_media(light, at);
         let reach = true_reach(light, at, in.distance);
@@ -98,7 +99,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     // Scattered isotropically: a constant term alone.
     power *= size.x * size.y * size.z;
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
-    let cell = (id.z * lattice.count.y + id.y) * lattice.count.x + id.x;
+    let cell = cell_in(lattice.count, id);
     keep_light(cell, fluence);
     for (var channel = 0u; channel < 3u; channel++) {
         let index = channel * cells_in_all + cell;

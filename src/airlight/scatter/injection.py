@@ -39,6 +39,7 @@ class Injection:
     def __init__(self, kit: Kit, scene: Scene, light: EnteringLight, cells: LatticeCells) -> None:
         gpu, count = kit.gpu, cells.placement.cells
         self.kit, self.light, self.cells = kit, light, cells
+        # Light by light of media that scatter forwards; and an endless medium's, from outside.
         self.forward = ForwardLight(gpu, cells.placement, light.media, light.forward)
         is_endless = scene.medium is not None and scene.medium.endless
         self._border: InjectBorder | None = None
@@ -96,6 +97,7 @@ class Injection:
     def _fluence(self, *, is_sky: bool) -> CellFluence | None:
         if not self._fluences:
             return None
+        # The sky's light changes seldom; that of the lights comes on top.
         none, sky, light = self._fluences
         if is_sky:
             return CellFluence(None, sky)
@@ -109,6 +111,7 @@ class Injection:
     @property
     def beams(self) -> Buffer | None:
         """Unscattered light, W m, that marching reads from cells beside the scene's lights."""
+        # Beams from the border are on top of the sky's already.
         if self._border:
             return self._border.beams
         return self._sky_forward if self._has_forward else None
@@ -177,6 +180,7 @@ class Injection:
 
     def _inject_border(self, commands: Commands, frame: Frame, *, is_new: bool) -> None:
         """Add what an endless medium around the lattices sends into this one."""
+        # What an endless medium scatters outside is that of its reduced medium.
         medium = reduced_scene(frame.scene).medium
         if self._border and medium:
             eye = frame.scene.camera.position
@@ -189,6 +193,7 @@ class Injection:
             self._border.encode(commands, self.source, self._sky_forward)
 
     def _take_forward(self, commands: Commands, scene: Scene) -> None:
+        # On top of the sky's, and of what comes from outside.
         if self._has_forward:
             self.forward.encode(
                 commands,

@@ -41,6 +41,7 @@ class Levels:
     ) -> None:
         """A lattice of `count` cells, and the coarser ones that `schedule` asks for."""
         self.schedule, self.kind = schedule, kind  # another schedule has as many levels
+        # From level to level cells are twice as long.
         self.levels = [
             Level(gpu, size, cell_size_m * 2**k, kind, is_finest=k == 0)
             for k, size in enumerate(schedule.counts(count))
@@ -79,6 +80,7 @@ class Levels:
                     sigma_s, sigma_t, level.cell, level=k, persistence=self._persistence
                 )
             else:
+                # As printed, with the paper's gamma or the one that hands on all light.
                 fixed = self.kind.scheme == "paper-gamma"
                 rows += paper_rows(sigma_s, sigma_t, level.cell, is_gamma_fixed=fixed)
         self._coefficients.write(pack_array(StepCoefficients, rows))
@@ -131,6 +133,7 @@ class Levels:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         finest = self.levels[0]
         finest.source = source
+        # Recorded for a schedule, its buffers and the numbers that its parameters hold.
         key = (self.schedule, source, finest.medium, finest.face_visibility, *self._tracks)
         return self._recorded.encode(commands, key, partial(self._solved, commands))
 

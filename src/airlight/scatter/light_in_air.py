@@ -54,6 +54,7 @@ class LightInAir:
     def __init__(self, gpu: Gpu, kit: Kit) -> None:
         self._kit, self._pack, self.scale = kit, _Pack(gpu), 1.0
         size = kit.lattices.texture_size
+        # All light, and the part of it that is unscattered.
         self._mean, self._unscattered = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
             for name in ("light in air", "unscattered light in air")
@@ -89,6 +90,7 @@ class LightInAir:
     def field(self, walls: dict[str, Any]) -> AirLight:
         """For the rays of a gather; `walls` as Blockers.bound."""
         largest, places = self._kit.placement, self._kit.lattices.placements
+        # The slots of channels want textures; rays read the mean alone.
         mean = LatticeSource(
             largest,
             {f"lattice_{name}": self._mean for name in ("red", "green", "blue")} | walls,

@@ -1,4 +1,5 @@
 // All light in cells for rays that surfaces send: the solved track, and the unscattered light beside it.
+//! use cell_order
 
 const LARGEST_HALF = 65504.0;
 
@@ -7,7 +8,7 @@ const LARGEST_HALF = 65504.0;
         return;
     }
     let cells = params.count.x * params.count.y * params.count.z;
-    let cell = (id.z * params.count.y + id.y) * params.count.x + id.x;
+    let cell = cell_in(params.count, id);
     let scattered = max(vec3f(track[cell].x, track[cell + cells].x, track[cell + 2u * cells].x),
         vec3f(0.0));
     // Track, W m, over a cell's volume is fluence.

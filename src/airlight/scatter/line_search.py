@@ -74,6 +74,7 @@ class LineSearch:
 
     def __init__(self, gpu: Gpu) -> None:
         parts = f"const PARTS = {_PARTS}u;"
+        # Partial sums first, then their sum, so that their order is always the same.
         self._sum, self._length = _Sum(gpu, generated=parts), _Length(gpu, generated=parts)
         self._apply = _Apply(gpu)
         self._parts = Buffer(gpu, "partial sums", CHANNELS * _PARTS * 8)
@@ -112,6 +113,7 @@ class LineSearch:
             parts=self._parts,
             lengths=self._lengths,
         )
+        # One step of the corrected sum, from the steps of both its parts.
         self._apply.dispatch(
             commands,
             level.grid,

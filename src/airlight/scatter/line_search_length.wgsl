@@ -9,5 +9,6 @@
     for (var k = 0u; k < PARTS; k++) {
         found += parts[id.x * PARTS + k];
     }
+    // (r.d) / (d.d) leaves the least residual.
     lengths[id.x] = clamp(params.most * select(0.0, found.x / found.y, found.y > 0.0), 0.0, 1.0);
 }

@@ -3,6 +3,7 @@
 // An invocation adds up every PARTS-th coarse cell of a channel.
 //! use level_cells
 //! use channel_cells
+//! use cell_order
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let channel = id.y;
@@ -13,7 +14,7 @@
     let f = params.fine;
     var found = vec2f(0.0);
     for (var cell = id.x; cell < n.x * n.y * n.z; cell += PARTS) {
-        let at = vec3u(cell % n.x, (cell / n.x) % n.y, cell / (n.x * n.y));
+        let at = cell_at_index(n, cell);
         // The residual and what the correction leaves of it, of all fine cells in the coarse one.
         var lacking = vec4f(0.0);
         var taken = vec4f(0.0);

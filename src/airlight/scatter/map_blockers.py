@@ -25,6 +25,7 @@ from ..surface.geometry import GpuScene
 from ..surface.light_views import LightViewData, light_views
 from ..surface.reflective import ReflectiveShadowMaps
 
+# Under light of 1 the flux of a map is what it shows reflects.
 _WHITE = (1.0, 1.0, 1.0)
 VIEWS = 6
 """How many maps there are."""

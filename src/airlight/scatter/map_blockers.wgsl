@@ -1,7 +1,7 @@
 // Texels of six maps along the axes of the lattice, added to what blocks around its corners.
 //! use blocker_side
 //! use light_texel
-//! use lattice_axes
+//! use nearest_corner
 
 // Layer 2 axis + k sees the sides that face +axis (k = 0) or -axis.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -15,20 +15,17 @@
     // The corner nearest to what the texel sees.
     let view = views[id.z];
     let world = texel_point(view, texel_centre(id.xy, params.resolution), d);
-    let coordinates = cells_from_world(lattice, world);
-    let corner = vec3i(floor(coordinates + 0.5));
-    if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
+    let corner = nearest_corner(world);
+    if (corner.index == NO_CORNER) {
         return;
     }
     // Its area along the map's axis covers a share of a face; walls block on both sides.
     let axis = id.z / 2u;
-    let offset = coordinates[axis] - f32(corner[axis]);
+    let offset = corner.offset[axis];
     let area = view.texel.x * view.texel.y / (lattice.cell * lattice.cell);
     let units = i32(round(area * params.units));
     let reflectance = textureLoad(flux, vec2i(id.xy), id.z, 0).rgb;
-    let c = vec3u(corner);
-    let n = lattice.count + 1u;
-    let first = CORNER_VALUES * ((c.z * n.y + c.y) * n.x + c.x);
+    let first = CORNER_VALUES * corner.index;
     add_side(first, id.z, units, offset, reflectance);
     add_side(first, id.z ^ 1u, units, offset, reflectance);
     add_axis(first, axis, units, offset);

@@ -36,6 +36,7 @@ class NearSurfaces:
     def encode(self, commands: Commands) -> None:
         """Find them, where the blockers changed."""
         blockers, count = self._level.blockers, self._level.placement.count
+        # Where surfaces are depends on the walls alone.
         if blockers.version != self._version:
             self._version = blockers.version
             self._pass.dispatch(

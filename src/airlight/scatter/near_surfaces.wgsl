@@ -6,6 +6,7 @@
     if (any(id >= params.count)) {
         return;
     }
+    // Sums of surfels lie at corners, of which there is one more than cells along each axis.
     let n = params.count + 1u;
     let low = max(id, vec3u(1u)) - 1u;
     let high = min(id + 2u, params.count);
@@ -13,7 +14,7 @@
     for (var z = low.z; z <= high.z; z++) {
         for (var y = low.y; y <= high.y; y++) {
             for (var x = low.x; x <= high.x && is_near == 0u; x++) {
-                let first = CORNER_VALUES * ((z * n.y + y) * n.x + x) + AXIS_COVER;
+                let first = CORNER_VALUES * cell_in(n, vec3u(x, y, z)) + AXIS_COVER;
                 is_near = u32((sums[first] | sums[first + 1u] | sums[first + 2u]) != 0);
             }
         }

@@ -59,6 +59,7 @@ class PowerRescaling:
 
     def __init__(self, gpu: Gpu) -> None:
         parts = f"const PARTS = {_PARTS}u;\nconst MOST = {_MOST};"
+        # Sums in two steps, in a fixed order, and the scale that follows from them.
         self._sum, self._scale = _Sum(gpu, generated=parts), _Scale(gpu, generated=parts)
         self._apply = _Apply(gpu)
         self._parts = Buffer(gpu, "partial powers", CHANNELS * _PARTS * 8)

@@ -8,6 +8,7 @@
     for (var k = 0u; k < PARTS; k++) {
         found += parts[id.x * PARTS + k];
     }
+    // What came in has to be lost in the end: scaled so that the sum loses as much.
     let lost = found.x - found.y;
     scales[id.x] = select(1.0, clamp(found.x / max(lost, 1e-30), 1.0 / MOST, MOST), found.x > 0.0);
 }

@@ -8,6 +8,7 @@
     }
     let cells = params.count.x * params.count.y * params.count.z;
     var found = vec2f(0.0);
+    // Constant terms alone: they are the power.
     for (var cell = id.x; cell < cells; cell += PARTS) {
         let index = channel * cells + cell;
         found += vec2f(source[index].x, stepped[index].x - sum[index].x);

@@ -146,6 +146,7 @@ class Step:
         """
         self._gpu = gpu
         self._has_rows = has_row_lanes(gpu) if has_rows is None else has_rows
+        # Walls and varying media are compiled in; all operators share the kernel.
         self._constants = {"HAS_WALLS": float(has_walls), "IS_VARIED": float(is_varied)}
         self._constants["HANDED_ON"] = handed_on if is_varied else 0.0
         # Compiled when first needed: most lattices need one of the two.
@@ -198,6 +199,7 @@ def tiles(count: Count, processors: int) -> Count:
     Slabs read the layers beside them, too.
     """
     nx, ny, nz = count
+    # A lane marches a tile of columns; enough slabs leave every processor some groups.
     x, y = -(-nx // TILE[0]), -(-ny // TILE[1])
     groups = CHANNELS * -(-x // LANES) * y
     slabs = min(-(-_GROUPS * processors // groups), max(1, nz // _THINNEST))

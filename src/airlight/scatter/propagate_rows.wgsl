@@ -3,6 +3,7 @@
 // once, and has those beside its tile from the lanes beside it. The lattice's x is even.
 //! use cell_pairs
 //! use step26
+//! use cell_order
 
 const WIDTH = 4u;
 const HEIGHT = 2u;
@@ -171,7 +172,7 @@ fn step_pair(cell: u32, x: i32, y: i32, channel: u32, is_there: bool) {
     var z = z_first;
     loop {
         above = layer_at(min(z + 1u, n.z - 1u), at, channel, z + 1u < n.z);
-        let cell = (z * n.y + at.y) * n.x + at.x;
+        let cell = cell_in(n, vec3u(at, z));
         step_pair(cell, 0, 0, channel, true);
         step_pair(cell + 2u, 2, 0, channel, has_two);
         step_pair(cell + n.x, 0, 1, channel, has_row);

@@ -49,6 +49,7 @@ class ReducedMedia:
 
     def update(self, commands: Commands, frame: Frame) -> None:
         """Bring the media up to date; `sigma_s`, `sigma_t`, m^-1, are the densest one's."""
+        # Lattices solve reduced media; forward light is beside them where any medium has some.
         reduced = reduced_scene(frame.scene)
         self.has_forward = is_forward(frame.scene)
         self.is_reduced = is_forward(frame.scene, least=0.0)

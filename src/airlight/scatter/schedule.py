@@ -47,6 +47,7 @@ class Schedule:
         """The cells of each level's lattice."""
         counts = [count]
         for _ in self.before[1:]:
+            # A coarse cell stands for eight; at odd ends it reaches beyond them.
             x, y, z = counts[-1]
             counts.append((-(-x // 2), -(-y // 2), -(-z // 2)))
         return counts
@@ -85,6 +86,7 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
 
 def cycles_to(residual: float) -> int:
     """Iterations whose cycles leave about `residual` of the light under way."""
+    # Each cycle leaves the same share of what is under way.
     cycles = math.ceil(math.log(1.0 / max(residual, 1e-6)) / math.log(1.0 / _CYCLE_LEAVES))
     return _CYCLE_ITERATIONS * max(1, cycles)
 
@@ -113,6 +115,7 @@ def _decay(sigma_s: float, sigma_t: float, cell_size_m: float, count: Count) -> 
     """Per iteration, the share that is absorbed and escapes of the slowest mode."""
     table = hops()
     x = np.asarray(sigma_t * cell_size_m * table.lengths)
+    # The power that a hop keeps: what passes, and of the rest what is scattered.
     passed = np.exp(-x)
     albedo = sigma_s / sigma_t if sigma_t > 0.0 else 0.0
     kept = float(table.weights @ (passed + albedo * (1.0 - passed)))
@@ -122,6 +125,7 @@ def _decay(sigma_s: float, sigma_t: float, cell_size_m: float, count: Count) -> 
     moved = float(table.weights @ (ahead * table.lengths**2))
     in_line = RHO**2 * float(table.weights @ passed)
     moved *= (1.0 + in_line) / (1.0 - in_line)
+    # The slowest mode of diffusion in a box with extrapolated borders.
     escape = moved / 6.0 * sum((math.pi / (n + 1.42)) ** 2 for n in count)
     # No light leaves faster than it crosses.
     return min(escape, 2.0 * mean_hop_length() / max(count)) - math.log(max(kept, 1e-12))

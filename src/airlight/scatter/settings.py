@@ -74,6 +74,7 @@ class ScatterSettings:
 
 def iterations_of(settings: ScatterSettings, *, is_still: bool) -> int:
     """How many iterations there are: in stills more, where nobody says how many."""
+    # A number that was set counts for moving frames and stills alike.
     is_asked = settings.iterations != ScatterSettings.iterations or settings.residual > 0.0
     return settings.still_iterations if is_still and not is_asked else settings.iterations
 
@@ -109,6 +110,7 @@ def densest_medium(scene: Scene) -> tuple[Rgb, Rgb]:
     found: list[tuple[Rgb, Rgb]] = []
     if scene.medium:
         found.append((scene.medium.sigma_s, scene.medium.sigma_t))
+    # A volume counts by its densest voxel.
     for volume in scene.volumes:
         peak = 1.0 if volume.density is None else float(volume.density.max())
         r, g, b = (peak * t for t in volume.sigma_t)

@@ -14,6 +14,7 @@ class SkyTable:
 
     def __init__(self, kit: Kit) -> None:
         self._kit = kit
+        # As large as the sky's lights may ever be many, so that passes keep their buffer.
         self.capacity = max(1, sky_capacity(kit))
         self.buffer = Buffer(kit.gpu, "sky lights", LightData.dtype.itemsize * self.capacity)
         self.rows = self._written = b""
@@ -25,6 +26,7 @@ class SkyTable:
 
     def update(self) -> None:
         """Take the lights that stand for the sky now."""
+        # The rows tell whether lights are others; without maps nobody reads them.
         table = packed_lights(tuple(self._kit.sky.lights))
         self.rows = table.tobytes()
         if self.has_any and self.rows != self._written:
@@ -36,6 +38,7 @@ class SkyTable:
 
         `walls` as `Blockers.walls`.
         """
+        # They take the slots of directional lights; those of local lights are bound and not read.
         maps = self._kit.sky.maps
         resources = {
             **self._kit.lights.bound,

@@ -83,6 +83,7 @@ class ScatterSolver(Solver):
 
         Raises SettingsError (scheme paper in a dense medium).
         """
+        # Lattices see the media that they solve, beams see all.
         seen = dataclasses.replace(frame, scene=self._seen(frame.scene))
         with commands.stage("air"):
             self.media.update(commands, seen)
@@ -195,6 +196,7 @@ class ScatterSolver(Solver):
             "levels": len(levels.levels),
             "cycles": levels.schedule.cycles,
         }
+        # Iterations and levels are those of the largest lattice.
         if len(placements) > 1:
             found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in placements]
         return found

@@ -17,6 +17,7 @@ class SurfaceBeams:
 
     def __init__(self, gpu: Gpu, kit: Kit) -> None:
         self._kit = kit
+        # Textures of their own, with a table by whose scale they are read.
         self._textures = SurfaceLight(gpu, kit.placement, kit.lattices.texture_size)
         self._table = LatticeTable(gpu, kit.lattices.table.count)
 

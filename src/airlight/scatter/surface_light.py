@@ -73,6 +73,7 @@ class SurfaceLight(ChannelTextures):
         """`size` in cells: of all lattices that share the textures; else the lattice's own."""
         super().__init__(gpu, "surface", size or placement.count)
         self.placement, self.scale = placement, 1.0
+        # By how much more walls get where all light comes from the medium.
         gain = scattered_lookup_scale() / LOOKUP_SCALE - 1.0
         self._pack = _Pack(gpu, constants={"SCATTERED_GAIN": gain})
 
@@ -94,6 +95,7 @@ class SurfaceLight(ChannelTextures):
         placement = placement or self.placement
         # As bright as half floats hold even if all flux lies in one cell.
         self.scale = half_scale(flux)
+        # A state lights walls by the track that it leaves, in clear air that of a mean hop.
         clear_m = mean_hop_length() * placement.cell
         params = SurfaceLightParams(
             count=placement.count,

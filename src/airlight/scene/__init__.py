@@ -1,14 +1,15 @@
 """Scenes: frozen values that say what is to be rendered; no GPU.
 
 scene        all of it in one value           camera, environment
-sun_sky      a clear sky and its sun
-mesh         triangles and their transforms   material   how they reflect
+sun_sky      a clear sky and its sun            studio     a backdrop without an edge
+mesh         triangles and their transforms   material   how they reflect, texels of their textures
 lights       point, spot, directional, area   point_lights   thousands of them in arrays
 medium       homogeneous, with or without bounds    volume   density grids, boxes, balls
 emission     light that volumes give off themselves
 image, denoise   a rendered image, and without noise    settings   of techniques
 keys, checks, limits   how values are described, checked and bounded; fingerprint tells scenes apart
 shapes, light_shapes   meshes by name; of area lights         coefficients   by voxel
+one_grid     grids that lie anywhere, on the voxels of one box   enclosed   what meshes enclose
 placing, nearby, along moved by a matrix; to an origin near the camera; boxes along other axes
 lens, map_suns, shown  samples of lens and shutter; suns in maps; scenes as techniques take them
 io/          files <-> these    builtin/   scenes that ship    animation/   scenes in time

@@ -95,11 +95,14 @@ def size_px(value: Any, name: str) -> tuple[int, int]:
 
 
 def unit_vec3(value: Any, name: str) -> Vec3:
-    """Three numbers, normalised."""
+    """Three numbers, normalised; those of a unit vector stay as they are, to the bit."""
     v = vec3(value, name)
     length = math.sqrt(sum(c * c for c in v))
     if length == 0.0:
         raise SceneError(f"{name} is zero, it must point somewhere")
+    # Dividing by a length that is 1 but for rounding would change the last bits at every reading.
+    if abs(length - 1.0) < 1e-15:
+        return v
     return (v[0] / length, v[1] / length, v[2] / length)
 
 

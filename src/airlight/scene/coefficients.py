@@ -18,7 +18,7 @@ from ..errors import SceneError
 from ..maths.mixtures import mixed
 from ..maths.transforms import triple
 from . import checks
-from .checks import F32, Rgb
+from .checks import F32, F64, Rgb
 from .emission import Emission
 from .medium import mean_cosine
 
@@ -217,6 +217,27 @@ def in_parts(scene: Scene) -> Scene:
     if not any(volume.has_coefficient_grids for volume in scene.volumes):
         return scene
     return replace(scene, volumes=tuple(p for v in scene.volumes for p in v.parts))
+
+
+ALIKE = 0.1
+"""Of `traits`: volumes in which none differs by more are of one kind."""
+
+
+def traits(volume: Volume) -> F64:
+    """Ratios of extinctions, albedo and g (9,): what tells kinds of media apart."""
+    sigma_t = np.asarray(volume.sigma_t)
+    tint = sigma_t / max(float(sigma_t.max()), 1e-30)
+    return np.concatenate([tint, volume.albedo, volume.g])
+
+
+def parts_alike(one: Volume, other: Volume) -> bool:
+    """Whether two volumes have as many parts, which are of the same kinds, one by one."""
+    if not (one.has_coefficient_grids or other.has_coefficient_grids):
+        return True
+    if len(one.parts) != len(other.parts):
+        return False
+    pairs = zip(one.parts, other.parts, strict=True)
+    return all(float(np.abs(traits(a) - traits(b)).max()) <= ALIKE for a, b in pairs)
 
 
 def grouped(volumes: Sequence[Volume]) -> list[tuple[Volume, ...]]:

@@ -130,3 +130,10 @@ SIDES: Mapping[str, dict[str, Any]] = {
 """Which sides of a surface reflect, and what cameras see of its back; the fields that say so."""
 
 DEFAULT_MATERIAL: Material = Material(name="default")
+
+
+def specular_of(ior: float) -> float:
+    """Scale of the dielectric reflectance 0.04, by Fresnel's at normal incidence; above 1 beyond
+    an index of 1.5. An index of 0 stands for an endless one, as glTF has it."""
+    reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2 if ior > 0.0 else 1.0
+    return reflectance / 0.04

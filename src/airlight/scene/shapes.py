@@ -6,6 +6,7 @@ with +Y up (at the quad and the box's lid from above with -Z up, at its floor wi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -60,6 +61,38 @@ def sphere(segments: int = 64, rings: int = 32) -> Geometry:
         indices=_lattice_triangles(segments, rings),
         normals=_f32(normals),
         uvs=_f32(np.stack([u, v], axis=-1).reshape(-1, 2)),
+    )
+
+
+def revolved(lines: Sequence[tuple[F64, F64]], segments: int = 64) -> Geometry:
+    """A body of revolution about +Y: each line turned around, its edges sharp.
+
+    A line is its points (N, 2), distance from the axis and height, upwards on the outside, and
+    their unit normals (N, 2). Texture coordinates are left out.
+    """
+    azimuth = 2.0 * np.pi * (np.arange(segments + 1) % segments) / segments
+    around = np.stack([np.sin(azimuth), np.cos(azimuth)])
+    positions, normals, triangles, first = [], [], [], 0
+    for points, outwards in lines:
+        turned = [
+            np.stack([v[:, :1] * around[0], np.repeat(v[:, 1:], segments + 1, 1),
+                      v[:, :1] * around[1]], axis=-1).reshape(-1, 3)
+            for v in (points, outwards)
+        ]  # fmt: skip
+        ring, segment = np.meshgrid(np.arange(len(points) - 1), np.arange(segments), indexing="ij")
+        low = first + ring * (segments + 1) + segment
+        high = low + segments + 1
+        # On the axis a ring is a point, and one of the two triangles has no area.
+        is_open = [points[:-1, 0] > 0.0, points[1:, 0] > 0.0]
+        triangles.append(np.stack([low, low + 1, high + 1], axis=-1)[is_open[0]].reshape(-1, 3))
+        triangles.append(np.stack([low, high + 1, high], axis=-1)[is_open[1]].reshape(-1, 3))
+        positions.append(turned[0])
+        normals.append(turned[1])
+        first += len(turned[0])
+    return Geometry(
+        positions=_f32(np.concatenate(positions)),
+        indices=np.concatenate(triangles).astype(np.uint32),
+        normals=_f32(np.concatenate(normals)),
     )
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from ..errors import SettingsError
-from .coefficients import in_parts
+from ..maths.sampling import shutter_shares
+from .animation.boxes import CommonBoxes
+from .coefficients import in_parts, parts_alike
 from .light_shapes import LightMeshes
 from .map_suns import SunLights
 from .scene import Scene
+from .volume import Volume
 
 _MANY = ("lights", "light_groups", "meshes", "volumes")
 
@@ -29,9 +33,19 @@ class ShownScenes:
 
 
 def drawn_alike(one: Scene, other: Scene) -> bool:
-    """Whether the volumes of two scenes have as many parts: what is made for one fits the other."""
-    counts = [tuple(len(volume.parts) for volume in scene.volumes) for scene in (one, other)]
-    return counts[0] == counts[1] or len(counts[0]) != len(counts[1])
+    """Whether the volumes of two scenes have parts of the same kinds, and grids of the same size in
+    the same boxes: what is made for one fits the other."""
+    if len(one.volumes) != len(other.volumes):
+        return True  # whoever takes them says what is wrong
+    return all(map(_is_drawn_alike, one.volumes, other.volumes))
+
+
+def _is_drawn_alike(one: Volume, other: Volume) -> bool:
+    if one is other:
+        return True
+    shapes = [None if v.density is None else v.density.shape for v in (one, other)]
+    is_same_box = shapes[0] == shapes[1] and (shapes[0] is None or one.bounds == other.bounds)
+    return is_same_box and parts_alike(one, other)
 
 
 def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any) -> Scene:
@@ -53,6 +67,20 @@ def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any
     if exposure_stops is None or made.camera.exposure_stops == exposure_stops:
         return made
     return replace(made, camera=replace(made.camera, exposure_stops=exposure_stops))
+
+
+def shutter_moments(
+    before: Scene, scene: Scene, time_s: float, samples: int, changes: Mapping[str, Any]
+) -> tuple[Scene, Iterator[Scene]]:
+    """`scene`, which is `before` at a time and with `changes`, and what each of its samples sees.
+
+    While the shutter is open each has a moment of its own. Volumes whose boxes differ by then are
+    on boxes that hold all of them. Raises SceneError, SettingsError.
+    """
+    times_s = (time_s + scene.camera.shutter_s * shutter_shares(samples)).tolist()
+    is_animated = changes.get("volumes") is None
+    boxes = CommonBoxes.at(before, (time_s, *times_s) if is_animated else ())
+    return boxes.on(scene), (boxes.on(changed(before.at(t), **changes)) for t in times_s)
 
 
 def has_unlit(scene: Scene) -> bool:

@@ -198,9 +198,18 @@ def without_sun(scene: Scene) -> Scene:
 
 
 def followed(scene: Scene) -> Scene:
-    """The scene with its sky turned to its sun, the last light, where a hand has turned that."""
-    from .environment import Environment
+    """The scene with its sky turned to its sun, the last light, where a hand has turned that.
 
+    A studio becomes the one of the lights that the scene has now.
+    """
+    from .environment import Environment
+    from .studio import NAME, studio
+
+    if scene.environment is not None and scene.environment.source == NAME:
+        made = studio(scene.lights)
+        if made.map is scene.environment.map:
+            return scene
+        return replace(scene, environment=replace(scene.environment, map=made.map))
     sky = scene.environment.sky if scene.environment is not None else None
     if sky is None or not scene.lights or not isinstance(scene.lights[-1], DirectionalLight):
         return scene

@@ -94,9 +94,13 @@ class Volume:
                 high /= max(*self.albedo, 1e-6)
             put(self, name, coefficient_grid(values, f"volume {name}", shape, low=low, high=high))
         if self.g_grid is not None and self.density is not None:
-            # The mean over the density.
+            # The mean over what scatters: a phase function counts where light is scattered.
             weights = self.density.astype(np.float64)[..., None] + 1e-30
-            r, g, b = (self.g_grid * weights).sum(axis=(0, 1, 2)) / weights.sum()
+            for shares in (self.tint, self.albedo_grid):
+                weights = weights if shares is None else weights * shares
+            weights = np.broadcast_to(weights, self.g_grid.shape)
+            sums = (self.g_grid * weights).sum(axis=(0, 1, 2))
+            r, g, b = sums / np.maximum(weights.sum(axis=(0, 1, 2)), 1e-300)
             put(self, "g", (float(r), float(g), float(b)))
 
     def _check_emission(self) -> None:

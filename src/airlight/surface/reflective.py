@@ -77,13 +77,14 @@ class _PassedPipeline(_ReflectivePipeline):
 
 
 def flux_unit(light: Light) -> float:
-    """What 1 stands for in a light's map, W m^-2 or W sr^-1: half floats end at 65504.
+    """What 1 stands for in a light's map, W m^-2 or W sr^-1: half floats end at 65504 and 6e-8.
 
-    Scenes in centimetres have lights ten thousand times as strong as those in metres.
+    Scenes in centimetres have lights ten thousand times as strong as those in metres, scenes in
+    kilometres lights a millionth as strong.
     """
     # A power of two, so that dividing by it rounds nothing.
     strongest = max(light.row().color)
-    return float(2.0 ** max(0.0, np.ceil(np.log2(max(strongest, 1.0) / _STRONGEST))))
+    return float(2.0 ** np.ceil(np.log2(max(strongest, 1e-30) / _STRONGEST)))
 
 
 class ReflectiveShadowMaps:

@@ -18,6 +18,7 @@ from ..gpu.memory import Buffer, buffer_of
 from ..maths.chunks import chunks
 from ..scene.material import Material
 from ..scene.mesh import Geometry
+from .materials import IDENTITY_UV, uv_transform
 from .packed_maps import ONE_SIDED, Location, metallic_factor
 from .provoking import U32, unique_provoking
 from .textures import TextureStore
@@ -209,13 +210,16 @@ class TriangleTable:
 
         # Factors of each material, and where its maps lie.
         rows = np.zeros(max(1, len(materials)), MATERIAL)
-        uv_transforms = np.tile(np.array(_IDENTITY_UV, np.float32), (len(rows), 1))
+        uv_transforms = np.tile(np.array(IDENTITY_UV, np.float32), (len(rows), 1))
         for index, (m, location) in enumerate(zip(materials, locations, strict=True)):
-            rows[index], uv_transforms[index] = _fields(m, location), _uv_transform(m)
+            rows[index] = _fields(m, location)
+            # Packable maps share one transform, so any of them tells it.
+            some = m.base_color_texture or m.normal_texture or m.metallic_roughness_texture
+            uv_transforms[index] = uv_transform(some)
         self.materials = buffer_of(gpu, "seen materials", rows)
         self._rows = rows
         self.uv_transforms = buffer_of(gpu, "uv_transforms of maps", uv_transforms)
-        self.has_map_transforms = bool((uv_transforms != _IDENTITY_UV).any())
+        self.has_map_transforms = bool((uv_transforms != IDENTITY_UV).any())
 
 
 def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
@@ -229,7 +233,6 @@ def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
 
 
 _HALF_MAX = 65504.0
-_IDENTITY_UV = (1.0, 1.0, 0.0, 0.0)
 
 
 def _fields(m: Material, location: Location | None) -> tuple[Any, ...]:
@@ -250,13 +253,6 @@ def _fields(m: Material, location: Location | None) -> tuple[Any, ...]:
         texels,
         size,
     )
-
-
-def _uv_transform(m: Material) -> tuple[float, ...]:
-    """Scale and offset of the material's texture coordinates."""
-    # Packable maps share one transform, so any of them tells it.
-    some = m.base_color_texture or m.normal_texture or m.metallic_roughness_texture
-    return (*some.scale, *some.offset) if some else _IDENTITY_UV
 
 
 def _uvs(g: Geometry) -> NDArray[np.float32]:

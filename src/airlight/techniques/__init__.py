@@ -114,6 +114,7 @@ def make_technique(
     for an unknown technique or setting.
     """
     made = checked_settings(name, context.scene, given)
+    # Settings speak of the world; the scene may have been moved to an origin near it.
     if nearby is not None:
         made = replace(made, bounds=nearby.box(made.bounds))
     return RECIPES[chosen_recipe(name, context.scene)].make(context, made)

@@ -28,11 +28,13 @@ from ..scene.volume import Volume
 _MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates stores each
 _MOST_MERGED = 16  # volumes on one grid, beyond which it costs more than the lattice
 _ALIKE = 0.1  # of albedo and g, and of the ratios of extinctions
+# Of the room's cross section, from which on a volume's shade on surfaces counts.
 _SHADED_SHARE = 0.05
 
 
 def recipe_for(scene: Scene) -> str:
     """The name of the recipe that `auto` takes for a scene."""
+    # Light propagation volumes without media; else one lattice for all, or grids of volumes.
     if scene.medium is None and not scene.volumes:
         return "lpv"
     if not scene.volumes or _are_many(scene) or _shades_a_room(scene):
@@ -43,13 +45,16 @@ def recipe_for(scene: Scene) -> str:
 def _are_many(scene: Scene) -> bool:
     """Whether volumes, or the parts of which those of many colours are sums, are too many."""
     count = len(grouped(scene.volumes))
+    # Each on a grid of its own: every path stores a depth for each of their parts.
     if count <= MOST_ALONE:
         return len(scene.volumes) > _MOST_PARTS
+    # On a shared grid: few enough, alike, and not in fog.
     return scene.medium is not None or count > _MOST_MERGED or not _are_alike(scene.volumes)
 
 
 def _are_alike(volumes: Sequence[Volume]) -> bool:
     """Whether means of their coefficients say enough of each, where they share a grid."""
+    # Colours as ratios of extinctions: how dense a volume is does not matter.
     sigma_t = np.array([volume.sigma_t for volume in volumes])
     tint = sigma_t / np.maximum(sigma_t.max(axis=1, keepdims=True), 1e-30)
     kinds = np.hstack([tint, [(*volume.albedo, *volume.g) for volume in volumes]])
@@ -63,6 +68,7 @@ def _shades_a_room(scene: Scene) -> bool:
     """
     if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
         return False
+    # What one of them blocks, beside the section of the room.
     low, high = scene.bounds
     room = _section(high - low)
     shapes = [v for v in scene.volumes if scene.medium is not None or v.density is None]
@@ -72,6 +78,7 @@ def _shades_a_room(scene: Scene) -> bool:
 def _shading(volume: Volume) -> float:
     """Roughly what a volume blocks, m^2: its mean cross section times 1 - transmittance."""
     low, high = volume_world_bounds(volume)
+    # About the optical depth through its middle.
     density = 1.0 if volume.density is None else float(volume.density.mean())
     depth = max(volume.sigma_t) * density * float(np.cbrt(np.prod(high - low)))
     return _section(high - low) * -float(np.expm1(-depth))

@@ -36,6 +36,7 @@ from .technique import Technique
 
 if TYPE_CHECKING:
     from ..media.media import Media, Solved
+    from ..pop.medium.kinds import GridPlan
 
 
 def direct(context: Context, settings: SurfaceSettings) -> Technique:
@@ -74,6 +75,7 @@ def _gathering(
     """The final gather, through `media`, of `sources` textures of light, where settings want it."""
     scene = kit.context.scene
     has_media = scene.medium is not None or bool(scene.volumes)
+    # Rays cannot go through media that nobody has brought to the device.
     if settings.gather == "off" or (has_media and media is None):
         return []
     from ..gather.solver import GatherSolver
@@ -155,14 +157,14 @@ def _is_gathered(context: Context, settings: LpvScatterSettings) -> bool:
 def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     """Principal-ordinates propagation in every medium (Elek2014); surfaces gather in stills.
 
-    Each light, and each part of the environment, is a principal ordinate: a grid aligned with its
-    direction, through which its radiance propagates and is scattered. The ordinates' radiance is
-    summed on a grid of the medium and marched as a source.
+    Each light, and each part of the environment, is a principal ordinate. Its light is attenuated
+    on its path, and what it loses diffuses; or, as in the paper, it goes from cell to cell in a
+    grid of its own direction. What all send towards the eye is marched from the medium's grid.
     """
     from ..media.media import Media, Solved
     from ..pop.delta_scaling import DeltaScaling
     from ..pop.media import EveryMedium, PopMedia
-    from ..pop.medium.kinds import source_count
+    from ..pop.medium.kinds import grid_plan
     from .beams import forward_solvers
 
     # Delta scaling: forward peaks sharper than a grid resolves count as unscattered.
@@ -174,12 +176,12 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     is_local = _has_local_shafts(context, settings)
     drawn = _drawn_by_pop(settings, "auto" if is_local else "off")
     every, own = EveryMedium(context.scene), context.scene.medium
-    volumes, sources = context.scene.volumes, source_count(every(context.scene), settings)
+    volumes, plan = context.scene.volumes, grid_plan(every(context.scene), settings)
     found = Solved(volumes if own is None else (own, *volumes), is_local)
-    media = Media(kit, drawn, sources=sources, has_sky=False, solved=found)
-    solved = PopMedia(kit, media.on_device, settings, every, has_local_shafts=is_local)
+    media = Media(kit, drawn, sources=plan.sources, has_sky=False, solved=found)
+    solved = PopMedia(kit, media.on_device, settings, plan, every, has_local_shafts=is_local)
     layers = partial(_pop_layers, media, ("single_scatter",) if is_local else ())
-    gathering = _gathering(kit, settings, media if scaled else None, sources=sources)
+    gathering = _gathering(kit, settings, media if scaled else None, sources=plan.sources)
     solvers = [media, *forward_solvers(kit, settings), solved, *gathering]
     return Technique("pop", kit, solvers, media=media, scene_filter=scaled, layers=layers)
 
@@ -211,15 +213,14 @@ def _pop_layers(media: Media, more: tuple[str, ...], view: Any) -> dict[str, Any
 
 def _with_pop(
     context: Context, settings: Any, but: type
-) -> tuple[PopSettings, MediaSettings, Solved, int]:
-    """Of volumes on grids of ordinates: settings without those of `but`, what is solved there, and
-    how many grids are marched."""
+) -> tuple[PopSettings, MediaSettings, Solved, GridPlan]:
+    """Settings without those of `but`, and what is solved in grids of ordinates, in which ones."""
     from ..media.media import Solved
-    from ..pop.medium.kinds import source_count
+    from ..pop.medium.kinds import grid_plan
 
     own, drawn = part_of(settings, PopSettings, but=but), part_of(settings, MediaSettings)
     volumes, is_local = context.scene.volumes, _has_local_shafts(context, own, drawn.shafts)
-    return own, drawn, Solved(volumes, is_local), source_count(volumes, own)
+    return own, drawn, Solved(volumes, is_local), grid_plan(volumes, own)
 
 
 def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
@@ -235,14 +236,14 @@ def lpv_with_pop(context: Context, settings: LpvWithPopSettings) -> Technique:
     from .volumes import LatticeVolumes
 
     kit = Kit(context, settings, cascades_nest(context.scene, settings, in_medium=True))
-    own, drawn, in_cells, sources = _with_pop(context, settings, LpvMarchSettings)
-    media = Media(kit, drawn, sources=sources, solved=in_cells)
+    own, drawn, found, plan = _with_pop(context, settings, LpvMarchSettings)
+    media = Media(kit, drawn, sources=plan.sources, solved=found)
     lattice = LpvSolver(kit, settings)
     beams = forward_beams(kit, own, is_paper=settings.scheme == "paper")
     lattice.media = LatticeVolumes(lattice, media.on_device, beams)
-    solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
+    solved = PopMedia(kit, media.on_device, own, plan, has_local_shafts=found.has_local_shafts)
     met = media if settings.scheme != "paper" else None
-    gathering = _gathering(kit, settings, met, sources=sources, bounces=settings.bounces)
+    gathering = _gathering(kit, settings, met, sources=plan.sources, bounces=settings.bounces)
     return Technique("lpv with pop", kit, [lattice, media, solved, *gathering], media=media)
 
 
@@ -255,13 +256,13 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
 
     # Media hand volumes to the ordinates, and march the rest in the lattice.
     kit = _scattering_kit(context, settings)
-    own, drawn, in_cells, sources = _with_pop(context, settings, LpvScatterSettings)
+    own, drawn, found, plan = _with_pop(context, settings, LpvScatterSettings)
     media = Media(
-        kit, drawn, sources=sources, solved=in_cells, is_lattice_marched=True, has_multiple=True
+        kit, drawn, sources=plan.sources, solved=found, is_lattice_marched=True, has_multiple=True
     )
     # Surfaces and fog, then volumes, which take the light that surfaces reflect.
     met = media if _is_gathered(context, settings) else None
-    gathering = _gathering(kit, settings, met, sources=sources)
+    gathering = _gathering(kit, settings, met, sources=plan.sources)
     lattice = ScatterSolver(
         kit,
         settings,
@@ -270,7 +271,7 @@ def lpv_scatter_with_pop(context: Context, settings: LpvScatterWithPopSettings) 
         is_gathered=bool(gathering),
         beams=forward_beams(kit, own, is_paper=settings.scheme.startswith("paper")),
     )
-    solved = PopMedia(kit, media.on_device, own, has_local_shafts=in_cells.has_local_shafts)
+    solved = PopMedia(kit, media.on_device, own, plan, has_local_shafts=found.has_local_shafts)
     return Technique("lpv-scatter with pop", kit, [media, lattice, solved, *gathering], media=media)
 
 

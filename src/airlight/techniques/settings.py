@@ -78,6 +78,7 @@ class AutoSettings(SurfaceSettings, GatherSettings):
 
 def part_of(settings: Any, kind: type[_S], *, but: type | None = None) -> _S:
     """The settings of one part out of joined ones, without those that belong to `but`."""
+    # A setting that both have is the other part's.
     taken = but.__dataclass_fields__.keys() if but else ()  # type: ignore[attr-defined]
     names = [name for name in kind.__dataclass_fields__ if name not in taken]  # type: ignore[attr-defined]
     return kind(**{name: getattr(settings, name) for name in names})

@@ -49,6 +49,7 @@ class Technique:
         """
         self.name, self.kit, self.solvers, self.media = name, kit, tuple(solvers), media
         self._scene_filter = scene_filter or (lambda scene: scene)
+        # What draws: surfaces in media, and translucent ones before them.
         attenuation = media.on_device if media else None
         self.surfaces = Surfaces(kit, kit.context.scene, attenuation)
         self._layers = layers or (media.layers if media else _surface_layers)
@@ -68,6 +69,7 @@ class Technique:
         `is_still`: for an image of several samples. `lags`: solvers that may lag leave their fields
         as they were; nothing but lights and sky may have changed since.
         """
+        # Solvers may be given other media than the scene's; lights with extent become samples.
         scene = self.kit.emitters.of(self._scene_filter(scene))
         frame = Frame(scene, *self.kit.bounds(scene), is_still=is_still)
         # What all solvers share: shadow maps, blockers, the sky's light in all cells.
@@ -128,12 +130,14 @@ class Technique:
     def stats(self) -> dict[str, Any]:
         """The values of --stats; where two solvers have the same key, the first one's counts."""
         found = self.kit.stats
+        # What earlier solvers say stands, where later ones say it too.
         for solver in reversed(self.solvers):
             found |= solver.stats
         return {"chosen": self.name, **found}
 
     def release(self) -> None:
         """Give the memory back: the solvers' own, then all that was made with the kit's `gpu`."""
+        # Solvers go before the memory that they hold, whatever one of them raises.
         with ExitStack() as gone:
             gone.callback(self.kit.gpu.release)
             for solver in self.solvers:
@@ -147,5 +151,6 @@ def _surface_layers(view: View) -> dict[str, Texture]:
 
 def _changes(before: Fields, after: Fields) -> dict[str, Any]:
     """What a solver added."""
+    # Fields are values: what a solver did not add is the same object as before.
     names = [f.name for f in fields_of(Fields)]
     return {n: getattr(after, n) for n in names if getattr(after, n) is not getattr(before, n)}

@@ -78,6 +78,7 @@ class LatticeVolumes:
         """Update the volumes on the device."""
         with commands.stage("air"):
             self._media.update(commands, frame.scene, *frame.bounds)
+            # The lattice's light is isotropic, so reduced media stand for those that are not.
             self.isotropic.update(commands, _reduced_isotropic(frame.scene), *frame.bounds)
         if self.beams is not None:
             self.beams.encode(commands, frame)
@@ -103,6 +104,7 @@ class LatticeVolumes:
     def block(self, commands: Commands, level: int, geometry: int) -> None:
         """Update the blocked faces of a lattice, where volumes or walls changed."""
         part = self._solver.cascades[level]
+        # Other faces are closed where the lattice moved, or volumes or walls changed.
         made = (geometry, replace(part.placement, fade=None), self._media.version)
         if made != self._blocked_versions[level]:
             self._blocked_versions[level] = made
@@ -169,6 +171,7 @@ class _Level:
 
 def _reduced_isotropic(scene: Scene) -> Scene:
     """The scene's volumes reduced to isotropic ones, per steradian: the lattice is in W sr^-1."""
+    # The lattice holds intensity, W sr^-1, so that isotropic scattering is over 4 pi.
     volumes = []
     for volume in scene.volumes:
         isotropic = reduced(volume)

@@ -1,8 +1,9 @@
 // Lattices whose colour channels lie one after the other, [channel][z][y][x], and kernels over all their cells.
+//! use cell_order
 
 // Where a cell's value is.
 fn index_in(count: vec3u, at: vec3u, channel: u32) -> u32 {
-    return ((channel * count.z + at.z) * count.y + at.y) * count.x + at.x;
+    return cell_in(count, vec3u(at.xy, channel * count.z + at.z));
 }
 
 struct ChannelCell {

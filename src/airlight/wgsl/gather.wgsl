@@ -19,6 +19,7 @@ const DOUBT = 4.0;
 const LEAST_COSINE = 0.1;
 const TRUST = 0.1;
 const MOST_DETAIL = 4.0;
+const FEWEST = 0.125;       // the least share of a point's rays that how near surfaces are is the mean of
 const CALIBRATION_DOUBT = 0.3;
 const MOST_CALIBRATION = 4.0;
 
@@ -111,9 +112,14 @@ fn nearness(side: vec3f, inverse_m: f32, haze: f32) -> mat2x3f {
     return inverse_m * mat2x3f(vec3f(along) + (1.0 - along) * side * side, (1.0 - along) * side.yzx * side.zxy);
 }
 
-fn closeness(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
+// Squared, over how near surfaces lie: how far a path of `offset` leads towards them.
+fn approach(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
     let turned = squares * offset + products.yzx * offset.zxy + products.zxy * offset.yzx;
-    return exp(-dot(turned, turned) / (REACH * REACH));
+    return dot(turned, turned);
+}
+
+fn closeness(offset: vec3f, squares: vec3f, products: vec3f) -> f32 {
+    return exp(-approach(offset, squares, products) / (REACH * REACH));
 }
 
 fn far_closeness(offset: vec3f, inverse_m: f32, side: vec3f, its_side: vec3f) -> f32 {

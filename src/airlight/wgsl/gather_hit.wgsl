@@ -1,4 +1,5 @@
-// What a ray of a gather meets, as a texel of an image of hits. The including pass binds what rays and hit_albedo need.
+// What a ray of a gather meets, as a texel of an image of hits. The including pass binds what rays and hit_albedo need,
+// and the images: hit_positions, hit_normals, hit_albedos.
 //! use rays
 //! use hit_albedo
 //! use hit_code
@@ -33,4 +34,10 @@ fn gather_hit(origin: vec3f, direction: vec3f) -> GatherHit {
             vec4f(normal, albedo.a), vec4f(albedo.rgb, 0.0));
     }
     return found;
+}
+
+fn keep_hit(texel: vec2u, hit: GatherHit) {
+    textureStore(hit_positions, texel, hit.position);
+    textureStore(hit_normals, texel, hit.normal);
+    textureStore(hit_albedos, texel, hit.albedo);
 }

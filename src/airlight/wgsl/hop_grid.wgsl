@@ -1,17 +1,16 @@
 //! use octahedron
+//! use cell_order
 
 // Grids that light hops in; see maths/ordinate_grid.py and maths/radial_grid.py. The including pass
 // binds `params` (MediumParams), `grids` (HopGridData) and `solid_angles` (array<f32>, of the cells
 // of a shell).
 
 fn hop_cell(n: u32, index: u32) -> vec3u {
-    let c = grids[n].count;
-    return vec3u(index % c.x, (index / c.x) % c.y, index / (c.x * c.y));
+    return cell_at_index(grids[n].count, index);
 }
 
 fn hop_index(n: u32, cell: vec3u) -> u32 {
-    let c = grids[n].count;
-    return (cell.z * c.y + cell.y) * c.x + cell.x;
+    return cell_in(grids[n].count, cell);
 }
 
 fn hop_cells(n: u32) -> u32 {

@@ -16,6 +16,13 @@ struct PatchSight {
     weight: f32,            // of its being chosen
 }
 
+// The cones of all patches as a point sees them: where they lie, and their weights over 2 pi times how high they are.
+struct PatchCones {
+    count: u32,
+    along_sine2: array<vec4f, LIT_PATCHES>,
+    density: array<f32, LIT_PATCHES>,
+}
+
 // How patches are chosen at a point, and the one that a number chooses.
 struct GuideChoice {
     total: f32,             // of all weights
@@ -42,15 +49,24 @@ fn patch_sight(k: u32, place: vec3f, n: vec3f) -> PatchSight {
     return out;
 }
 
-// `number` in [0, 1) chooses.
-fn guide_choice(place: vec3f, n: vec3f, number: f32) -> GuideChoice {
+// How dense the directions of a cone are, times the weights of all, at one: 0 outside of it.
+fn cone_density(direction: vec3f, along: vec3f, sine2: f32, density: f32) -> f32 {
+    let off = cross(direction, along);
+    return select(0.0, density, dot(off, off) < sine2 && dot(direction, along) > 0.0);
+}
+
+// `number` in [0, 1) chooses; all cones are put down in `cones`.
+fn guide_choice(place: vec3f, n: vec3f, number: f32, cones: ptr<function, PatchCones>) -> GuideChoice {
     var out: GuideChoice;
     out.number = number;
     var light = 0.0;
     var noise = 0.0;
     let count = u32(lit_patches[LIT_PATCHES].radius);
+    (*cones).count = count;
     for (var k = 0u; k < count; k++) {
         let seen = patch_sight(k, place, n);
+        (*cones).along_sine2[k] = vec4f(seen.along, seen.sine2);
+        (*cones).density[k] = seen.weight / (6.2831853 * seen.height);
         light += seen.light;
         noise += seen.light * seen.light / seen.found;
         out.total += seen.weight;
@@ -65,6 +81,16 @@ fn guide_choice(place: vec3f, n: vec3f, number: f32) -> GuideChoice {
     out.number = saturate(out.number);
     out.found = select(1.0, light * light / noise, noise > 0.0);
     return out;
+}
+
+// At which a direction is chosen, sr^-1, where cones are known; `total`: of all weights.
+fn density_of_cones(cones: ptr<function, PatchCones>, total: f32, direction: vec3f) -> f32 {
+    var inside = 0.0;
+    for (var k = 0u; k < (*cones).count; k++) {
+        let cone = (*cones).along_sine2[k];
+        inside += cone_density(direction, cone.xyz, cone.w, (*cones).density[k]);
+    }
+    return inside / max(total, 1e-30);
 }
 
 struct GuideDensity {
@@ -84,9 +110,7 @@ fn guide_density(place: vec3f, n: vec3f, direction: vec3f) -> GuideDensity {
         light += seen.light;
         noise += seen.light * seen.light / seen.found;
         total += seen.weight;
-        let off = cross(direction, seen.along);
-        let is_inside = dot(off, off) < seen.sine2 && dot(direction, seen.along) > 0.0;
-        inside += select(0.0, seen.weight / (6.2831853 * seen.height), is_inside);
+        inside += cone_density(direction, seen.along, seen.sine2, seen.weight / (6.2831853 * seen.height));
     }
     return GuideDensity(inside / max(total, 1e-30), select(1.0, light * light / noise, noise > 0.0));
 }

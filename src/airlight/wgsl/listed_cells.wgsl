@@ -1,5 +1,6 @@
 // Which cell an invocation computes: all of a lattice, or those of a list (media/stale_cells.py), one for each of its
 // first invocations. The including pass declares `lattice`, and `params` with is_listed.
+//! use cell_order
 
 const NO_CELL = vec3u(0xffffffffu);
 
@@ -11,10 +12,9 @@ fn computed_cell(id: vec3u) -> vec3u {
     if (params.is_listed == 0u) {
         return id;
     }
-    let n = (id.z * count.y + id.y) * count.x + id.x;
+    let n = cell_in(count, id);
     if (n >= stale_cells[0]) {
         return NO_CELL;
     }
-    let cell = stale_cells[n + 1u];
-    return vec3u(cell % count.x, cell / count.x % count.y, cell / (count.x * count.y));
+    return cell_at_index(count, stale_cells[n + 1u]);
 }

@@ -19,7 +19,7 @@ var<private> step_sent: vec3f;      // of a directional light to the eye, m^-1 s
 var<private> step_media: array<u32, MEDIA_COUNT>;
 var<private> step_density: array<f32, MEDIA_COUNT>;
 var<private> step_media_count: u32;
-// Of a directional light, sr^-1; and the cosine between its light and the way to the eye.
+// Of a directional light, sr^-1; and the cosine between its light and the direction to the eye.
 var<private> parallel_phases: array<vec3f, COPIED_MEDIA>;
 var<private> towards_eye: f32;
 // Optical depth towards the light at the step's begin and end; for local lights per metre of the path,

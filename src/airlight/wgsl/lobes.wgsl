@@ -1,5 +1,6 @@
 // Adding lobes to a lattice's fixed-point sums. The including pass binds the uniforms `lobes`
 // (LobeParams) and `lattice`, and `sums`.
+//! use channel_cells
 
 // The narrow lobe would send negative power backwards, where the surface itself is;
 // what goes forward is scaled to the whole power.
@@ -27,8 +28,7 @@ fn add_lobe(coordinates: vec3f, n: vec3f, power: vec3f) {
     let lobe = vec4f(1.0, lobes.lobe * n) * forward_gain(n) / 12.566370614;
     let c = vec3u(cell);
     for (var channel = 0u; channel < 3u; channel++) {
-        let index = ((channel * lattice.count.z + c.z) * lattice.count.y + c.y) * lattice.count.x
-            + c.x;
+        let index = index_in(lattice.count, c, channel);
         add_coefficients(4u * index, power[channel] * lobe);
     }
 }

@@ -144,21 +144,3 @@ fn depth_here(t: f32, dt: f32) -> vec3f {
     }
     return sum;
 }
-
-// The scattering coefficient that a source leaves out; 1 where it is an emission.
-fn source_weight(medium: i32, parts: u32) -> vec3f {
-    if (medium == -1) {
-        return vec3f(1.0);
-    }
-    if (medium == -2) {
-        return scattering_here();
-    }
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        if (ray_medium(k) - u32(medium) < parts) {
-            sum += media_density_here[k] * sigma_s_of(ray_medium(k));
-        }
-    }
-    return sum;
-}

@@ -2,8 +2,7 @@
 //! use cell_order
 
 fn cell_of(index: u32) -> vec3u {
-    let n = params.count;
-    return vec3u(index % n.x, (index / n.x) % n.y, index / (n.x * n.y));
+    return cell_at_index(params.count, index);
 }
 
 fn cell_index(cell: vec3u) -> u32 {

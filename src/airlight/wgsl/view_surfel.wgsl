@@ -2,9 +2,9 @@
 // reflectance and `lattice`, and its params say resolution, view and first_layer.
 //! use light_texel
 //! use lattice_axes
+//! use nearest_corner
 
 const GRAZING = 0.1;    // the least cosine: texels there stand for more than they show
-const NO_CORNER = 0xffffffffu;
 
 struct ViewSurfel {
     corner: u32,            // around which it counts, half a cell beside the lattice; or NO_CORNER
@@ -53,15 +53,12 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
     let centre = texel_centre(id.xy, params.resolution);
     let world = texel_point(view, centre, d);
     // The lattice's corner nearest to it.
-    let coordinates = cells_from_world(lattice, world);
-    let corner = vec3i(floor(coordinates + 0.5));
-    if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
+    let corner = nearest_corner(world);
+    if (corner.index == NO_CORNER) {
         return seen;
     }
-    let c = vec3u(corner);
-    let size = lattice.count + 1u;
-    seen.corner = (c.z * size.y + c.y) * size.x + c.x;
-    seen.offset = coordinates - vec3f(corner);
+    seen.corner = corner.index;
+    seen.offset = corner.offset;
     // Its area over a cell face's, and what it reflects.
     let n = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
     seen.normal = lattice_from_world(lattice, n);

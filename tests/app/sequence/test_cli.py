@@ -123,6 +123,19 @@ def test_a_video_resumes_and_is_known_when_it_is_done(gpu, scene, tmp_path, monk
     assert made == [*range(10)] and output.stat().st_mtime_ns > stamp
 
 
+def test_exposure_auto_is_that_of_a_camera_that_leaves_it_to_the_image(gpu, scene, tmp_path):
+    frames = {}
+    for name, exposure, words in (
+        ("said", "exposure_stops = 0", []),
+        ("asked", "exposure_stops = 0", ["--exposure", "auto"]),
+        ("left", 'exposure_stops = "auto"', []),
+    ):
+        scene.write_text(SCENE.format(exposure=exposure))
+        assert sequence(scene, tmp_path / name, "--frames", "1", *words) == 0
+        frames[name] = (tmp_path / name / "frame-00000.png").read_bytes()
+    assert frames["asked"] == frames["left"] != frames["said"]
+
+
 def test_exposure_is_metered_once(gpu, scene, tmp_path):
     from dataclasses import replace
 

@@ -16,6 +16,7 @@ from airlight.app.view.source import Source
 from airlight.app.view.state import ViewState
 from airlight.app.view.uploads import Uploads
 from airlight.scene.builtin.cornell import cornell
+from airlight.scene.io.files import bound_of
 
 PARTS = dict(type="file", name="../../etc/a b.glb", parts=2)
 
@@ -120,8 +121,10 @@ def test_a_file_comes_in_pieces_into_a_folder_of_its_own():
     ((path, data),) = opened
     assert (path.name, data) == ("a-b.glb", b"glTFrest")
     assert path.parent.name.startswith("airlight-")
+    # A file that comes from elsewhere reads none of this machine's.
+    assert bound_of(path.parent) == path.parent.resolve()
     uploads.close()
-    assert not path.exists()
+    assert not path.exists() and bound_of(path.parent) is None
 
 
 def test_pieces_that_do_not_follow_are_dropped():

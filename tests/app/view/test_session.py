@@ -285,6 +285,26 @@ def test_time_moves_what_the_scene_moves(gpu, scene_file):
     session.close()
 
 
+def test_grids_of_a_sequence_that_grow_are_drawn_in_their_boxes(gpu, tmp_path):
+    sizes = ((4, 2, 4), (4, 8, 4))
+    for k, (x, y, z) in enumerate(sizes):
+        bounds = ((-1, 0, -1), (1, y / 4, 1))
+        np.savez(tmp_path / f"s{k}.npz", density=np.ones((z, y, x), np.float32), bounds=bounds)
+    volume = '[[volume]]\nsequence = "s*.npz"\nsequence_fps = 1\nsigma_t = 8\n'
+    (tmp_path / "scene.toml").write_text(SCENE + volume)
+    session = Session(load(tmp_path / "scene.toml"), technique="single", settings=SMALL)
+    screen = Screen(gpu, session)
+    before = screen.settle(2)
+    old = session.renderer
+    session.state.time_s = 1.0
+    moved = screen.settle(2)
+    assert session.state.message == ""
+    assert session.renderer is not old
+    assert session.renderer.scene.volumes[0].bounds[1][1] == 2.0
+    assert np.abs(moved - before).mean() > 1.0
+    session.close()
+
+
 class Turning:
     """A sun that goes from over the right to over the left shoulder in two seconds."""
 

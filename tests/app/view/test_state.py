@@ -17,8 +17,18 @@ from airlight.app.view.state import (
     structure,
     travel_from,
 )
-from airlight.scene import Camera, DirectionalLight, Medium, Mesh, PointLight, Scene, SpotLight
+from airlight.scene import (
+    AreaLight,
+    Camera,
+    DirectionalLight,
+    Medium,
+    Mesh,
+    PointLight,
+    Scene,
+    SpotLight,
+)
 from airlight.scene.shapes import box
+from airlight.scene.studio import studio
 
 SUN = DirectionalLight((0.0, -1.0, -1.0), (1.0, 1.0, 1.0))
 
@@ -53,6 +63,26 @@ def test_spots_turn_and_lights_go_around():
     state.turn_light(Turn(90.0, 0.0))
     assert state.scene.lights[2].position == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
     assert state.scene.lights[0] is SUN
+
+
+def test_a_ball_of_light_has_no_aim_and_goes_around():
+    """Its `direction` is that of flat shapes, which nobody would see turn."""
+    ball = AreaLight((1.0, 0.0, 0.0), (1.0, 1.0, 1.0), shape="sphere", radius=0.1)
+    state = ViewState(scene(ball))
+    state.turn_light(Turn(90.0, 0.0))
+    assert state.scene.lights[0].position == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
+    assert state.scene.lights[0].direction == ball.direction
+
+
+def test_a_studio_follows_its_light_in_the_same_renderer():
+    state = ViewState(scene(SUN, environment=studio((SUN,))))
+    before = structure(state)
+    state.turn_light(Turn(60.0, 20.0))
+    state.settle_sky()
+    expected = studio(state.scene.lights).map
+    np.testing.assert_array_equal(state.scene.environment.map, expected)
+    assert not np.array_equal(expected, studio((SUN,)).map)
+    assert structure(state) == before
 
 
 def test_no_light_and_no_turn_are_no_matter():

@@ -90,3 +90,21 @@ def test_a_broken_scene_names_only_itself(tmp_path, text):
 def test_a_mesh_file_is_watched_alone(tmp_path):
     path = tmp_path / "room.obj"
     assert named_files(path) == {path}
+
+
+def test_groups_of_lights_and_grids_of_a_sequence_are_watched(tmp_path):
+    for name in ("lights.npz", "smoke.9.npy", "smoke.10.npy", "other.npy"):
+        (tmp_path / name).write_bytes(b"1")
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[[light]]\ntype = "points"\nfile = "lights.npz"\n'
+        '[[light]]\ntype = "point"\nposition = [0, 1, 0]\nintensity = 1\n'
+        '[[volume]]\nsequence = "smoke.*.npy"\n[[volume]]\nsequence = "none.*.vdb"\n'
+    )
+    found = {file.name for file in named_files(path)}
+    assert found == {"scene.toml", "lights.npz", "smoke.9.npy", "smoke.10.npy"}
+    watch = Watch(path, Clock())
+    for number, name in enumerate(("lights.npz", "smoke.10.npy"), start=1):
+        (tmp_path / name).write_bytes(b"22")
+        os.utime(tmp_path / name, ns=(number * 10**18, number * 10**18))
+        assert edits(watch) == 1

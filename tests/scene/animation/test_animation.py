@@ -20,7 +20,8 @@ from airlight.scene import (
     shapes,
 )
 from airlight.scene.animation import Animation, Curve
-from airlight.scene.animation.density import FileSequence, MadeDensity, VolumeTrack
+from airlight.scene.animation.density import MadeDensity, VolumeTrack
+from airlight.scene.animation.file_sequence import FileSequence
 from airlight.scene.animation.tracks import (
     CameraTrack,
     EnvironmentTrack,
@@ -186,14 +187,20 @@ def sequence(tmp_path):
     return FileSequence(files, (2, 3, 4), fps=2.0, start_s=1.0)
 
 
+def density_at(sequence, time_s):
+    volume = Volume((1, 1, 1), density=growing(1.0))
+    return sequence.of(volume, time_s).density
+
+
 def test_files_are_mixed_in_between(sequence):
-    found = [float(sequence.at(t).max()) for t in (0.0, 1.0, 1.25, 1.5, 2.375, 9.0)]
+    times = (0.0, 1.0, 1.25, 1.5, 2.375, 9.0)
+    found = [float(density_at(sequence, t).max()) for t in times]
     assert found == [0.0, 0.0, 0.5, 1.0, 2.75, 3.0]
     assert sequence.end_s == 3.0
     stepped = replace(sequence, between="step")
-    assert stepped.at(1.49).max() == 0.0 and stepped.at(1.5).max() == 1.0
+    assert density_at(stepped, 1.49).max() == 0.0 and density_at(stepped, 1.5).max() == 1.0
     looped = replace(sequence, is_loop=True)
-    assert looped.at(2.75).max() == 1.5 and looped.at(3.0).max() == 0.0
+    assert density_at(looped, 2.75).max() == 1.5 and density_at(looped, 3.0).max() == 0.0
 
 
 def test_an_unchanged_file_is_an_unchanged_volume(sequence):
@@ -206,11 +213,11 @@ def test_an_unchanged_file_is_an_unchanged_volume(sequence):
 def test_files_that_do_not_fit_are_named(sequence):
     np.save(sequence.files[2], np.ones((2, 3, 5), np.float32))
     with pytest.raises(SceneError) as caught:
-        sequence.at(2.0)
+        density_at(sequence, 2.0)
     assert str(caught.value) == (
         f"{sequence.files[2]}: its grid has 2 x 3 x 5 cells, the sequence's first has 2 x 3 x 4. "
         "Resample the sequence to one size."
     )
     sequence.files[3].unlink()
     with pytest.raises(SceneError, match=r"cannot be read \(No such file or directory\)"):
-        sequence.at(9.0)
+        density_at(sequence, 9.0)

@@ -11,10 +11,14 @@ from airlight.scene.camera import Camera
 from airlight.scene.environment import Environment
 from airlight.scene.io import load
 from airlight.scene.io.defaults import LIGHT_RADIANCE, with_default_camera, with_default_lights
+from airlight.scene.io.framing import framing_camera
+from airlight.scene.io.probe import Probe
 from airlight.scene.lights import DirectionalLight, PointLight
 from airlight.scene.material import Material
 from airlight.scene.mesh import Geometry, Mesh
 from airlight.scene.scene import Scene
+from airlight.scene.studio import NAME, incident_stops
+from airlight.scene.volume import Volume
 
 GROUND = Geometry(
     np.array([(-5, 0, -5), (-5, 0, 5), (5, 0, 5), (5, 0, -5)], np.float32),
@@ -26,13 +30,40 @@ def shining(radiance: float) -> Scene:
     return Scene((Mesh(GROUND, Material(emission=(radiance, 0, 0))),))
 
 
-def test_a_dark_scene_gets_a_sun_and_a_sky():
+def test_a_dark_thing_gets_a_studio():
     scene = with_default_lights(Scene((Mesh(GROUND),)))
-    (sun,) = scene.lights
-    assert isinstance(sun, DirectionalLight)
-    assert sun.direction[1] < -0.4
-    assert scene.environment is not None
+    (key,) = scene.lights
+    assert isinstance(key, DirectionalLight)
+    assert key.direction[1] < -0.4
+    assert scene.environment is not None and scene.environment.source == NAME
     assert scene.warnings == ()
+
+
+def test_a_dark_room_gets_a_sun_and_a_sky_and_is_metered():
+    scene = with_default_lights(with_default_camera(closed_room()))
+    assert scene.environment is not None and scene.environment.source == "default sky"
+    assert scene.camera.exposure_stops is None
+
+
+def test_air_alone_is_seen_before_the_sky_exposed_for_what_falls_on_it():
+    smoke = Scene(volumes=(Volume(sigma_t=(1, 1, 1), shape="box", bounds=((0, 0, 0), (1, 2, 1))),))
+    scene = with_default_lights(with_default_camera(smoke))
+    assert scene.environment is not None and scene.environment.source == "default sky"
+    towards_eye = np.subtract(scene.camera.position, scene.camera.target)
+    stops = incident_stops(scene.lights[0], scene.environment, towards_eye)
+    assert scene.camera.exposure_stops == stops
+
+
+@pytest.mark.parametrize("turn_deg", [0.0, 70.0, 200.0])
+def test_the_key_light_comes_over_the_left_shoulder(turn_deg):
+    """Three quarters from the front as the camera sees it, whichever way that looks."""
+    a = np.radians(turn_deg)
+    eye = (5.0 * np.sin(a), 2.0, 5.0 * np.cos(a))
+    scene = with_default_lights(Scene((Mesh(GROUND),), camera=Camera(eye, (0, 1, 0))))
+    x, y, z = np.negative(scene.lights[0].direction)
+    right, back = x * np.cos(a) - z * np.sin(a), x * np.sin(a) + z * np.cos(a)
+    assert np.degrees(np.arctan2(right, back)) == pytest.approx(-43.0, abs=0.1)
+    assert np.degrees(np.arcsin(y)) == pytest.approx(45.0)
 
 
 def test_a_scene_that_shines_is_left_alone():
@@ -56,9 +87,7 @@ def test_a_bare_model_with_a_glowing_part_is_seen_by_daylight():
     """As a lamp in the open: a person expects to see more than its bulb."""
     scene = with_default_lights(shining(17.0))
     assert len(scene.lights) == 1
-    assert scene.warnings == (
-        "its emissive surfaces light no room: a default sun and sky were added",
-    )
+    assert scene.warnings == ("its emissive surfaces light no room: a studio's light was added",)
 
 
 @pytest.mark.parametrize("radiance", [0.01, 1.6, 17.0])
@@ -79,21 +108,26 @@ def test_a_scene_file_that_glows_gets_no_sun(tmp_path):
     assert scene.environment is None
 
 
-def test_a_camera_of_a_model_without_light_is_metered(tmp_path):
-    """Its exposure of 0 was for no light at all: under an added sun it burns out."""
+def test_a_camera_of_a_model_without_light_is_exposed_for_what_is_added(tmp_path):
+    """Its exposure of 0 was for no light at all: under an added light it burns out."""
     camera = Camera((1, 1, 1), (0, 0, 0))
-    assert with_default_lights(Scene((Mesh(GROUND),), camera=camera)).camera.exposure_stops is None
+    added = with_default_lights(Scene((Mesh(GROUND),), camera=camera))
+    stops = incident_stops(added.lights[0], added.environment, np.array((1.0, 1.0, 1.0)))
+    assert stops < -2.0
+    assert added.camera == replace(camera, exposure_stops=stops)
     chosen = replace(camera, exposure_stops=-2.0)
     bare = Scene((Mesh(GROUND),), camera=chosen)
     assert with_default_lights(bare).camera.exposure_stops == -2.0
-    for line, stops in (("", None), ("exposure_stops = 0", 0.0), ("exposure_stops = 1", 1.0)):
+    # The light stands for the camera, not for what it lights: a box has the ground's exposure.
+    asked = {"": stops, "exposure_stops = 0": 0.0, "exposure_stops = 1": 1.0}
+    for line, expected in asked.items():
         file = tmp_path / "dark.toml"
         file.write_text(
             f"[camera]\nposition = [1, 1, 1]\ntarget = [0, 0, 0]\n{line}\n"
             '[[mesh]]\nshape = "box"\n',
             encoding="utf-8",
         )
-        assert load(file).camera.exposure_stops == stops
+        assert load(file).camera.exposure_stops == expected
 
 
 def test_a_camera_of_a_lit_model_keeps_its_exposure():
@@ -111,7 +145,7 @@ def test_a_dim_screen_is_no_light_and_that_is_said():
     scene = with_default_lights(shining(1.6))
     assert len(scene.lights) == 1
     assert scene.warnings == (
-        "its emissive surfaces are dim (radiance 1.6): a default sun and sky were added",
+        "its emissive surfaces are dim (radiance 1.6): a studio's light was added",
     )
 
 
@@ -138,5 +172,6 @@ def test_a_camera_outside_a_closed_room_gets_no_light_in_it():
 
 
 def test_the_camera_is_replaced():
-    scene = with_default_camera(Scene((Mesh(GROUND),), camera=Camera((1, 1, 1), (9, 9, 9))))
-    assert scene.camera.target == (0, 0, 0)
+    scene = Scene((Mesh(GROUND),), camera=Camera((1, 1, 1), (9, 9, 9)))
+    framed = framing_camera(Probe.of(scene))
+    assert with_default_camera(scene).camera == replace(framed, exposure_stops=None)

@@ -9,6 +9,7 @@ from airlight.scene.camera import Camera
 from airlight.scene.io.framing import find_room, framing_camera, view_directions
 from airlight.scene.io.obj import load_obj
 from airlight.scene.io.probe import Probe
+from airlight.scene.io.viewpoint import MARGIN, around
 from airlight.scene.mesh import Geometry, Mesh
 from airlight.scene.scene import Scene
 
@@ -103,10 +104,65 @@ def test_view_directions_span_the_field_of_view():
     np.testing.assert_allclose(directions, expected, atol=1e-12)
 
 
+def scaled(corners: np.ndarray, scale: float, shift=(0.0, 0.0, 0.0)) -> Camera:
+    placed = scale * corners + np.array(shift)
+    return framing_camera(Probe.of(Scene((quad(*placed),))))
+
+
+UPRIGHT = np.array([(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)], float)
+
+
 def test_a_tiny_model_is_framed_as_its_large_likeness():
-    for scale in (1e-5, 1e-3, 1.0, 1e4):
-        corners = scale * np.array([(-1, 0, 0), (1, 0, 0), (1, 2, 0), (-1, 2, 0)])
-        camera = framing_camera(Probe.of(Scene((quad(*corners),))))
-        place = np.array(camera.position) / scale
-        np.testing.assert_allclose(place, (1.5774, 2.0038, 2.868), rtol=1e-3)
-        assert in_image(camera, corners, 4 / 3).all()
+    usual = scaled(UPRIGHT, 1.0)
+    for scale in (1e-5, 1e-3, 1e4):
+        camera = scaled(UPRIGHT, scale)
+        np.testing.assert_allclose(np.array(camera.position) / scale, usual.position, rtol=1e-3)
+        assert in_image(camera, scale * UPRIGHT, 4 / 3).all()
+    moved = scaled(UPRIGHT, 1.0, (5.0, -3.0, 2.0))
+    np.testing.assert_allclose(np.subtract(moved.position, usual.position), (5, -3, 2), atol=2e-4)
+
+
+def shape(x: float, y: float, z: float) -> tuple[Camera, np.ndarray]:
+    camera = framing_camera(Probe.of(room(x, y, z, inward=False)))
+    return camera, np.array(np.meshgrid([0, x], [0, y], [0, z])).reshape(3, 8).T
+
+
+@pytest.mark.parametrize("size", [(1, 1, 1), (1, 9, 1), (6, 0.2, 5), (2, 3, 12), (8, 2, 0.1)])
+def test_the_outline_lies_in_the_middle_with_a_margin(size):
+    """The image that is bound by the outline: its border is MARGIN away on both sides."""
+    camera, corners = shape(*size)
+    towards = np.subtract(camera.position, camera.target)
+    towards /= np.linalg.norm(towards)
+    right = np.cross((0, 1, 0), towards)
+    right /= np.linalg.norm(right)
+    offset = corners - camera.position
+    depth = -offset @ towards
+    half = np.tan(np.radians(camera.fov_y_deg) / 2)
+    x, y = offset @ right / depth / half, offset @ np.cross(towards, right) / depth / half
+    for axis in (x, y):
+        assert axis.max() == pytest.approx(-axis.min(), abs=2e-3)
+    assert max(x.max() * 3 / 4, y.max()) == pytest.approx(1 / MARGIN, abs=2e-3)
+
+
+def test_a_spike_that_points_at_the_eye_is_seen_from_beyond_it():
+    direction = np.array((0.0, 0.0, 1.0))
+    points = np.array([(0, 0, 10), (0.1, 0, -10), (-0.1, 0, -10), (0, 0.1, -10)], float)
+    camera = around(direction, points)
+    assert camera.position[2] > 10.0
+    assert np.isfinite(camera.position).all()
+
+
+def angles_deg(camera: Camera) -> tuple[float, float]:
+    x, y, z = np.subtract(camera.position, camera.target)
+    return np.degrees(np.arctan2(y, np.hypot(x, z))), np.degrees(np.arctan2(x, z))
+
+
+def test_flat_things_are_seen_from_higher_and_long_ones_from_their_side():
+    cube, column, slab, car = (
+        angles_deg(shape(*size)[0]) for size in ((2, 2, 2), (1, 9, 1), (5, 0.1, 5), (2, 1.5, 6))
+    )
+    assert cube == pytest.approx(column, abs=0.1)
+    assert slab[0] > cube[0] + 20.0 and slab[1] == pytest.approx(cube[1], abs=0.1)
+    assert car[1] > cube[1] + 15.0
+    # From the front, and never from below or behind.
+    assert 0.0 < cube[0] < 30.0 and 20.0 < cube[1] < 45.0 and car[1] < 70.0

@@ -7,8 +7,9 @@ import PIL.Image
 import pytest
 
 from airlight.scene.io.gltf import load_gltf
-from airlight.scene.io.texture_bake import Charts, _interpolated, baked
+from airlight.scene.io.texture_bake import Charts, baked
 from airlight.scene.material import Texture
+from airlight.scene.texels import interpolated
 
 SIZE = 32
 GRID = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -56,7 +57,7 @@ def shown(mesh, texture, shares):
     """Bytes (T, S, 3) of a texture at points of triangles, by `shares` (S, 3) of corners."""
     uvs = mesh.geometry.uvs[mesh.geometry.indices].astype(np.float64)
     at = (shares @ uvs) * np.array(texture.scale) + np.array(texture.offset)
-    values = _interpolated(texture.pixels / 255.0, at.reshape(-1, 2), texture.wrap)
+    values = interpolated(texture.pixels / 255.0, at.reshape(-1, 2), texture.wrap)
     return 255.0 * values[:, :3].reshape(*at.shape[:2], 3)
 
 
@@ -64,7 +65,7 @@ def wanted(uvs, triangles, phase, shares):
     """The same from the image itself and where the file has it."""
     at = shares @ np.asarray(uvs, float)[np.asarray(triangles)]
     image = np.pad(waves(phase), ((0, 0), (0, 0), (0, 1))) / 255.0
-    values = _interpolated(image, at.reshape(-1, 2), ("repeat", "repeat"))
+    values = interpolated(image, at.reshape(-1, 2), ("repeat", "repeat"))
     return 255.0 * values[:, :3].reshape(*at.shape[:2], 3)
 
 

@@ -24,7 +24,8 @@ def material(draft):
     """The material and warnings of a triangle that wears `spec`."""
 
     def load(spec: dict, **top):
-        draft.single({**draft.triangle(), "material": 0})
+        uvs = draft.array([(0, 0), (1, 0), (0, 1)], "f4")
+        draft.single({**draft.triangle(TEXCOORD_0=uvs), "material": 0})
         draft.json.update(materials=[spec], **top)
         scene = load_gltf(draft.glb())
         return scene.meshes[0].material, scene.warnings

@@ -70,4 +70,6 @@ def test_info_lists_them_and_convert_keeps_the_choice(shoe, tmp_path, capsys):
 
 def test_options_of_models_are_refused_elsewhere(tmp_path, capsys):
     assert cli.run(["info", "builtin:cornell", "--up", "z"]) == 2
-    assert "builtin:cornell: up is for mesh files (.obj, " in capsys.readouterr().err
+    assert (
+        "builtin:cornell: up is for mesh files and density grids (.obj, " in capsys.readouterr().err
+    )

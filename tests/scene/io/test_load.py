@@ -100,9 +100,9 @@ def test_a_bare_model_of_another_unit_that_stands_on_z(tmp_path):
     np.testing.assert_allclose(scene.bounds, load(tmp_path / "a.toml").bounds)
 
 
-@pytest.mark.parametrize("name", ["builtin:cornell", "a.toml", "a.vdb"])
-def test_only_mesh_files_are_turned_and_scaled(name):
-    with pytest.raises(SceneError, match="up and scale are for mesh files"):
+@pytest.mark.parametrize("name", ["builtin:cornell", "a.toml", "a.xml"])
+def test_only_mesh_files_and_grids_are_turned_and_scaled(name):
+    with pytest.raises(SceneError, match="up and scale are for mesh files and density grids"):
         load(name, up="z", scale=2.0)
 
 

@@ -92,14 +92,72 @@ def test_mixing_ratios_are_weighed_with_the_air(tmp_path):
     np.testing.assert_allclose(by_height, 1.2e-3 * np.exp([-150 / 8500, -250 / 8500]), rtol=1e-5)
 
 
+def times(*values):
+    dims = ("time", "z", "y", "x")
+    return dataset(values=np.stack(values), dims=dims, time=("time", 60.0 * np.arange(len(values))))
+
+
 def test_the_first_of_several_times_is_read_and_missing_values_are_none(tmp_path):
-    values = np.stack([VALUES, VALUES + 100])
-    values[0, 0, 0, 1] = np.nan
-    data = dataset(values=values, dims=("time", "z", "y", "x"), time=("time", [0.0, 60.0]))
+    data = times(VALUES, VALUES + 100)
+    data["ql"].values[0, 0, 0, 1] = np.nan
     grid = read_volume(written(data, tmp_path / "a.nc"))
     assert grid.density.max() == 23 and grid.density[2, 0, 1] == 0
-    assert "a.nc has 2 times, the first is read" in grid.warnings
+    told = 'a.nc has 2 times, the first is read (grid = "ql[-1]" takes the last)'
+    assert told in grid.warnings
     assert "a.nc has 1 missing values, taken as 0" in grid.warnings
+
+
+def test_a_simulation_that_begins_in_clear_air_is_shown_with_its_first_cloud(tmp_path):
+    clear = np.full_like(VALUES, np.nan)
+    path = written(times(0 * VALUES, clear, VALUES, VALUES + 100), tmp_path / "a.nc")
+    grid = read_volume(path)
+    assert grid.density.max() == 23
+    assert any("4 times, number 2 is read, the first that holds any" in t for t in grid.warnings)
+
+
+def test_a_number_behind_the_name_chooses_the_time(tmp_path):
+    path = written(times(VALUES, VALUES + 100, VALUES + 200), tmp_path / "a.nc")
+    for name, most in (("ql[1]", 123), ("ql[-1]", 223), ("density[0]", 23)):
+        assert read_volume(path, name).density.max() == most
+    (tmp_path / "a.toml").write_text('[[volume]]\nfile = "a.nc"\ngrid = "ql[2]"\nsigma_t = 1\n')
+    assert load(tmp_path / "a.toml").volumes[0].density.max() == 223
+    for name in ("ql[3]", "ql[-4]"):
+        with pytest.raises(SceneError, match=r"no 'ql\[.*3 times, 0 to 2"):
+            read_volume(path, name)
+    with pytest.raises(SceneError, match="one time"):
+        read_volume(written(dataset(), tmp_path / "b.nc"), "ql[1]")
+
+
+@pytest.mark.parametrize(("units", "to_m"), [("um", 1e-6), ("m", 1.0)])
+def test_water_is_as_opaque_as_the_droplets_of_the_file_make_it(tmp_path, units, to_m):
+    radius = np.linspace(4e-6, 20e-6, VALUES.size).reshape(VALUES.shape)
+    data = times(0 * VALUES, VALUES)
+    data["re"] = (data["ql"].dims, np.stack([0 * radius, radius]) / to_m, {"units": units})
+    data["re"].values[1, 1, 2, 3] = np.nan  # counts as 10 micrometres
+    volume = load(written(data, tmp_path / "a.nc")).volumes[0]
+    radius[1, 2, 3] = 1e-5
+    expected = 3.0 * VALUES / (2.0 * 1000.0 * radius)  # m^-1, of kg m^-3
+    np.testing.assert_allclose(
+        volume.density[::-1] * volume.sigma_t[0], expected.transpose(1, 0, 2), rtol=1e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"units": "K"}, "no radius of droplets"),
+        ({"name": "theta"}, ""),
+        ({"of": "qi"}, ""),  # ice has radii of its own
+    ],
+)
+def test_what_is_no_radius_of_these_droplets_is_left_alone(tmp_path, change, told):
+    data = dataset(name=change.get("of", "ql"))
+    name = change.get("name", "re")
+    data[name] = (("z", "y", "x"), VALUES / 2, {"units": change.get("units", "um")})
+    grid = read_volume(written(data, tmp_path / "a.nc"), change.get("of", "ql"))
+    np.testing.assert_array_equal(grid.density[::-1], VALUES.transpose(1, 0, 2))
+    said = " ".join(grid.warnings)
+    assert told in said and "is the droplets" not in said
 
 
 def test_degrees_become_metres_at_the_origin(tmp_path):
@@ -140,6 +198,20 @@ def test_a_sequence_of_zarr_folders_moves(tmp_path):
     scene = load(tmp_path / "a.toml")
     assert scene.animation.at(scene, 1.0).volumes[0].density.max() == 33
     assert scene.animation.at(scene, 0.5).volumes[0].density.max() == 28
+
+
+def test_a_sequence_may_grow(tmp_path):
+    taller = np.concatenate([VALUES, VALUES + 24])
+    heights = {"z": ("z", [150.0, 250.0, 350.0, 450.0], {"units": "m", "axis": "Z"})}
+    written(dataset(), tmp_path / "cloud.0.nc")
+    written(dataset(values=taller, **heights), tmp_path / "cloud.1.nc")
+    text = '[[volume]]\nsequence = "cloud.*.nc"\ngrid = "ql"\nsigma_t = 1\nsequence_fps = 1\n'
+    (tmp_path / "a.toml").write_text(text)
+    scene = load(tmp_path / "a.toml")
+    for k, top in enumerate((300, 500)):
+        found, grid = scene.at(float(k)).volumes[0], read_volume(tmp_path / f"cloud.{k}.nc", "ql")
+        np.testing.assert_allclose(found.bounds, ((0, 100, -300), (400, top, 0)), atol=1e-3)
+        np.testing.assert_array_equal(found.density, grid.density)
 
 
 def test_what_cannot_be_read_is_one_message(tmp_path):

@@ -1,12 +1,12 @@
-"""Inputs that are no regular files, and files that name others elsewhere: every reader refuses."""
+"""Inputs that are no regular files, and what scene files may name: one rule for every reader."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import quote
 
 import numpy as np
 import PIL.Image
@@ -17,6 +17,7 @@ from airlight.errors import SceneError
 from airlight.exports.light_field_file import load_light_field
 from airlight.scene.fingerprint import fingerprint
 from airlight.scene.io import SCENE_SUFFIXES
+from airlight.scene.io.files import confined_to
 from airlight.scene.io.images import IMAGE_SUFFIXES, load_image, read_radiance
 
 QUAD = '[[mesh]]\nshape = "quad"\n'
@@ -124,50 +125,119 @@ def test_a_link_to_itself(tmp_path, suffix):
         load(path)
 
 
-def _elsewhere(tmp_path: Path) -> dict[str, str]:
-    """URIs of a file outside the folder `inner`, as attackers write them."""
-    secret = tmp_path / "secret"
-    return {
-        "above": "../secret",
-        "quoted": "..%2fsecret",
-        "quoted dots": "%2e%2e/secret",
-        "backslash": "..\\secret",
-        "absolute": str(secret),
-        "quoted absolute": quote(str(secret), safe=""),
-        "scheme": f"file://{secret}",
-        "scheme alone": f"file:{secret}",
-        "web": "https://example.org/a.bin",
-        "link": "link",
-        "drive": "C:/secret",
-        "device": "NUL",
-        "device with an ending": "con.bin",
-    }
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+NAMING = {
+    "gltf": '{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 36, "uri": "{}"}}], '
+    '"bufferViews": [{{"buffer": 0, "byteLength": 36}}], "accessors": [{{"bufferView": 0, '
+    '"componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}}], '
+    '"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}], '
+    '"nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}], "scene": 0}}',
+    "toml": "[[mesh]]\nfile = '{}'\n",
+    "xml": '<scene version="3.0.0"><shape type="obj"><string name="filename" value="{}"/></shape>'
+    "</scene>",
+    "usda": '#usda 1.0\ndef "A" (prepend references = @{}@)\n{{\n}}\n',
+}
+NAMED = {
+    "gltf": np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes(),
+    "toml": TRIANGLE.encode(),
+    "xml": TRIANGLE.encode(),
+    "usda": b'#usda 1.0\n(\n    defaultPrim = "Q"\n)\ndef Mesh "Q"\n{\n'
+    b"int[] faceVertexCounts = [3]\n"
+    b"int[] faceVertexIndices = [0, 1, 2]\npoint3f[] points = [(0,0,0), (1,0,0), (0,1,0)]\n}\n",
+}
+ENDINGS = {"gltf": "bin", "toml": "obj", "xml": "obj", "usda": "usda"}
 
 
-@pytest.mark.parametrize("way", _elsewhere(Path()))
-@pytest.mark.parametrize("what", ["buffer", "image"])
-def test_gltf_reads_nothing_outside_its_folder(tmp_path, bent_triangle, way, what):
+@pytest.fixture(
+    params=["gltf", "toml", "xml", pytest.param("usda", marks=pytest.mark.needs("usd_core")), "obj"]
+)
+def names(request, tmp_path) -> Callable[[str], str]:
+    """Writes a scene into `inner` that names a file, loads it, and says what was wrong, if it was.
+
+    {} in the name stands for a file above `inner`, without its folder.
+    """
+    kind = request.param
     (tmp_path / "inner").mkdir()
-    PIL.Image.fromarray(np.zeros((32, 32, 3), np.uint8)).save(tmp_path / "secret", "PNG")
-    (tmp_path / "inner" / "link").symlink_to(tmp_path / "secret")
-    uri = _elsewhere(tmp_path)[way]
+    file = f"target.{ENDINGS.get(kind, 'png')}"
+    if kind == "obj":
+        PIL.Image.fromarray(np.full((32, 32, 3), 90, np.uint8)).save(tmp_path / file)
+    else:
+        (tmp_path / file).write_bytes(NAMED[kind])
+    (tmp_path / "inner" / f"link-{file}").symlink_to(tmp_path / file)
 
-    def bend(document):
-        if what == "buffer":
-            document["buffers"] = [{"byteLength": 8, "uri": uri}]
-            return
-        document["images"] = [{"uri": uri}]
-        document["textures"] = [{"source": 0}]
-        document["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
-        document["meshes"][0]["primitives"][0]["material"] = 0
+    def said(name: str) -> str:
+        written = name.format(file)
+        path = tmp_path / "inner" / f"a{len(list((tmp_path / 'inner').iterdir()))}.{kind}"
+        if kind == "obj":
+            path.with_suffix(".mtl").write_text(f"newmtl m\nmap_Kd {written}\n")
+            path.write_text(f"mtllib {path.stem}.mtl\nusemtl m\n{TRIANGLE}")
+        else:
+            text = written.replace("\\", "\\\\") if kind == "gltf" else written
+            path.write_text(NAMING[kind].format(text))
+        try:
+            loaded = load(path)
+        except SceneError as error:
+            return str(error)
+        assert loaded.triangle_count == 1
+        return " ".join(text for text in loaded.warnings if "texture" in text or "target" in text)
 
-    path = tmp_path / "inner" / "a.gltf"
-    path.write_text(bent_triangle(bend).read_text())
-    with pytest.raises(SceneError) as caught:
-        load(path)
-    expected = {"web": "not a file beside", "scheme": "not a file beside", "device": "a device"}
-    assert expected.get(way.split()[0], "outside its folder") in str(caught.value)
-    assert str(caught.value).startswith(f"{path}: {what}s[0]: ")
+    return said
+
+
+def test_every_scene_file_may_name_files_above_it(names, tmp_path, monkeypatch):
+    paths = ["../{}", "link-{}", f"{tmp_path.as_posix()}/{{}}", "../inner/../{}"]
+    if not (tmp_path / "target.usda").exists():  # whose own resolver takes slashes alone
+        paths.append("..\\{}")
+    for path in paths:
+        assert names(path) == "", path
+    # But those out of the folder that someone sets, or that strangers' files are kept in.
+    with monkeypatch.context() as bounded:
+        bounded.setenv("AIRLIGHT_ROOT", str(tmp_path))
+        assert all(names(path) == "" for path in paths)
+        for root in ("inner", "elsewhere"):
+            bounded.setenv("AIRLIGHT_ROOT", str(tmp_path / root))
+            for path in paths:
+                assert re.search("outside of|is missing", names(path)), (root, path)
+    with confined_to(tmp_path / "inner"):
+        for path in paths:
+            assert re.search("outside of|is missing", names(path)), path
+        with confined_to(tmp_path):  # the innermost holds
+            assert names(paths[0])
+    assert names(paths[0]) == ""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        *(
+            "//host/share/{}",
+            "\\\\host\\share\\{}",
+            "C:/x/{}",
+            "NUL",
+            "con.{}",
+            "fifo-{}",
+            "zero-{}",
+        ),
+        *("/proc/self/environ", "../../../../../../../../../proc/kmsg", "/sys/kernel/profiling"),
+    ],
+)
+def test_no_scene_file_may_name_what_no_scene_needs(names, tmp_path, path, request):
+    """Shares of other machines, devices, pipes, files that the system makes up."""
+    file = next(path.name for path in tmp_path.iterdir() if path.is_file())
+    os.mkfifo(tmp_path / "inner" / f"fifo-{file}")
+    (tmp_path / "inner" / f"zero-{file}").symlink_to("/dev/zero")
+    if file.endswith("obj") and "{}" not in path:  # a mesh file by its ending
+        path += ".obj"
+    said = names(path)
+    known = "another machine|a path of Windows|a device|a pipe|of the system|is missing|not found"
+    assert re.search(known, said), path
+
+
+@pytest.mark.parametrize("uri", ["https://example.org/a.bin", "file:///a.bin", "file:a.bin"])
+def test_gltf_fetches_nothing(tmp_path, uri):
+    (tmp_path / "a.gltf").write_text(NAMING["gltf"].format(uri))
+    with pytest.raises(SceneError, match=r"buffers\[0\]: '.*' is not a file beside this one"):
+        load(tmp_path / "a.gltf")
 
 
 def test_gltf_reads_what_lies_below_it(tmp_path, draft):
@@ -182,26 +252,20 @@ def test_gltf_reads_what_lies_below_it(tmp_path, draft):
         assert load(path).triangle_count == 1
 
 
-def test_obj_follows_relative_paths_and_no_absolute_ones(tmp_path):
-    (tmp_path / "models").mkdir()
-    (tmp_path / "images").mkdir()
+def test_an_obj_finds_images_of_other_cases_and_of_other_machines(tmp_path):
+    for folder in ("models", "images"):
+        (tmp_path / folder).mkdir()
     kept = tmp_path / "images" / "x.png"
     PIL.Image.fromarray(np.full((32, 32, 3), 90, np.uint8)).save(kept)
     path = tmp_path / "models" / "a.obj"
-    path.write_text("mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    for name in ("../images/x.png", "..\\Images\\X.png"):
+    path.write_text(f"mtllib a.mtl\nusemtl m\n{TRIANGLE}")
+    for name in ("..\\Images\\X.png", "C:\\elsewhere\\x.png", "/elsewhere/x.png"):
         (tmp_path / "models" / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
-        assert not load(path).warnings
-    for name in (str(kept), "C:\\images\\x.png"):
-        (tmp_path / "models" / "a.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
-        (warning,) = load(path).warnings
-        assert warning.startswith(f"{path}: texture '{name}' is missing")
-        assert "a magenta checker stands in" in warning
-
-
-def test_toml_may_name_any_file(tmp_path):
-    (tmp_path / "inner").mkdir()
-    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-    for name in ("../a.obj", str(tmp_path / "a.obj")):
-        (tmp_path / "inner" / "a.toml").write_text(BY_TOML["mesh.obj"].format(name))
-        assert load(tmp_path / "inner" / "a.toml").triangle_count == 1
+        if "elsewhere" in name:
+            (warning,) = load(path).warnings
+            assert warning.startswith(f"{path}: texture '{name}' is missing")
+            kept.replace(tmp_path / "models" / "x.png")
+            assert not load(path).warnings
+            (tmp_path / "models" / "x.png").replace(kept)
+        else:
+            assert not load(path).warnings

@@ -300,6 +300,21 @@ def test_a_sequence_may_begin_and_end_with_empty_frames(tmp_path):
         assert empty.shape == wanted.density.shape and not empty.any()
 
 
+def test_a_sequence_may_grow(tmp_path):
+    some = np.where(np.indices((8, 8, 8))[1] < 4, COUNTED + 1, 0)
+    for number, values in enumerate((some, COUNTED + 1)):
+        (tmp_path / f"s{number}.vdb").write_bytes(vdb_bytes(values, kind=0))
+    text = '[[volume]]\nsequence = "s*.vdb"\nsequence_fps = 1\nsigma_t = 1\n'
+    (tmp_path / "a.toml").write_text(text)
+    scene = load(tmp_path / "a.toml")
+    alone = [read_volume(tmp_path / f"s{number}.vdb") for number in range(2)]
+    assert alone[0].density.shape != alone[1].density.shape
+    for number, grid in enumerate(alone):
+        found = scene.at(float(number)).volumes[0]
+        assert found.bounds == grid.bounds
+        np.testing.assert_array_equal(found.density, grid.density)
+
+
 def root_at(raw: bytes) -> int:
     """Where a root's number of tiles stands: behind the transform, buffers and background."""
     return raw.index(b"ScaleTranslateMap") + len(b"ScaleTranslateMap") + 18 * 8 + 8

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from airlight.scene.io.probe import Probe, sphere_directions
 from airlight.scene.material import Material
@@ -66,3 +67,45 @@ def test_directions_cover_the_sphere():
     np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1)
     np.testing.assert_allclose(directions.mean(axis=0), 0, atol=0.01)
     np.testing.assert_allclose((directions**2).mean(axis=0), 1 / 3, atol=0.01)
+
+
+def pane(material: Material, z: float = 0.0) -> Mesh:
+    positions = np.array([(-9, -9, z), (9, -9, z), (0, 9, z)], np.float32)
+    return Mesh(Geometry(positions, np.array([(0, 1, 2)])), material)
+
+
+GLASS = [
+    Material(transmission=1.0),
+    Material(alpha=0.5, is_blended=True),
+    Material(alpha=0.9, is_blended=True, transmission=0.3),
+]
+WALLS = [
+    Material(),
+    Material(transmission=1.0, metallic=1.0),
+    Material(alpha=0.5),
+    Material(alpha=0.9, is_blended=True),
+    Material(transmission=0.2),
+]
+
+
+@pytest.mark.parametrize("material", [*GLASS, *WALLS])
+def test_light_passes_panes_and_people_do_not(material):
+    """Before a wall one metre on; the pane's triangle stays in what is framed."""
+    scene = Scene((pane(material), pane(Material(), -1.0)))
+    start, towards = np.array([(0.0, 0.0, 3.0)]), np.array([(0.0, 0.0, -1.0)])
+    light, person = Probe.of(scene), Probe.of(scene, through_panes=False)
+    hits = light.cast(start, towards)
+    assert hits.distance[0] == pytest.approx(4.0 if material in GLASS else 3.0)
+    assert light.mesh[hits.triangle[0]] == (1 if material in GLASS else 0)
+    assert person.cast(start, towards).distance[0] == pytest.approx(3.0)
+    assert len(light.corners) == 2
+    # Towards the sky only the pane is in the way.
+    between = np.array([(0.0, 0.0, -0.5)])
+    assert light.sees_sky(between, -towards[0])[0] == (material in GLASS)
+    assert light.largest(1).sees_sky(between, -towards[0])[0] == (material in GLASS)
+
+
+def test_a_scene_of_glass_alone_stops_no_ray():
+    probe = Probe.of(Scene((pane(GLASS[0]),)))
+    hits = probe.cast(np.array([(0.0, 0.0, 3.0)]), np.array([(0.0, 0.0, -1.0)]))
+    assert np.isinf(hits.distance[0]) and hits.triangle[0] == -1

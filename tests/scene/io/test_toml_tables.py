@@ -43,6 +43,7 @@ NOT_FIELDS = {
     "temperature_scale",
     "temperature_offset",
     "channels",
+    "up",
     "between",
     "translate",
     "rotate_deg",

@@ -47,6 +47,7 @@ VALUES: dict[str, object] = {  # by "table.key", else by the key; others by thei
     "detail": 0.25,
     "up": [0, 0.6, 0.8],
     "mesh.up": "z",
+    "volume.up": "z",
     "scale": 1.75,
     "fps": 12.5,
     "start_s": 0.125,
@@ -335,5 +336,6 @@ def test_an_animated_file_keeps_its_clip(folder, draft):
         "clip_speed": 1.5,
         "clip_loop": True,
     }
-    scene = same_again(folder, text_of({"mesh": clip}))
+    light = {"type": "directional", "direction": [0, -1, 0], "irradiance": 1.0}
+    scene = same_again(folder, text_of({"mesh": clip, "light": light}))
     assert not same(scene.at(0.7).meshes, scene.at(3.0).meshes)

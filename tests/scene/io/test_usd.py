@@ -1,13 +1,15 @@
-"""USD: what stages show, where it stands, and layers that reach out of the folder."""
+"""USD: what stages show, where it stands, and which layers it may name."""
 
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 import PIL.Image
 import pytest
 
+from airlight.app.cli import run
 from airlight.errors import SceneError
 from airlight.exports.vdb import VdbGrid, vdb_bytes
 from airlight.scene.io import load, load_meshes
@@ -113,14 +115,14 @@ def test_a_preview_surface_is_a_material(tmp_path):
     assert material.emission == (0, 0, 2)
 
 
-def test_an_image_is_found_beside_the_layer_and_not_outside(tmp_path):
+def test_an_image_is_found_from_the_layer_but_none_of_the_system(tmp_path):
     inner = tmp_path / "inner"
     inner.mkdir()
     pixels = np.zeros((2, 2, 3), np.uint8)
     pixels[0, 0] = (255, 0, 0)
     for folder in (inner, tmp_path):
         PIL.Image.fromarray(pixels).save(folder / "i.png")
-    for name, is_there in (("i.png", True), ("../i.png", False), ("/etc/hosts", False)):
+    for name, is_there in (("i.png", True), ("../i.png", True), ("/proc/version", False)):
         shader = """
         color3f inputs:diffuseColor.connect = </World/red/t.outputs:rgb>
         """
@@ -140,7 +142,7 @@ def test_an_image_is_found_beside_the_layer_and_not_outside(tmp_path):
         if is_there:
             assert texture.is_srgb and texture.pixels[0, 0, 0] == 255 and not made.warnings
         else:
-            assert "outside its folder; a magenta checker" in made.warnings[0]
+            assert "is a file of the system; a magenta checker" in made.warnings[0]
 
 
 def test_subsets_have_materials_of_their_own(tmp_path):
@@ -250,7 +252,7 @@ def test_a_volume_is_its_vdb_file(tmp_path):
     np.testing.assert_allclose((volume.world_from_volume @ [*volume.bounds[0], 1])[0], 9.5)
 
 
-def test_references_are_followed_inside_the_folder_alone(tmp_path, monkeypatch):
+def test_references_are_followed_but_not_out_of_a_folder_that_is_set(tmp_path, monkeypatch):
     inner = tmp_path / "inner"
     inner.mkdir()
     for folder in (tmp_path, inner):
@@ -274,19 +276,29 @@ def test_references_are_followed_inside_the_folder_alone(tmp_path, monkeypatch):
             held = 'variantSet "v" = { "a" (prepend references = @../part.usda@) { } }'
             text = text.replace("{\n}\n", f"{{\n{held}\n}}\n")
         (inner / "b.usda").write_text(text)
-        with pytest.raises(SceneError, match="outside its folder"):
-            load_meshes(inner / "b.usda")
-        # But where someone allows the folder around both.
-        with monkeypatch.context() as allowed:
-            allowed.setenv("AIRLIGHT_ROOT", str(tmp_path))
+        assert len(load_meshes(inner / "b.usda").meshes) == 1
+        # But where someone sets a folder that does not lie around both.
+        with monkeypatch.context() as bounded:
+            bounded.setenv("AIRLIGHT_ROOT", str(tmp_path))
             assert len(load_meshes(inner / "b.usda").meshes) == 1
-            allowed.setenv("AIRLIGHT_ROOT", str(tmp_path / "elsewhere"))
-            with pytest.raises(SceneError, match="or set AIRLIGHT_ROOT to a folder around both"):
-                load_meshes(inner / "b.usda")
+            for root in (inner, tmp_path / "elsewhere"):
+                bounded.setenv("AIRLIGHT_ROOT", str(root))
+                with pytest.raises(SceneError, match="or let AIRLIGHT_ROOT be one around both"):
+                    load_meshes(inner / "b.usda")
     # One that refers to one that refers out of the folder.
     (inner / "c.usda").write_text(using("prepend references = @./b.usda@</A>"))
-    with pytest.raises(SceneError, match="outside its folder"):
+    assert len(load_meshes(inner / "c.usda").meshes) == 1
+    monkeypatch.setenv("AIRLIGHT_ROOT", str(inner))
+    with pytest.raises(SceneError, match="is outside of"):
         load_meshes(inner / "c.usda")
+
+
+def test_a_layer_that_is_a_pipe_is_refused(tmp_path):
+    os.mkfifo(tmp_path / "part.usda")
+    text = '#usda 1.0\ndef Xform "A" (prepend references = @./part.usda@)\n{\n}\n'
+    (tmp_path / "a.usda").write_text(text)
+    with pytest.raises(SceneError, match="a pipe, not a file"):
+        load_meshes(tmp_path / "a.usda")
 
 
 def test_a_package_holds_layers_and_images(tmp_path):
@@ -363,3 +375,254 @@ def test_values_of_another_type_than_the_schema_says_are_left_out(tmp_path, writ
     plain = scene(tmp_path, QUAD % "").meshes[0].geometry
     made = scene(tmp_path, QUAD % written).meshes[0].geometry
     np.testing.assert_array_equal(made.normals, plain.normals)
+
+
+def told(folder, text: str, head: str = "metersPerUnit = 1") -> list[str]:
+    return [
+        line.partition("a.usda: ")[2] for line in scene(folder, QUAD % "" + text, head).warnings
+    ]
+
+
+def prim(kind: str, name: str, body: str, more: str = "") -> str:
+    lines = body.replace("; ", "\n")
+    return f'\ndef {kind} "{name}" {more}\n{{\n{lines}\n}}\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (prim("SphereLight", "l", "float inputs:intensity = -3"), "intensity is -3, below 0"),
+        (prim("SphereLight", "l", "float inputs:radius = -1"), "inputs:radius is -1, below 0"),
+        (
+            prim("SphereLight", "l", "float inputs:intensty = 3"),
+            "the input 'inputs:intensty' is unknown and left out. Did you mean 'inputs:intensity'?",
+        ),
+        (
+            prim("SphereLight", "l", "float inputs:shaping:cone:angle = 20",
+                 '(prepend apiSchemas = ["ShapingAPI"])'),
+            "'/World/l': inputs:shaping:cone:angle is set",
+        ),
+        (
+            prim("SphereLight", "l", "bool inputs:shadow:enable = 0",
+                 '(prepend apiSchemas = ["ShadowAPI"])'),
+            "inputs:shadow:enable is set",
+        ),
+        (
+            prim("SphereLight", "l", "rel collection:lightLink:includes = </World/quad>"),
+            "collection:lightLink:includes is set",
+        ),
+        (prim("DistantLight", "l", "float inputs:angle = 30"), "of distant lights are sharp"),
+        (prim("CylinderLight", "l", ""), "'/World/l': a CylinderLight is left out"),
+        (prim("RendererLight", "l", ""), "'/World/l': a RendererLight is left out"),
+        (prim("Camera", "c", "float focalLength = 0"), "focalLength is 0, which sees nothing"),
+        (prim("Camera", "c", "float verticalAperture = -2"), "verticalAperture is -2, which sees"),
+        (
+            prim("Camera", "c", 'token projection = "orthographic"'),
+            "'/World/c': only perspective cameras are used: it is left out",
+        ),
+        (prim("Camera", "c", "float horizontalApertureOffset = 3"), "horizontalApertureOffset is"),
+        (prim("Camera", "c", "") + prim("Camera", "d", ""), "it has several cameras"),
+        (prim("BasisCurves", "b", ""), "'/World/b': a BasisCurves is left out"),
+        (prim("Xform", "x", "", "(prepend references = @./gone.usda@)"), "gone.usda"),
+        (prim("Xform", "x", "", "(prepend payload = @./gone.usda@)"), "gone.usda"),
+        (
+            prim("Mesh", "m", "uniform token subdivisionScheme = \"loop\"; "
+                 "int[] cornerIndices = [1]"),
+            "the cage of a subdivided mesh is shown",
+        ),
+        (prim("Sphere", "s", "float[] primvars:displayOpacity = [0.5]"), "displayOpacity is set"),
+        (
+            prim("Sphere", "s", "double radius.timeSamples = {1: 1, 5: 2}"),
+            "what moves stands as at the first time: '/World/s' radius",
+        ),
+        (
+            prim("Xform", "x", "double3 xformOp:translate.timeSamples = {1: (0,0,0), 5: (1, 0, 0)}"
+                 '; uniform token[] xformOpOrder = ["xformOp:translate"]'),
+            "'/World/x' xformOp:translate",
+        ),
+    ],
+)  # fmt: skip
+def test_what_a_stage_asks_for_and_does_not_get_is_named(tmp_path, text, words):
+    said = [line for line in told(tmp_path, text) if words in line]
+    assert len(said) == 1, told(tmp_path, text)
+
+
+def test_a_missing_sublayer_is_named(tmp_path):
+    assert any("gone.usda" in t for t in told(tmp_path, "", "subLayers = [@./gone.usda@]"))
+
+
+def test_what_is_as_the_schema_has_it_is_no_warning(tmp_path):
+    text = prim(
+        "SphereLight", "l", "float inputs:diffuse = 1; float inputs:specular = 1; float a = 2"
+    )
+    text += prim("Camera", "c", "double shutter:open = 0; float horizontalApertureOffset = 0")
+    text += prim("Xform", "x", 'custom string userProperties:note = "n"')
+    head = "metersPerUnit = 1\nstartTimeCode = 1\nendTimeCode = 50"
+    assert told(tmp_path, text, head) == []
+
+
+def test_the_same_loss_of_many_prims_is_told_once(tmp_path):
+    text = "".join(prim("SphereLight", f"l{k}", "float inputs:diffuse = 0.5") for k in range(4))
+    said = [t for t in told(tmp_path, text) if "inputs:diffuse" in t]
+    assert said == [
+        "'/World/l0': inputs:diffuse is set: lights light all of a surface (and 3 more)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("float inputs:roughness = 7", "its roughness is 7, outside of 0 to 1: the nearest is"),
+        ("color3f inputs:diffuseColor = (-1, 0, 0)", "its diffuseColor is -1, outside of 0 to 1"),
+        ("float inputs:clearcoat = 1", "its clearcoat is left out"),
+        ("int inputs:useSpecularWorkflow = 1", "its useSpecularWorkflow is left out"),
+        ("float inputs:displacement = 0.2", "its displacement is left out"),
+        (
+            "float inputs:roughnes = 0.1",
+            "'roughnes' is unknown and left out. Did you mean 'roughness'",
+        ),
+        (
+            "color3f inputs:diffuseColor.connect = </World/red/n.outputs:out>",
+            "its diffuseColor comes from a Noise, which is not read",
+        ),
+    ],
+)
+def test_what_a_surface_asks_for_and_does_not_get_is_named(tmp_path, line, words):
+    shader = f"""
+    def Material "red"
+    {{
+        token outputs:surface.connect = </World/red/s.outputs:surface>
+        def Shader "n"
+        {{
+            uniform token info:id = "Noise"
+            color3f outputs:out
+        }}
+        def Shader "s"
+        {{
+            uniform token info:id = "UsdPreviewSurface"
+            {line}
+            token outputs:surface
+        }}
+    }}
+    """
+    made = scene(tmp_path, QUAD % "rel material:binding = </World/red>" + shader)
+    assert [text for text in made.warnings if words in text], made.warnings
+
+
+def test_a_material_for_final_images_is_worn_where_there_is_no_other(tmp_path):
+    (mesh,) = scene(tmp_path, QUAD % "rel material:binding:full = </World/red>" + MATERIAL).meshes
+    assert mesh.material.metallic == 1.0
+
+
+def test_an_index_of_refraction_is_a_reflectance(tmp_path):
+    text = MATERIAL.replace("float inputs:metallic = 1", "float inputs:ior = 1.2")
+    (mesh,) = scene(tmp_path, QUAD % "rel material:binding = </World/red>" + text).meshes
+    assert mesh.material.specular == pytest.approx((0.2 / 2.2) ** 2 / 0.04)
+
+
+@pytest.mark.parametrize(
+    ("kind", "volume", "area"),
+    [
+        ("Cylinder", math.pi * 4 * 3, 2 * math.pi * 2 * 3 + 2 * math.pi * 4),
+        ("Cone", math.pi * 4 * 3 / 3, math.pi * 2 * math.hypot(2, 3) + math.pi * 4),
+        ("Capsule", math.pi * 4 * 3 + 4 / 3 * math.pi * 8, 2 * math.pi * 2 * 3 + 4 * math.pi * 4),
+    ],
+)
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+def test_shapes_of_revolution_have_their_volume_about_their_axis(
+    tmp_path, kind, volume, area, axis
+):
+    text = prim(kind, "s", f'double radius = 2; double height = 3; uniform token axis = "{axis}"')
+    (mesh,) = scene(tmp_path, text, "metersPerUnit = 1").meshes
+    a, b, c = np.moveaxis(mesh.geometry.positions[mesh.geometry.indices].astype(float), 1, 0)
+    faces = np.cross(b - a, c - a)
+    # Chords of 64 and 16 sides a circle lose less than a hundredth.
+    assert np.einsum("tx,tx->", a, np.cross(b, c)) / 6 == pytest.approx(volume, rel=0.01)
+    assert np.linalg.norm(faces, axis=1).sum() / 2 == pytest.approx(area, rel=0.01)
+    low, high = mesh.world_bounds
+    long = 3 if kind != "Capsule" else 7
+    size = [long if name == axis else 4 for name in "XYZ"]
+    np.testing.assert_allclose(high - low, size, rtol=0.01)
+
+
+def test_a_shape_of_no_length_is_one_message(tmp_path):
+    with pytest.raises(SceneError, match="its radius -1 and height 2 are no lengths"):
+        scene(tmp_path, prim("Cylinder", "c", "double radius = -1"))
+
+
+def test_faces_that_are_holes_are_not_there(tmp_path):
+    text = (QUAD % "int[] holeIndices = [1]").replace("[4]", "[3, 3]")
+    (mesh,) = scene(tmp_path, text.replace("[0, 1, 2, 3]", "[0, 1, 2, 0, 2, 3]")).meshes
+    assert len(mesh.geometry.indices) == 1
+
+
+VOLUME = """
+    def Volume "smoke"
+    {
+        %s
+        def OpenVDBAsset "a"
+        {
+            asset filePath = @smoke.vdb@
+            token fieldName = "density"
+        }
+        def OpenVDBAsset "b"
+        {
+            asset filePath = @%s@
+            token fieldName = "%s"
+        }
+    }
+"""
+
+
+def burning(folder, field: str, file: str = "smoke.vdb"):
+    values = np.ones((2, 3, 4), np.float32)
+    grids = [VdbGrid("density", values, np.eye(4), ""), VdbGrid(field, 900 * values, np.eye(4), "")]
+    (folder / "smoke.vdb").write_bytes(vdb_bytes(grids, {}))
+    rels = f"rel field:density = </World/smoke/a>\n        rel field:{field} = </World/smoke/b>"
+    return scene(folder, VOLUME % (rels, file, field), "metersPerUnit = 1")
+
+
+def test_a_volume_with_temperatures_is_a_fire(tmp_path):
+    made = burning(tmp_path, "temperature")
+    (volume,) = made.volumes
+    assert volume.is_emissive and volume.emission.values.shape[:3] == (2, 3, 4)
+    assert any("has flames" in text for text in made.warnings)
+
+
+def test_other_fields_of_a_volume_are_named(tmp_path):
+    made = burning(tmp_path, "pressure")
+    assert made.volumes[0].emission is None
+    assert any("'/World/smoke': its field 'pressure' is left out" in t for t in made.warnings)
+    made = burning(tmp_path, "temperature", "gone.vdb")
+    words = "the file 'gone.vdb' of its field 'temperature' is missing"
+    assert made.volumes[0].emission is None and any(words in t for t in made.warnings)
+
+
+@pytest.mark.parametrize("command", ["validate", "info", "render"])
+def test_commands_say_the_same(tmp_path, command, capsys, gpu):
+    (tmp_path / "a.usda").write_text(
+        stage(QUAD % "" + prim("Camera", "c", "float focalLength = 0"), "metersPerUnit = 1")
+    )
+    more = ["-o", str(tmp_path / "o.png"), "--size", "16x16"] if command == "render" else []
+    assert run([command, str(tmp_path / "a.usda"), *more]) == 0
+    assert "focalLength is 0, which sees nothing" in capsys.readouterr().err
+
+
+def test_a_path_with_backslashes_is_followed(tmp_path):
+    (tmp_path / "parts").mkdir()
+    image = tmp_path / "parts" / "i.png"
+    PIL.Image.fromarray(np.zeros((2, 2, 3), np.uint8)).save(image)
+    shader = """
+        def Shader "t"
+        {
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @.\\parts\\i.png@
+            float3 outputs:rgb
+        }
+    """
+    text = MATERIAL.replace(
+        "color3f inputs:diffuseColor = (0.5, 0.1, 0)",
+        "color3f inputs:diffuseColor.connect = </World/red/t.outputs:rgb>",
+    ).replace('def Shader "s"', shader + 'def Shader "s"')
+    made = scene(tmp_path, QUAD % "rel material:binding = </World/red>" + text)
+    assert made.warnings == () and made.meshes[0].material.base_color_texture is not None

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
+from airlight.scene.io import load
 from airlight.scene.io.volumes import grid_names, read_values, read_volume
 
 VALUES = np.arange(24, dtype="<f4").reshape(2, 3, 4)  # z, y, x
@@ -142,3 +143,21 @@ def test_several_arrays_want_a_name(tmp_path):
     with pytest.raises(SceneError, match=r"no grid 'density'\. Known: a, b"):
         read_volume(tmp_path / "a.vti")
     assert read_volume(tmp_path / "a.vti", "b").density.max() == 1
+
+
+def test_a_sequence_may_grow_and_move(tmp_path):
+    for k, (extent, count) in enumerate((("0 3 0 2 0 1", 24), ("2 3 0 2 0 3", 24))):
+        numbers = " ".join(str(k + n) for n in range(count))
+        image = 'Origin="1 0 0" Spacing="0.5 0.5 0.5"'
+        (tmp_path / f"s{k}.vti").write_bytes(
+            vti(element("ascii", numbers), extent=extent, image=image)
+        )
+    text = '[[volume]]\nsequence = "s*.vti"\nsequence_fps = 1\nsigma_t = 1\ngrid = "smoke"\n'
+    (tmp_path / "a.toml").write_text(text)
+    scene = load(tmp_path / "a.toml")
+    for k in range(2):
+        found, grid = scene.at(float(k)).volumes[0], read_volume(tmp_path / f"s{k}.vti", "smoke")
+        assert found.bounds == grid.bounds
+        np.testing.assert_array_equal(found.density, grid.density)
+    # Half of each where they meet, on a box around both.
+    assert scene.at(0.5).volumes[0].density.shape == (4, 3, 4)

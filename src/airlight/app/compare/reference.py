@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import json
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +16,7 @@ from ... import env
 from ...errors import AirlightError
 from ...reference.metrics import noise_floor, scene_epsilon
 from ...scene.checks import F32
+from ...scene.fingerprint import fingerprint
 from ...scene.image import Image
 from ...scene.io.ledger import own_files
 from ...scene.io.numpy_files import opened_npz
@@ -30,8 +29,8 @@ if TYPE_CHECKING:
 FORMAT = 1  # raise it when what is cached, or what it means, changes
 SPP_LIMIT = 1 << 16
 SPP_AT_ONCE = 256  # each such part is cached: an interrupted comparison goes on where it was
-NOT_CONTENT = ("settings", "name", "warnings", "source", "exposure_stops")
-"""Fields of a scene that no reference depends on."""
+NOT_CONTENT = ("settings", "name", "exposure_stops")
+"""Fields of a scene that no reference depends on, beside those that no image does."""
 NO_LAYERS = "only the whole image has a reference"
 
 
@@ -207,40 +206,4 @@ def _cache(reference: Reference, path: Path) -> str:
 def scene_hash(scene: Scene, size: tuple[int, int]) -> str:
     """A name for what the reference of `scene` at `size` depends on: values, not files or ids."""
     # The format and the size are part of the name.
-    digest = hashlib.sha256(f"{FORMAT} {size}".encode())
-    known: dict[int, bytes] = {}
-    digest.update(_content(scene, known))
-    return digest.hexdigest()[:32]
-
-
-def _content(value: Any, known: dict[int, bytes]) -> bytes:
-    """A digest of a value made of dataclasses, tuples, arrays and plain values.
-
-    `known` keeps what is shared: a mesh placed a thousand times is read once.
-    """
-    if id(value) in known:
-        return known[id(value)]
-    digest = hashlib.sha256(type(value).__name__.encode())
-    # By what a value holds, field by field, so that a renamed file finds its reference again.
-    if isinstance(value, np.ndarray):
-        digest.update(f"{value.dtype} {value.shape}".encode())
-        digest.update(np.ascontiguousarray(value).data)
-    elif dataclasses.is_dataclass(value):
-        for field in dataclasses.fields(value):
-            if field.name not in NOT_CONTENT:
-                digest.update(field.name.encode())
-                digest.update(_content(getattr(value, field.name), known))
-    elif isinstance(value, (tuple, list)):
-        for item in value:
-            digest.update(_content(item, known))
-    elif isinstance(value, Mapping):
-        for key in sorted(value):
-            digest.update(str(key).encode())
-            digest.update(_content(value[key], known))
-    else:
-        digest.update(repr(value).encode())
-    # Arrays and dataclasses may be met again by many meshes.
-    result = digest.digest()
-    if isinstance(value, np.ndarray) or dataclasses.is_dataclass(value):
-        known[id(value)] = result
-    return result
+    return fingerprint((FORMAT, size, scene), without=NOT_CONTENT)

@@ -11,6 +11,7 @@ import click
 
 from ...errors import OutputError, SettingsError
 from ..options import (
+    AUTO,
     SECONDS,
     Number,
     check_settings,
@@ -25,7 +26,7 @@ from ..options import (
 )
 from ..outputs import check_writable, is_folder
 from ..scene_argument import load_scene, reads, show_warnings, warn
-from ..scene_options import camera_options, scene_options, with_camera
+from ..scene_options import camera_options, scene_options, with_camera, with_exposure
 from .folder import FrameFolder, sweep_video
 from .plan import FORMATS, Plan, digest, frame_span
 from .progress import counted
@@ -80,6 +81,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     reads(scene)
     check_sequence(output, options)
     loaded = with_camera(load_scene(scene, options["model"]), options["camera"])
+    loaded = with_exposure(loaded, options["exposure"])
     warn(display_doubts(FORMATS[options["kind"] or "png"], options))
     make_sequence(_plan(loaded, options), loaded, output, options)
 
@@ -252,7 +254,7 @@ def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
         last=last,
         ending=FORMATS[options["kind"] or "png"],
         layers=options["layers"],
-        exposure_stops=options["exposure"],
+        exposure_stops=None if options["exposure"] == AUTO else options["exposure"],
         tone_map=options["tone_map"],
         lut=options["lut"],
     )

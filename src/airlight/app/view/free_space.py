@@ -33,7 +33,7 @@ class FreeSpace:
 
     def warm(self) -> None:
         """Make what rays are cast at now, so that the first drag need not wait for it."""
-        self._probe = self._probe or Probe.of(self.scene)
+        self._probe = self._probe or Probe.of(self.scene, through_panes=False)
 
     def is_enclosed(self, eye: F64) -> bool:
         """Whether the eye stands in a room, so that walls are to hold it."""

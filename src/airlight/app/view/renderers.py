@@ -20,7 +20,7 @@ from .making import BackgroundRenderer, Making
 from .quality import STILL_SAMPLES, Quality
 from .shown import Shown
 from .source import Source
-from .state import ViewState, structure
+from .state import ViewState, boxes, structure
 
 COARSER_SAMPLES = 16
 """Of a still view, before a finer image is begun."""
@@ -80,8 +80,9 @@ class Renderers(Document):
 
     @property
     def wanted(self) -> tuple[Any, ...]:
-        """What a renderer is made for: the state's structure, and an eye far out in its fog."""
-        return (*structure(self.state), self._eye)
+        """What a renderer is made for: the state's structure, where its volumes' grids lie now, and
+        an eye far out in its fog."""
+        return (*structure(self.state), boxes(self.state), self._eye)
 
     def wait(self) -> None:
         """Return once the renderer that is being made is there, or has been refused."""
@@ -99,6 +100,10 @@ class Renderers(Document):
             if self._making.is_under_way:  # of a wish that was taken back
                 self._making.give_up()
                 self._say_made()
+            return
+        # While a sequence plays whose grids change their boxes, what is begun is made to its end.
+        making = self._making.wanted
+        if state.is_playing and making is not None and making[:-2] == wanted[:-2]:
             return
         state.notice = REBUILDING if self._made not in (None, PREVIEW) else PREPARING
         self.fine, self.compared = self._emptied(self.fine), self._emptied(self.compared)
@@ -123,7 +128,7 @@ class Renderers(Document):
         They stay so when it comes back: who goes out and in waits once. What is drawn at rest is
         made for the camera as it is.
         """
-        if self._made is None or self._made[:-1] != structure(self.state):
+        if self._made is None or self._made[:-2] != structure(self.state):
             self._eye = None  # what is made now is made for the camera as it is
         elif self.renderer and self.renderer.made_for.reach:
             self._eye = self.renderer.made_for.reach.beyond(self.scene_now()) or self._eye

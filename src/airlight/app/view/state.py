@@ -15,6 +15,7 @@ from ...scene.environment import Environment
 from ...scene.lights import Light
 from ...scene.medium import Medium
 from ...scene.scene import Scene
+from ...scene.studio import NAME as STUDIO
 from ...scene.sun_sky import Sky, followed, with_sky, without_sun
 from ...scene.volume import Volume
 from .controls import Turn, turned_direction
@@ -174,8 +175,8 @@ class ViewState:
             return
         index = min(self.light, len(lights) - 1)
         light = lights[index]
-        if not hasattr(light, "direction"):
-            # Without a direction it goes about the middle of the scene.
+        if not light.is_aimed:
+            # What is not aimed goes about the middle of the scene.
             low, high = self.scene.bounds
             centre = (low + high) / 2.0
             offset = np.subtract(light.position, centre)
@@ -207,12 +208,19 @@ def structure(state: ViewState) -> tuple[Any, ...]:
     )
 
 
+def boxes(state: ViewState) -> tuple[Any, ...]:
+    """The sizes and boxes that the volumes' grids have now: a sequence's files have their own."""
+    grids = [(v.density, v.bounds) for v in state.moved().volumes]
+    return tuple(density is not None and (density.shape, box) for density, box in grids)
+
+
 def _map_of(scene: Scene) -> Any:
-    """What of the environment's map a renderer is made for: a computed sky may be another one."""
+    """What of the environment's map a renderer is made for: computed ones may change."""
     environment = scene.environment
     if environment is None or environment.map is None:
         return 0
-    return environment.map.shape if environment.sky else id(environment.map)
+    is_computed = environment.sky is not None or environment.source == STUDIO
+    return environment.map.shape if is_computed else id(environment.map)
 
 
 def reloaded(now: Scene, before: Scene, after: Scene) -> Scene:

@@ -1,4 +1,7 @@
-"""Files that a page sends, in pieces: kept in a folder that goes with the viewer."""
+"""Files that a page sends, in pieces: kept in a folder that goes with the viewer.
+
+They come from elsewhere, so they may name no file of this machine outside of that folder.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,11 @@ import base64
 import binascii
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
+
+from ...scene.io.files import confined_to
 
 MOST_BYTES = 256 << 20
 _LONGEST_NAME = 120
@@ -18,7 +24,8 @@ class Uploads:
 
     def __init__(self, opened: Callable[[str], None]) -> None:
         self._opened = opened
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._folder: Path | None = None
+        self._while_open = ExitStack()
         self._name, self._parts = "", 0
         self._pieces: list[bytes] = []
 
@@ -47,17 +54,19 @@ class Uploads:
 
     def close(self) -> None:
         """The files go."""
-        if self._folder:
-            self._folder.cleanup()
+        self._while_open.close()
         self._folder = None
 
     def _kept(self, data: bytes) -> Path:
         # The folder goes when the viewer does.
-        self._folder = self._folder or tempfile.TemporaryDirectory(prefix="airlight-")
+        if self._folder is None:
+            made = tempfile.TemporaryDirectory(prefix="airlight-")
+            self._folder = Path(self._while_open.enter_context(made))
+            self._while_open.enter_context(confined_to(self._folder))
         # The name alone: no page says where a file goes.
         plain = Path(self._name.replace("\\", "/")).name[-_LONGEST_NAME:]
         safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in plain).lstrip(".") or "file"
-        path = Path(self._folder.name) / safe
+        path = self._folder / safe
         path.write_bytes(data)
         return path
 

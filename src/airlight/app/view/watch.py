@@ -5,11 +5,13 @@ from __future__ import annotations
 import time
 import tomllib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
 from ...scene.io.files import read_text
+from ...scene.io.toml_animation import volume_files
 
 INTERVAL_S = 0.25
 _QUIET_S = 0.1  # an editor may still be writing
@@ -64,12 +66,16 @@ def named_files(path: Path) -> set[Path]:
         raw = tomllib.loads(read_text(path))
     except (SceneError, ValueError, RecursionError):
         return files
-    # Environment maps, meshes and grids are the files whose change is worth a redraw.
+    # Environment maps, meshes, grids and groups of lights: a change of theirs is worth a redraw.
     tables: list[Any] = [raw.get("environment")]
-    for name in ("mesh", "volume"):
+    for name in ("mesh", "volume", "light"):
         listed = raw.get(name)
         tables += listed if isinstance(listed, list) else []
     for table in tables:
         if isinstance(table, dict) and isinstance(table.get("file"), str):
             files.add(path.parent / table["file"])
+        # The grids of a sequence; one that names none yet is told when it is loaded.
+        if isinstance(table, dict) and isinstance(table.get("sequence"), str):
+            with suppress(SceneError):
+                files.update(volume_files(table["sequence"], path.parent, ""))
     return files

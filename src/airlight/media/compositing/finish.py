@@ -20,6 +20,7 @@ from ..rays import RayParams, Rays
 
 _TARGETS = ("direct", "indirect", "multiple", "transmittance")
 _BYTES = 16  # of a pixel of one target
+# Two targets hold the surfaces: transmittance multiplies their colours, their alpha stays.
 _FEATURE = "float32-blendable"
 _KEPT = {"src_factor": "zero", "dst_factor": "one", "operation": "add"}
 _TIMES = {"src_factor": "zero", "dst_factor": "src", "operation": "add"}
@@ -31,6 +32,7 @@ struct Once {
     most: vec3f,
 }
 """
+# Parts of the fragment, with and without the sky and shafts.
 _SKY = "return reduced_texel(skylit, texel).rgb;"
 _SHAFTS = "(*out).single = vec4f(textureLoad(shafts, pixel, 0).rgb + sky, 1.0);"
 _ADD_SHAFTS = """
@@ -116,6 +118,7 @@ class Finish(FullscreenPass):
             sampler("nearest", "non-filtering"),
             *(pixel_list_slots() if lists else ()),
         )
+        # A sampler takes the nearest texel in half of the time that CPU adapters take to load it.
         self._nearest = nearest_sampler(gpu)
         super().__init__(
             gpu,
@@ -124,6 +127,7 @@ class Finish(FullscreenPass):
 
     def _generated(self, names: list[str], *, lists: bool) -> str:
         """The WGSL that reads and writes single scattering."""
+        # Targets as a struct; single scattering comes from the sky, from shafts, both or neither.
         fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
         sky = _SKY if self._has_sky else "return vec3f(0.0);"
         shafts = _SHAFTS if self._has_sky else ""

@@ -29,6 +29,7 @@ fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
     var seen: Seen;
     seen.position = vec4f(corner, 0.0, 1.0);
     seen.direction = (rays.world_from_clip * vec4f(corner, 0.0, 1.0)).xyz;
+    // The same in the first medium's space, where one homogeneous box is the unit cube.
     seen.medium_direction = (media[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
     seen.eye = medium_coordinates(0u, rays.eye);
     seen.sigma_t = media[0].sigma_t;

@@ -49,6 +49,7 @@ class GuidedUpsample(FullscreenPass):
         targets: tuple[Texture, Texture],
     ) -> None:
         """Fill `targets` from what `march` wrote last into `reduced`, over `rays`."""
+        # The ray of a pixel takes the steps of the march.
         assert march.params is not None
         self.draw(
             commands,

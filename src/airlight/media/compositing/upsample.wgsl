@@ -3,6 +3,7 @@
 //! needs fn base_at(pixel: vec2i) -> vec4f
 
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    // Four texels around the pixel, by nearness on the image and in depth.
     let own = own_distance(position.xy);
     var sum = vec4f(0.0);
     var total = 0.0;

@@ -23,6 +23,7 @@ from ...maths.transforms import F64
 from ...scene.lights import DirectionalLight, Light
 from ...scene.medium import Medium
 
+# Depths below the medium's top that the table has.
 ROWS = 64
 SIDE = 17
 """Directions along each side of the square of an octahedron, those on its borders included."""
@@ -33,8 +34,10 @@ class HalfSpace:
     """The table of the endless medium of one scene."""
 
     def __init__(self, gpu: Gpu) -> None:
+        # A row for each depth: two means, then radiance by direction.
         self._table = Buffer(gpu, "half space", ROWS * (2 + SIDE**2) * 16)
         self._key: object = None
+        # The sky's part is kept apart: it stays as it is while other lights change.
         self._sky: tuple[object, F64] = (None, np.zeros(0))
         self._light = HalfSpaceLight(self._table, 1, 0.0, 1.0)
 
@@ -51,6 +54,7 @@ class HalfSpace:
         key = (medium, top, tuple(lights), tuple(sky), is_lattice)
         if key != self._key:
             self._key = key
+            # The sky's light by direction does not depend on the scene's lights.
             if (lit := (medium, tuple(sky))) != self._sky[0]:
                 self._sky = (lit, sky_single_scatter(medium, sky))
             # A row: mean radiance of the reduced medium, that of the sky, then directions.
@@ -78,6 +82,7 @@ def side(medium: Medium) -> int:
 
 def travels(medium: Medium) -> F64:
     """(side^2, 3): the unit directions of travel of the table."""
+    # An isotropic phase function needs one direction, whichever.
     if side(medium) == 1:
         return np.array([[0.0, 1.0, 0.0]])
     t = np.linspace(-1.0, 1.0, SIDE)
@@ -87,12 +92,14 @@ def travels(medium: Medium) -> F64:
 
 def _metres(medium: Medium) -> F64:
     """(ROWS,): the distance of each row below the top."""
+    # Rows are closest at the top, where light changes most.
     share = np.linspace(0.0, _LAST, ROWS)
     return share / (1.0 - share) / max(*medium.sigma_t, 1e-30)
 
 
 def _from_above(lights: Sequence[Light], channel: int) -> tuple[F64, F64]:
     """The directional lights that reach a half space."""
+    # Light from below or along the top never enters.
     directions, irradiances = directional(lights, channel)
     is_down = directions[:, 1] < -1e-3
     return directions[is_down], irradiances[is_down]
@@ -115,6 +122,7 @@ def sky_single_scatter(medium: Medium, sky: Sequence[Light]) -> F64:
 
 def fluence(medium: Medium, lights: Sequence[Light], *, is_reduced: bool) -> F64:
     """(ROWS, 3), W m^-2: unscattered light, attenuated by the medium or by the reduced one."""
+    # Beer-Lambert down to each row, along slanted paths.
     metres, made = _metres(medium), np.zeros((ROWS, 3))
     for c in range(3):
         directions, irradiances = _from_above(lights, c)

@@ -43,7 +43,7 @@ class SourceData(Struct):
 
     uvw_from_world = mat4x4f()
     scale = f32("W m^-3 sr^-1 per stored unit, or W m^-2 sr^-1 before scattering")
-    medium = i32("-1 absolute; times sigma_s of: -2 all media, -3 members, else this one")
+    medium = i32("of `fields.Source`: a row of the media, or which of them")
     parts = u32("media from it on that are one volume's")
     steps = f32("length of a step in it, in steps of the finest source")
     members_low = vec4u("bits of media, see wgsl/members.wgsl")
@@ -104,6 +104,7 @@ def slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
 
 def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
     """Of those, the ones of media and fields, which passes over rays of their own have, too."""
+    # The media, then textures of solvers with grids of their own.
     made = [uniform("march", MarchParams), *media.medium_slots]
     if variant.sources:
         made += [storage("sources", SourceData), sampler("source_linear")]
@@ -115,10 +116,12 @@ def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
             storage("lattices", LatticeParams),
             sampler("linear_clamp"),
         ]
+        # A lattice has its radiance by channel, and the walls that no lookup reads through.
         colours = ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
         names += [f"lattice_{name}" for name in colours]
     if variant.has_sky:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
+    # Means or a third band, as the form of reading wants them.
     names += ["lattice_mean"] * (variant.lattice in MEAN_FORMS)
     names += ["sky_mean"] * (variant.sky == "mean")
     names += ["sky_third"] * (variant.sky == "three bands")
@@ -131,6 +134,7 @@ def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
 
 def target_names(variant: Variant) -> list[str]:
     """The targets of the kernel, in their order."""
+    # The sky's light is a target of its own: it counts as single scattering.
     light = ["scattered", *["skylit"] * variant.has_sky]
     return {
         "light and transmittance": [*light, "passed"],
@@ -141,6 +145,7 @@ def target_names(variant: Variant) -> list[str]:
 
 def at_once(variant: Variant, most: int) -> tuple[Variant, ...]:
     """One kernel, or two that share its targets where a pass may have but `most`."""
+    # Two kernels march every ray twice, so one is taken where it fits.
     if len(target_names(variant)) <= most or variant.writes != "light and transmittance":
         return (variant,)
     return replace(variant, writes="light"), replace(variant, writes="transmittance")

@@ -10,16 +10,19 @@
 
 from __future__ import annotations
 
+from ...fields import ABSOLUTE, ALL_MEDIA, SOME_MEDIA
 from .forward_source import FORWARD_WGSL, NO_FORWARD_WGSL
 from .half_space import NO_HALF_SPACE_WGSL, half_space_wgsl
 from .kernel import MAX_LEVELS_AT_ONCE, Variant, target_names
 
+# What stands in where there is no lattice, or its two bands are not read.
 _NO_LATTICES = "fn lattice_begin() {}\nfn lattice_obliqueness(n: vec3f) -> f32 { return 0.0; }\n"
 _NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
 
 
 def _targets_wgsl(variant: Variant) -> str:
     """The struct of them, made of radiance (a: how far the ray goes), the sky's, transmittance."""
+    # The loop sums all; what has no target is left out by the compiler.
     names = target_names(variant)
     values = {"scattered": "scattered", "skylit": "vec4f(sky, 1.0)", "passed": "vec4f(T, 1.0)"}
     fields = "".join(f"    @location({i}) {n}: vec4f,\n" for i, n in enumerate(names))
@@ -32,6 +35,7 @@ def _targets_wgsl(variant: Variant) -> str:
 
 def generated(variant: Variant) -> str:
     """The WGSL before the kernel."""
+    # A library for each field that there is, a twin that returns nothing for the others.
     lattice = _lattice_wgsl(variant) if variant.has_lattice or variant.has_sky else _NO_TWO_BANDS
     beams = FORWARD_WGSL if variant.has_forward else NO_FORWARD_WGSL
     half_space = NO_HALF_SPACE_WGSL
@@ -72,9 +76,11 @@ def _sources_wgsl(variant: Variant) -> str:
         lattices = "    sum += lattice_emission(p, travel);\n"
     if variant.has_lattice and variant.half_space_side:
         lattices += "    sum += half_space_emission(p, travel);\n"
+    # What the reduced medium scatters reaches the eye through it, so it is summed apart.
     is_reduced = variant.lattice == "reduced medium"
     if not is_reduced:
         parts.append(lattices)
+    # Libraries of what is there alone, because each costs time to compile.
     uses = "//! use march_lattice\n" if has_lattices else _NO_LATTICES
     uses += _WEIGHT_WGSL if sources else ""
     uses += _step_share_wgsl(variant)
@@ -90,6 +96,7 @@ def _sources_wgsl(variant: Variant) -> str:
 
 def _source_wgsl(i: int, fading: tuple[bool, ...]) -> str:
     """The light of one source; nested grids add their shares of what finer ones leave."""
+    # The finest of nested grids has all light to give, each next one what those left.
     is_finer, is_next = any(fading[i : i + 1]), i > 0 and any(fading[i - 1 : i])
     begin = "    left = 1.0;\n" if is_finer and not is_next else ""
     share = f"        let share = left * source_share({i}u, uvw{i});\n        left -= share;\n"
@@ -103,22 +110,11 @@ def _source_wgsl(i: int, fading: tuple[bool, ...]) -> str:
     )
 
 
-_WEIGHT_WGSL = """
-//! use members
-// The scattering coefficient that a source leaves out.
-fn weight_of_source(i: u32) -> vec3f {
-    if (sources[i].medium != -3) {
-        return source_weight(sources[i].medium, sources[i].parts);
-    }
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        if (is_member(ray_medium(k), sources[i].members_low, sources[i].members_high)) {
-            sum += media_density_here[k] * sigma_s_of(ray_medium(k));
-        }
-    }
-    return sum;
-}
+_WEIGHT_WGSL = f"""
+//! use source_weight
+const ABSOLUTE = {ABSOLUTE};
+const ALL_MEDIA = {ALL_MEDIA};
+const SOME_MEDIA = {SOME_MEDIA};
 """
 
 _FADING_WGSL = """
@@ -134,11 +130,13 @@ fn source_share(i: u32, uvw: vec3f) -> f32 {
 
 def _step_share_wgsl(variant: Variant) -> str:
     """`step_share`: steps are as long as the cells of the finest source, or lattice, there."""
+    # Without nested grids one length suits all steps, but for those of a lattice's levels.
     has_lattices = variant.has_lattice or variant.has_sky
     if not any(variant.fading) or has_lattices:
         share = "march_step_share(p)" if has_lattices and not variant.sources else "1.0"
         fading = _FADING_WGSL if any(variant.fading) else ""
         return f"{fading}fn step_share(p: vec3f) -> f32 {{ return {share}; }}\n"
+    # The finest grid around a point says how long its step may be, outside of all the coarsest.
     return (
         f"{_FADING_WGSL}fn step_share(p: vec3f) -> f32 {{\n    var share = 1e9;\n"
         f"    var longest = 1.0;\n    for (var i = 0u; i < {variant.sources}u; i++) {{\n"
@@ -153,6 +151,7 @@ def _step_share_wgsl(variant: Variant) -> str:
 def _lattice_wgsl(variant: Variant) -> str:
     """`lattice_emission`, `lattice_two_bands`, and how many lattices fade into each other."""
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
+    # Means that the reduced media scatter, and two bands for what media themselves transmit.
     if variant.lattice == "reduced medium":
         two_bands = _emission_wgsl("lattice").replace("fn lattice_emission", "fn lattice_two_bands")
         return count + _isotropic_wgsl("lattice") + two_bands
@@ -170,6 +169,7 @@ def _sky_wgsl(variant: Variant) -> str:
             "fn skylit_at(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
             "fn sky_reduced_at() -> vec3f { return vec3f(0.0); }\n"
         )
+    # Beyond the lattices an endless medium has light of the sky of its own.
     half_space = " + half_space_skylit(p, travel)" if variant.half_space_side else ""
     reduced = "vec3f(0.0)"
     if variant.is_reduced_medium:
@@ -210,6 +210,7 @@ def _emission_wgsl(name: str) -> str:
         for c in ("red", "green", "blue")
     )
     before = ""
+    # The sky may have a third band, and leaves means for what the reduced medium scatters.
     if name == "sky":
         samples += "    let third = sky_third_at(along);\n"
         samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"
@@ -244,6 +245,7 @@ fn sky_reduced_here() -> vec3f {
 def _isotropic_wgsl(name: str, scattering: str = "reduced_sigma_s_of") -> str:
     """The same for isotropic phase functions, or light that has been through them: of the means of
     three channels. `scattering`: the coefficient of a medium."""
+    # The mean is scattered into all directions alike; beyond the lattices there is none.
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"

@@ -41,7 +41,6 @@ from .kernel import (
 from .kernel_wgsl import generated
 from .marched_light import MarchedLight, variant_of
 
-MAX_SOURCES = 4
 _BYTES = 16  # of a pixel of one target
 _LIMIT = "max-color-attachment-bytes-per-sample"
 
@@ -143,6 +142,7 @@ class March:
             )
 
     def _pass(self, variant: Variant) -> _March:
+        # A kernel is compiled when its fields are there for the first time.
         if variant not in self._passes:
             self._passes[variant] = _March(self.gpu, self._media, variant)
         return self._passes[variant]
@@ -157,6 +157,7 @@ class March:
             values |= {"sources": self._table, "source_linear": self._linear}
             values |= {f"source{i}": s.texture for i, s in enumerate(sources)}
         lattices = [x for x in (lattice, sky) if x is not None]
+        # Sky and lattice have the same nested levels, so either fills the table.
         for one in lattices:
             values |= {"lattices": self._levels(one.levels), "linear_clamp": self._linear}
             values |= one.bound
@@ -165,6 +166,7 @@ class March:
             own = {f"lattice_{c}": sky.bound[f"sky_{c}"] for c in ("red", "green", "blue")}
             values = {**own, **values}
         forward = lattice.forward if lattice else None
+        # Unscattered light by lights, sharp and blurred, and the phase functions that scatter it.
         if forward is not None:
             values |= {
                 "forward_table": forward.table,
@@ -181,6 +183,7 @@ class March:
         return values
 
     def _fused_rows(self) -> Buffer:
+        # Phase functions are tabulated for the mean cosines that the media have.
         key = tuple(tuple(row["g"]) for row in self._media.rows)
         if self._fused is None or key != self._fused_of:
             self._fused_of, rows = key, fused_rows(self._media.rows)
@@ -190,6 +193,7 @@ class March:
         return self._fused
 
     def _levels(self, levels: tuple[Placement, ...]) -> Buffer:
+        # Another number of nested levels needs another table.
         if self._lattices is None or self._lattices.count != len(levels):
             if self._lattices is not None:
                 self._lattices.buffer.release()
@@ -214,6 +218,7 @@ class March:
                 for s in sources
             ],
         )
+        # Sources that stay as they were are not uploaded again.
         if packed.tobytes() != self._written:
             self._written = packed.tobytes()
             self._table.write(packed)
@@ -231,6 +236,7 @@ def march_params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
 
     `cell`: m, the shortest of all that is marched; infinite where nothing is.
     """
+    # What there is not counts nothing, and is one long step.
     lattice, sky, far = light.lattice, light.sky, light.half_space
     forward = lattice.forward if lattice else None
     return MarchParams(

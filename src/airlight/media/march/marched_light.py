@@ -52,6 +52,7 @@ def fading_of(sources: Sequence[Source]) -> tuple[bool, ...]:
 
 def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm:
     """`sharpest`: the largest |g| of all media."""
+    # What the lattice was solved for decides, then how sharply media scatter.
     if lattice is None:
         return "none"
     if lattice.is_inscattered:
@@ -64,6 +65,7 @@ def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm
 def _sky_form(sky: LatticeSource | None, sharpest: float) -> SkyForm:
     if sky is None:
         return "none"
+    # Two bands do not hold the lobe of a large g; the mean is enough for isotropic media.
     if sharpest > _TWO_BANDS and sky.third is not None:
         return "three bands"
     return "mean" if sharpest == 0.0 and sky.mean is not None else "two bands"

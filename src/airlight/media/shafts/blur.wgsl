@@ -9,6 +9,7 @@ const DEPTH_TOLERANCE = 0.1;
     }
     let own = textureLoad(picked, vec2i(id.xy), 0).x;
     let last = vec2i(rays.reduced) - 1;
+    // Each offset of the jitter occurs once among the texels; those of other surfaces do not count.
     var sum = vec4f(0.0);
     var total = 0.0;
     for (var k = 0; k < 16; k++) {

@@ -60,6 +60,7 @@ class DepthBounds:
         self.top = self.side.bit_length() - 1 - _COARSEST
         layers = max(1, maps.layers)
         self.buffer = Buffer(gpu, "shadow bounds", TEXEL_BYTES * layers * self.side**2)
+        # The first level is made of depths, the others of bounds.
         self._first = _Bounds(gpu, is_first=True)
         self._next = _Bounds(gpu, is_first=False)
         self._recorded = Recorded(gpu, "levels of shadow bounds")
@@ -68,6 +69,7 @@ class DepthBounds:
         """Compute all levels from the maps."""
         if not self.maps.layers:
             return
+        # The map itself is level 0; the levels above it are recorded once, and replayed.
         self._copy(commands)
         self._recorded.encode(commands, (self.buffer,), partial(self._make_levels, commands))
 

@@ -76,6 +76,7 @@ class FacetTrees:
 
     def __init__(self, gpu: Gpu, maps: ShadowMaps, tolerance: float) -> None:
         self.maps, self.tolerance = maps, tolerance
+        # A tree over the smallest power of two that holds the map.
         self.side = 1 << (max(2, maps.depth.size[0]) - 1).bit_length()
         self.top = self.side.bit_length() - 1
         layers = max(1, maps.layers)
@@ -105,6 +106,7 @@ class FacetTrees:
         """Compute the trees and their triangles from the maps."""
         if not self.maps.layers:
             return
+        # The same resources for all levels, which read what the ones before wrote.
         levels = [self.params(level) for level in range(1, self.top + 1)]
         shared = {"shadows": self.maps.depth, "facets": self.planes}
         # Planes from the leaves up, where one is near enough to all below it.

@@ -76,6 +76,7 @@ fn is_balanced(layer: u32, node: vec2u) -> bool {
     if (any(id.xy >= vec2u(tree.side >> tree.level))) {
         return;
     }
+    // The plane that fits, unless a neighbour were finer by two levels.
     var plane = fitted(id.z, id.xy);
     if (plane.w >= 0.0 && !is_balanced(id.z, id.xy)) {
         plane.w = -1.0;

@@ -54,6 +54,7 @@ class ShaftImage:
         self, commands: Commands, view: View, lights: Lights, reduced: Texture, target: Texture
     ) -> bool:
         """Fill the full-size `target` from `reduced`, with pixels redrawn; False if none may be."""
+        # The scheme minmax alone can draw single pixels.
         contrast = self._contrast(view)
         if self._rays.scale == 1 or contrast >= 1.0 or not isinstance(self.scheme, Shafts):
             return False
@@ -73,11 +74,13 @@ class ShaftImage:
 
     def _contrast(self, view: View) -> float:
         """The contrast that interpolated texels may have; 0 where shafts fit between them."""
+        # Small images have few pixels: all of them are drawn.
         wanted = self._wanted_contrast
         return 0.0 if wanted < 1.0 and self._texel_side(view) > COARSE_TEXEL else wanted
 
     def _texel_side(self, view: View) -> float:
         """The side of a reduced texel over its distance."""
+        # Half the image is as high as the clip axis y is long, at a depth of 1.
         side = 2.0 * float(np.linalg.norm(view.world_from_clip[:3, 1])) / self._rays.size[1]
         return side * self._rays.scale
 
@@ -85,6 +88,7 @@ class ShaftImage:
 def _scheme(
     gpu: Gpu, media: GpuMedia, lights: Lights, rays: Rays, settings: MediaSettings
 ) -> Shafts | Jitter | Volumes:
+    # The same light: cheap and noisy, for one homogeneous box, for any media.
     steps = settings.shaft_steps
     if settings.shafts == "jitter":
         return Jitter(gpu, media, rays, steps=steps)

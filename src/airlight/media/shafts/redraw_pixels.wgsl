@@ -6,6 +6,7 @@
 @compute @workgroup_size(WX, WY, WZ) fn main(
     @builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u,
 ) {
+    // There may be more listed pixels than invocations: each redraws several.
     let count = found[0];
     var i = id.x;
     if (i >= count) {

@@ -35,6 +35,7 @@ class ShadowRays:
     ) -> None:
         """`max_nodes` squares at most for a ray; `steps` of it where there are density grids."""
         self.gpu, self._media, self._max_nodes = gpu, media, max_nodes
+        # Hierarchies for the maps of directional and of local lights.
         self._parallel = DepthBounds(gpu, lights.parallel)
         self._local = DepthBounds(gpu, lights.local)
         self.wgsl = lit_interval_wgsl(media, lights, steps)
@@ -60,6 +61,7 @@ class ShadowRays:
     def bound(self, rays: Rays, lights: Lights) -> dict[str, Any]:
         """The resources of such a pass, by slot name."""
         parallel, local = self._parallel, self._local
+        # Maps of both kinds of lights have sizes of their own, and levels over them (Chen2011).
         shafts = ShaftParams(
             max_nodes=self._max_nodes,
             parallel_resolution=parallel.maps.depth.size[0],
@@ -86,6 +88,7 @@ def lit_interval_wgsl(media: GpuMedia, lights: Lights, steps: int = 32) -> str:
     use = "//! use lit_interval\n"
     if media.has_grids:
         use = f"const GRID_STEPS = {steps}.0;\n//! use lit_interval_grids\n"
+    # Constants, by which the compiler leaves out what this scene does not need.
     known = {
         "IS_ONE_BOX": media.is_one_box,
         "HAS_DIRECTIONAL": lights.parallel.layers > 0,

@@ -33,6 +33,7 @@ from ..rays import RayParams, Rays
 from .facets import TREE_SLOTS, Draw, FacetTrees
 from .shadow_rays import lit_interval_wgsl
 
+# Light before faces and behind them is added with a sign, in full floats.
 FEATURE = "float32-blendable"
 _ADDED = {"src_factor": "one", "dst_factor": "one", "operation": "add"}
 
@@ -106,6 +107,7 @@ class Volumes:
         """Raises SettingsError where the media or the device do not allow it."""
         _check(gpu, media)
         self.media, self.rays = media, rays
+        # Facets of all shadow maps.
         self.parallel = FacetTrees(gpu, lights.parallel, tolerance)
         self.local = FacetTrees(gpu, lights.local, tolerance)
         self._clamp = _Clamp(gpu)
@@ -149,15 +151,18 @@ class Volumes:
                         commands, encoder, 0, {**shared, "params": drawn, **trees.bound(layer)}
                     )
                     encoder.draw_indirect(trees.draws.handle, Draw.dtype.itemsize * layer)
+        # Where all is dark a sum of many terms may end below zero.
         self._clamp.dispatch(commands, rays.reduced, summed=self._sum, scattered=scattered)
 
 
 def _check(gpu: Gpu, media: GpuMedia) -> None:
+    # F has a closed form in one homogeneous box alone.
     if not media.is_one_box:
         raise SettingsError(
             "shafts = 'volumes' draws one homogeneous box, and the scene has other media",
             remedy="Use shafts = 'minmax', the same light by another method",
         )
+    # Terms of both signs cancel, which half floats would not leave clean.
     if FEATURE not in gpu.features:
         raise SettingsError(
             f"shafts = 'volumes' adds up in a 32-bit float target, and {gpu.info.name} lacks "
@@ -169,6 +174,7 @@ def _check(gpu: Gpu, media: GpuMedia) -> None:
 def _clip_from_eye(rays: Rays) -> F64:
     """Onto the reduced image, whose last texels may reach beyond the full one."""
     params = rays.params
+    # With the eye as origin, near which positions are accurate.
     world_from_clip = params.record["world_from_clip"].T.astype(np.float64)
     eye_from_clip = world_from_clip.copy()
     eye_from_clip[:3] -= np.outer(params.record["eye"], world_from_clip[3])

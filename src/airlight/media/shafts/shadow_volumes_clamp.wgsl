@@ -3,6 +3,7 @@
     if (any(id.xy >= textureDimensions(summed))) {
         return;
     }
+    // Light in front of faces less what lies behind them: rounding may leave less than nothing.
     let light = textureLoad(summed, vec2i(id.xy), 0);
     textureStore(scattered, id.xy, vec4f(max(light.rgb, vec3f(0.0)), 1.0));
 }

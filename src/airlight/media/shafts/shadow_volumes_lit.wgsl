@@ -8,6 +8,7 @@
     let direction = normalize(pixel_direction(rays.world_from_clip, centre, vec2f(rays.size)));
     let reach = textureLoad(picked, vec2i(position.xy), 0).x;
     let hull = visible_interval(media_enter(rays.eye, direction, reach));
+    // F of each light over the stretch that it reaches, as if nothing stood before it.
     var sum = vec3f(0.0);
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];

@@ -123,6 +123,7 @@ class Shafts:
         self, commands: Commands, lights: Lights, depth: Texture, scattered: Texture
     ) -> None:
         """Redraw the pixels of the full-size `scattered` that are `listed`."""
+        # The device alone knows how many pixels it listed.
         self._redraw.dispatch_indirect(
             commands,
             self.listed.groups,

@@ -89,10 +89,12 @@ class DeltaBeams:
         The last `virtual` of `local` are virtual point lights, which the device overwrites.
         """
         medium, table = self._medium, self.light.table
+        # Close to local lights, though not to virtual ones, beams and diffusion miss light.
         self._has_local_lights = len(local) > virtual
         if local:
             self._near.write(medium.volume.g, medium.albedo)
         self.light.write(ordinates, local, scale)
+        # Other media receive this light in the unit in which it is stored.
         if self._sends:
             self._medium.scattered.scale = table.scale
         if virtual and self._in_grids:
@@ -100,6 +102,7 @@ class DeltaBeams:
 
     def _write_virtual_grids(self, virtual: int) -> None:
         """Place a grid for each of the last `virtual` ordinates."""
+        # Grids of virtual lights alone; their light is added to what the beams leave.
         table = self.light.table
         if self._virtual_grids is None:
             self._virtual_grids = GridPropagation(
@@ -120,6 +123,7 @@ class DeltaBeams:
 
     def encode_medium(self, commands: Commands, params: MediumParams) -> None:
         """Take a changed medium: the operator of the diffusion solve."""
+        # Surfaces between this medium and others depend on where it is.
         self.light.forget()
         self.diffuse.encode_medium(commands, params, self._medium.density.cells)
 
@@ -142,6 +146,7 @@ class DeltaBeams:
 
     def encode_others(self, commands: Commands) -> None:
         """Solve again, with the light that other media scatter as they are solved."""
+        # The blocks were positioned by `encode`; now they are lit.
         if self.light.blocks:
             self.light.encode_others(commands, is_lit=True)
             self._scatter(commands, self._medium.params)
@@ -154,6 +159,7 @@ class DeltaBeams:
             self._propagate_virtual(commands, params, eye)
         with commands.stage("pop diffuse"):
             density, steps = self._medium.density.cells, self._settings.solver_steps
+            # The larger grid's diffuse light enters: power before the solve, net flux after it.
             if self._border is not None:
                 self._border.encode_power(commands, params, self.diffuse.deposits)
             self.diffuse.encode(commands, params, density, steps)
@@ -173,6 +179,7 @@ class DeltaBeams:
         self, commands: Commands, params: MediumParams, eye: F64, emission: Emission
     ) -> None:
         """Fill `emission` for an eye at `eye` (3,), m in the frame of the medium."""
+        # Light in grids is summed for one eye, so another eye propagates it again.
         if self._virtual_grids is not None and eye.tobytes() != self._propagated_for:
             self._propagate_virtual(commands, params, eye)
         with commands.stage("pop emission"):

@@ -74,6 +74,7 @@ class Border:
     def _dispatch(
         self, commands: Commands, params: MediumParams, which: _Entering, **target: Buffer
     ) -> None:
+        # Faces of the finer grid are looked up in the cells of the larger one.
         medium, at = self._medium, self._medium.of.placement
         which.dispatch(
             commands,

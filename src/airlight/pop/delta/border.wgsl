@@ -5,6 +5,7 @@
     if (id.x >= params.cells) {
         return;
     }
+    // Power, W: the flux that enters through each face times its area.
     let volume = params.cell.x * params.cell.y * params.cell.z;
     var power = vec3f(0.0);
     for (var face = 0u; face < 6u; face++) {

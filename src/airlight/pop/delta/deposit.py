@@ -32,6 +32,7 @@ class Deposit(ComputePass):
     def encode(self, commands: Commands, params: MediumParams, deposits: Buffer) -> None:
         """Sum over all ordinates, cell by cell: without atomics, so the bits are reproducible."""
         light = self._light
+        # What lies between a cell and each light was summed up before, in `light.passed`.
         self.dispatch(
             commands,
             (self._medium.cells,),

@@ -28,6 +28,7 @@ class StepParams(Struct):
     step = u32()
 
 
+# What several steps of the solve bind; sums are over a workgroup's cells.
 _params = uniform("params", MediumParams)
 _density, _links = storage("density", "f32"), storage("links", "vec4f")
 _walls = storage("walls", "u32")
@@ -135,16 +136,20 @@ class Diffuse:
         nbytes = 16 * self.cells
         self.deposits = Buffer(gpu, "deposits", _VECTORS * nbytes)
         self.diffuse = Buffer(gpu, "diffuse light", (_VECTORS + _OUTGOING) * nbytes)
+        # Vectors of the conjugate gradients; a step reads the search direction before its own.
         names = ("phi", "residual", "z", "search 0", "search 1", "product")
         self._vectors = {name: Buffer(gpu, f"diffusion {name}", nbytes) for name in names}
+        # The operator of the medium, and the surfaces between its cells.
         self._links = Buffer(gpu, "diffusion links", _VECTORS * nbytes)
         self.walls = Buffer(gpu, "walls between cells", 8 * self.cells)
+        # One partial sum per workgroup, of three dot products: r.z of two steps, and p.Ap.
         self._sums = Buffer(gpu, "diffusion sums", 3 * 16 * -(-self.cells // PARTIAL_SUM_GROUP))
         self._system, self._flux = _System(gpu, mixture), _Flux(gpu, mixture)
         self._begin, self._search, self._update = _Begin(gpu, mixture), _Search(gpu), _Update(gpu)
 
     def encode_medium(self, commands: Commands, params: MediumParams, density: Buffer) -> None:
         """Compute the operator of a medium, whose number of ordinates does not matter."""
+        # Links between cells depend on the medium alone, and serve every light.
         self._system.dispatch(
             commands,
             (self.cells,),
@@ -170,6 +175,7 @@ class Diffuse:
             phi=v["phi"],
             **self._mixture.cell_bound,
         )
+        # The number of steps is fixed: no residual is read back.
         for step in range(steps):
             self._step(commands, step, common)
         # Fluence and net flux from phi.
@@ -188,6 +194,7 @@ class Diffuse:
     def _step(self, commands: Commands, step: int, common: dict[str, Any]) -> None:
         """Search along p = z + beta p; then phi += alpha p and r -= alpha A p."""
         v, cells = self._vectors, (self.cells,)
+        # The two search directions change roles from step to step.
         before, search = v[f"search {step % 2}"], v[f"search {1 - step % 2}"]
         shared = {
             **common,

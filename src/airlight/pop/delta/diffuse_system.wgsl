@@ -18,8 +18,10 @@ fn link_up(index: u32, cell: vec3u, axis: u32, faces: u32) -> vec3f {
         return;
     }
     let cell = cell_of(id.x);
+    // Which of the six faces surfaces close, and what those reflect (wgsl/walls.wgsl).
     let faces = walls[2u * id.x] & 63u;
     let reflecting = walls[2u * id.x + 1u];
+    // The diagonal carries the closed faces in its w, each link the reflectances across its axis.
     links[id.x] = vec4f(diffusion_diagonal(id.x, faces, reflecting), f32(faces));
     for (var axis = 0u; axis < 3u; axis++) {
         links[(1u + axis) * params.cells + id.x] = vec4f(link_up(id.x, cell, axis, faces),

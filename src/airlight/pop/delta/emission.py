@@ -39,6 +39,7 @@ class _OfBeams(ComputePass):
         super().__init__(gpu, generated=mixture.beam_wgsl(has_blocks=has_blocks))
 
 
+# What the frame's emission and the furnace's corrections both read.
 _read: tuple[Slot, ...] = (
     uniform("params", MediumParams),
     uniform("view", ViewParams),
@@ -94,7 +95,8 @@ class Emission:
         """`has_local_shafts`: what local lights scatter once is drawn by shafts, left out here."""
         gpu, mixture = medium.gpu, medium.mixture
         self.has_local_shafts = has_local_shafts
-        self._medium, self._correction = medium, settings.furnace_correction
+        self.medium, self._correction = medium, settings.furnace_correction
+        # The radiance of cells, and the same on cells half as wide, which is marched.
         self.texture = Texture(
             gpu, "emission", medium.placement.count, "rgba16float", dimension="3d", written=True
         )
@@ -115,6 +117,7 @@ class Emission:
         self._refined = Buffer(gpu, "furnace corrections and indirect light", 2 * nbytes)
         self.corrections = BufferPart(self._refined, 0, 16 * medium.cells)
         self.indirect = BufferPart(self._refined, nbytes, 16 * medium.cells)
+        # Diffuse light towards the eye is computed first, for the frame and for the furnace alike.
         self._outgoing = Outgoing(medium)
         self._emission = _Emission(gpu, mixture, has_blocks=True)
         self._furnace = _Furnace(gpu, mixture, has_blocks=False)
@@ -132,7 +135,7 @@ class Emission:
         self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._emission.dispatch(
             commands,
-            (self._medium.cells,),
+            (self.medium.cells,),
             params=params,
             **bound_by_view(
                 light.table, eye, self._correction, has_local_shafts=self.has_local_shafts
@@ -165,10 +168,11 @@ class Emission:
 
         `light` and `diffuse` are those of that medium.
         """
+        # The steps of the frame's emission; what differs from radiance 1 is corrected.
         self._outgoing.encode(commands, params, eye, diffuse, light.mixture)
         self._furnace.dispatch(
             commands,
-            (self._medium.cells,),
+            (self.medium.cells,),
             params=params,
             **bound_by_view(light.table, eye, 0.0),
             **self._bound(light, diffuse),
@@ -181,7 +185,7 @@ class Emission:
             "passed": light.passed,
             **light.mixture.beam_bound,
             "diffuse": diffuse.diffuse,
-            "reach": self._medium.density.reach,
+            "reach": self.medium.density.reach,
         }
 
 
@@ -189,6 +193,7 @@ def bound_by_view(
     table: OrdinateTable, eye: F64, correction: float, *, has_local_shafts: bool = False
 ) -> dict[str, Any]:
     """The ordinates and the eye, by slot name."""
+    # The correction is a map in the sky's frame, which rotates with the environment.
     sky = table.correction
     view = ViewParams(
         eye=eye,

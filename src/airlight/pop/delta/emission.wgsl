@@ -15,6 +15,7 @@ fn store_mean(cell: vec3u, fluence: vec3f, indirect: vec3f, whole: vec3f) {
         return;
     }
     let cell = cell_of(id.x);
+    // Marching reads no cell out of reach.
     if (reach[id.x] == 0u) {
         store_emission(cell, vec3f(0.0), vec3f(0.0));
         store_mean(cell, vec3f(0.0), vec3f(0.0), vec3f(0.0));

@@ -34,6 +34,7 @@ class NearLight(ComputePass):
             storage("missing", "vec4f"),
             storage("diffuse", "vec4f", "read_write"),
         )
+        # Local lights alone count here, so blocks of other media are left out.
         super().__init__(medium.gpu, generated=mixture.beam_wgsl(has_blocks=False))
         self._table = Buffer(medium.gpu, "near a local light", 16 * NEAR_TABLE)
         self._written: tuple[float, ...] = ()

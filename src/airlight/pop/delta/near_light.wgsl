@@ -35,6 +35,7 @@ fn axis_share(n: u32, point: vec3f, r: f32) -> f32 {
 // Fluence that beam and diffusion miss around local light n; see maths/point_light_beam.py, near_fluence.
 fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
     let o = ordinates[n];
+    // Within a light's own cell the fluence has no bound: the cell holds about that at .4 of its side.
     let shortest = 0.4 * (params.cell.x + params.cell.y + params.cell.z) / 3.0;
     let r = max(distance(point, o.position.xyz), shortest);
     let radius = 3.0 * params.largest_diffusivity;
@@ -51,6 +52,7 @@ fn near_fluence(n: u32, cell: u32, point: vec3f) -> vec3f {
         return;
     }
     let point = cell_centre(cell_of(id.x));
+    // Local lights alone are points; a virtual one is a piece of surface.
     var sum = vec3f(0.0);
     for (var n = 0u; n < params.ordinate_count; n++) {
         if (ordinates[n].position.w == LOCAL) {

@@ -91,6 +91,7 @@ fn walled_light(id: vec3u) -> vec3f {
         textureStore(halved, id, vec4f(walled_light(id), 1.0));
         return;
     }
+    // Catmull-Rom splines over 64 cells; those that hold no light are missing from the sum.
     let at = 0.5 * vec3f(id) - 0.25;
     let first = vec3i(floor(at)) - 1;
     let t = at - floor(at);

@@ -12,8 +12,7 @@
         return;
     }
     // The cells of the block.
-    let at = vec3u(id.x % BLOCKS_PER_AXIS, (id.x / BLOCKS_PER_AXIS) % BLOCKS_PER_AXIS,
-        id.x / (BLOCKS_PER_AXIS * BLOCKS_PER_AXIS));
+    let at = cell_at_index(vec3u(BLOCKS_PER_AXIS), id.x);
     let low = at * params.count / BLOCKS_PER_AXIS;
     let high = (at + 1u) * params.count / BLOCKS_PER_AXIS;
     let volume = params.cell.x * params.cell.y * params.cell.z;
@@ -28,7 +27,7 @@
         for (var y = low.y; y < high.y; y++) {
             for (var x = low.x; x < high.x; x++) {
                 // Empty cells send nothing, and cells in the receiver's box are its own.
-                let cell = (z * params.count.y + y) * params.count.x + x;
+                let cell = cell_index(vec3u(x, y, z));
                 let point = cell_centre(vec3u(x, y, z));
                 let uvw = (receiver.uvw_from_sender * vec4f(point, 1.0)).xyz;
                 let rho = mass_own(cell);

@@ -86,6 +86,7 @@ class InterMediumLight:
     def __init__(self, receiver: GridMedium, mixture: Mixture) -> None:
         gpu = receiver.gpu
         self._receiver = receiver
+        # Five vec4 per block: power, net flux along x, y and z, optical depth.
         self._blocks = Buffer(gpu, "blocks of other media", 16 * 5 * mixture.blocks)
         self._gather = _Blocks(gpu, mixture)
         self._irradiance = _Irradiance(gpu, mixture.media - 1)
@@ -140,6 +141,7 @@ class InterMediumLight:
             uvw_from_sender=receiver.placement.uvw_from_world @ to_world,
             first_row=table.count - receiver.mixture.blocks + BLOCKS * index,
             first=BLOCKS * index,
+            # In the unit of the receiver's table; 0 while the sender has no light.
             scale=sender.scattered.scale / table.scale if is_lit else 0.0,
         )
         self._gather.dispatch(

@@ -46,6 +46,7 @@ class BlockVisibility(ComputePass):
     def __init__(self, receiver: GridMedium, blocks: int) -> None:
         super().__init__(receiver.gpu)
         self._receiver, self._blocks = receiver, blocks
+        # Until surfaces are known everything is seen.
         ones = np.ones(receiver.cells * blocks, np.float32)
         self.seen = buffer_of(receiver.gpu, "seen of other media", ones)
         self._made: tuple[Any, ...] = ()

@@ -17,6 +17,7 @@ fn lattice_place(point: vec3f) -> vec3f {
     if (id.x >= params.cells || id.y >= exchange.blocks || reach[id.x] == 0u) {
         return;
     }
+    // Straight lines through the faces of the lattice, from four samples of the block.
     let block = ordinates[params.ordinate_count - exchange.blocks + id.y].position.xyz;
     let radius = sqrt(blocks[5u * id.y].a);
     let end = lattice_place(cell_centre(cell_of(id.x)));

@@ -53,6 +53,7 @@ class GridEmission(ComputePass):
         emission: Emission,
     ) -> None:
         """Fill `emission` for an eye at `eye` (3,), m in the frame of the medium."""
+        # The residuum is in `diffuse`, lobes in the merged light, beams in `passed`.
         propagation = self._propagation
         self.dispatch(
             commands,

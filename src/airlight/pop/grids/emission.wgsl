@@ -22,8 +22,10 @@ fn residual_emission(cell: u32, travel: vec3f) -> vec3f {
     }
     let cell = cell_of(id.x);
     let travel = normalize(hops.eye - cell_centre(cell) + vec3f(1e-12));
+    // Lobes of all grids, merged, and the residuum.
     var light = merged[id.x].xyz + residual_emission(id.x, travel);
     var local = vec3f(0.0);
+    // Not as printed: light scattered once comes from beams, which no grid blurs.
     if (hops.is_paper == 0u && reach[id.x] != 0u) {
         let beams = beam_emission(id.x, travel);
         light += beams.beams + beams.sky * sky_correction_towards(travel);

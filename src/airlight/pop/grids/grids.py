@@ -29,6 +29,7 @@ from ..settings import PopSettings
 FAR = 2.0
 """A local light so many half diagonals from the middle of a medium gets a parallel grid: seen from
 there, the cells of a shell are wider than the medium."""
+# Of sums that atomics add up, so that their bits do not depend on the order.
 FIXED_POINT_BITS = 30
 GROUP = 64
 """Cells of a workgroup."""
@@ -114,6 +115,7 @@ class Grids:
         """At most `most` grids of about `settings.grid`^3 cells; `is_paper`: as printed."""
         gpu, side = medium.gpu, settings.grid
         self._medium, self._prefilter, self._is_paper = medium, settings.prefilter, is_paper
+        # The cells of a shell are those of an octahedral map, whose side is even.
         self.side = side + side % 2
         self.shells = side
         self.capacity = grid_capacity(side)
@@ -149,6 +151,7 @@ class Grids:
         local, virtual = lights.local, lights.virtual
         self.first_row = lights.first_row
         self.ordinates, self.local, self.virtual = lights.ordinates.count, len(local), virtual
+        # Rows of the scene's own lights; the device adds those of virtual ones (`virtual.grids`).
         rows = grid_rows(lights, self._medium.placement, self.capacity, self.side, self.shells)
         if not self._prefilter:
             rows["mean_cosine"] = 1.0
@@ -187,6 +190,7 @@ class Grids:
 
     def encode(self, commands: Commands, params: MediumParams) -> None:
         """Fill `density`, and list the cells."""
+        # Cells are listed by atomic counters, which start at 0.
         for counter in (self.listed, self.groups):
             commands.encoder.clear_buffer(counter.handle)
         density = self._medium.density

@@ -15,6 +15,7 @@ from ..medium.grid_medium import GridMedium
 from ..medium.placement import MediumParams
 from .grids import GridData, GridParams, Grids
 
+# Of both passes: shells are added to cells by atomics, parallel grids are read.
 _grids = (
     uniform("params", MediumParams),
     uniform("hops", GridParams),
@@ -51,6 +52,7 @@ class Merge:
         gpu, cells = medium.gpu, medium.cells
         self._medium, self._grids = medium, grids
         self.merged = merged or Buffer(gpu, "merged light", 16 * cells)
+        # Three integers per cell: atomics add in fixed point.
         self._splatted = Buffer(gpu, "residuum of local lights", 12 * cells)
         self._splat, self._merge = _Splat(gpu), _Merge(gpu)
 

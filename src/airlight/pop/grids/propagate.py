@@ -19,6 +19,7 @@ from .grids import GROUP, GridData, GridParams, Grids, grid_capacity
 
 _PARTS = 3  # vec4 per cell of a state (ahead, side, behind) and of what is gathered
 
+# Of both passes: the medium, and the grids of its ordinates.
 _common = (
     uniform("params", MediumParams),
     uniform("hops", GridParams),
@@ -57,6 +58,7 @@ class Propagate:
 
     def __init__(self, gpu: Gpu, grids: Grids, most: int) -> None:
         """For `grids` that are at most `most`."""
+        # Two states change roles from step to step; what the eye sees is summed beside them.
         nbytes = 16 * _PARTS * grids.capacity * most
         self._grids = grids
         self.gathered = Buffer(gpu, "light of grids", nbytes)
@@ -85,6 +87,7 @@ class Propagate:
     def encode(self, commands: Commands, params: MediumParams, eye: Any, iterations: int) -> None:
         """Propagate for so many `iterations`, from one state to the other in turn."""
         grids = self._grids
+        # In the last step all light that still propagates joins the residuum.
         going, last = grids.params(eye), grids.params(eye, is_last=True)
         for k in range(iterations):
             self._step.dispatch_indirect(

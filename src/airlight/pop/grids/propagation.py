@@ -35,6 +35,7 @@ class GridPropagation:
         `is_added`: the residuum is added to the deposits of beams. `merged`: the buffer of another
         pass for the merged light, if any. Raises DeviceError where the device has not enough room.
         """
+        # The states of all grids lie in one buffer each, which a device may not have room for.
         _require_room(medium.gpu, settings.grid, most)
         self.iterations, self._is_added = settings.iterations, is_added
         self.grids = Grids(medium, settings, most, is_paper=is_paper)
@@ -48,6 +49,7 @@ class GridPropagation:
 
     def encode_grids(self, commands: Commands, params: MediumParams, ordinates: Buffer) -> None:
         """Place the grids of virtual point lights, and fill all with the medium."""
+        # The device alone knows where virtual point lights are, so it places their grids.
         if self.grids.virtual:
             self._virtual.encode(commands, params, self.grids, ordinates)
         self.grids.encode(commands, params)
@@ -74,6 +76,7 @@ class GridPropagation:
 
 
 def _require_room(gpu: Gpu, side: int, most: int) -> None:
+    # The states of all grids lie in one buffer, whose size devices limit.
     needed, limit = chain_bytes(side, most), gpu.limits["max-storage-buffer-binding-size"]
     if needed > limit:
         raise DeviceError(

@@ -37,6 +37,7 @@ class Residuum:
     def __init__(self, medium: GridMedium) -> None:
         self._medium = medium
         nbytes = 16 * medium.cells
+        # Read and written in turn.
         self._states = [Buffer(medium.gpu, f"isotropic light {k}", nbytes) for k in (0, 1)]
         self._step = _Step(medium.gpu)
 

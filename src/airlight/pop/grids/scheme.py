@@ -51,8 +51,10 @@ class OrdinateGrids:
     ) -> None:
         """For at most `capacity` ordinates; `indirect` and `takes_others` are not used."""
         self._medium, self._settings = medium, settings
+        # Light that reaches the cells unscattered, and where the residuum of the grids goes.
         self.light = IncidentLight(medium, mixture, settings, capacity)
         self.diffuse = Diffuse(medium.gpu, medium.placement, mixture)
+        # The grids of ordinates, and for the scheme paper a residuum of its own.
         is_paper = settings.scheme == "paper"
         most = self.light.table.capacity
         self.propagation = GridPropagation(medium, settings, most, is_paper=is_paper)
@@ -74,10 +76,12 @@ class OrdinateGrids:
     ) -> None:
         """Upload the light of a frame; see `DeltaBeams.write`."""
         self.light.write(ordinates, local, scale)
+        # The host places the grids of the lights that it knows; virtual ones follow on the device.
         known = local[: len(local) - virtual]
         self.propagation.write(
             GridLights(ordinates, known, self.light.table.scale, virtual=virtual)
         )
+        # As printed, light propagates until it is isotropic enough for the shared grid.
         if self._residuum is not None and self._settings.residuum:
             self.propagation.iterations = self._switch_iteration()
 
@@ -104,6 +108,7 @@ class OrdinateGrids:
         self, commands: Commands, params: MediumParams, eye: F64, emission: Emission
     ) -> None:
         """Propagate, merge, solve for the residuum, and fill `emission` for an eye at `eye`."""
+        # What the eye sees is summed on the way, so every view propagates again.
         self.propagation.encode(commands, params, self.light, eye, self.diffuse.deposits)
         with commands.stage("pop residuum"):
             self._encode_residuum(commands, params)
@@ -125,6 +130,7 @@ class OrdinateGrids:
         """Steps after which light is isotropic enough for the residuum (Elek2014 eq. 10)."""
         volume, density = self._medium.volume, self._medium.placed.width.density
         spacing = float(self._medium.placement.cell.mean())
+        # The channel that stays anisotropic longest decides; the setting bounds the steps.
         wanted = max(
             switch_iteration(1.0, g, sigma_t * albedo * density, spacing)
             for g, sigma_t, albedo in zip(volume.g, volume.sigma_t, volume.albedo, strict=True)

@@ -44,6 +44,7 @@ class Look:
 
     def frustum(self, placement: MediumPlacement) -> Frustum:
         """The view frustum in the frame of a medium."""
+        # Axes in the medium's frame: right, up at right angles to both others, forward.
         c = self.camera
         forward = np.subtract(c.target, c.position)
         right = np.cross(forward, c.up)
@@ -58,6 +59,7 @@ class ViewImportance:
     """Importance of the sky of one medium, cached by medium and view."""
 
     def __init__(self) -> None:
+        # Maps are kept with what they were found for: a medium, and a view of it.
         self._key: tuple[Any, ...] = ()
         self._view_key: tuple[Any, ...] = ()
         self._map = np.ones(_SHAPE)
@@ -74,6 +76,7 @@ class ViewImportance:
         for the same view.
         """
         medium, out = self._of_medium(volume, placement)
+        # The importance depends on the view; how light leaves the medium does not.
         view_key = (*self._key, look, rotation_deg, placement.world_from_medium.tobytes())
         if view_key != self._view_key:
             self._view_key = view_key
@@ -84,6 +87,7 @@ class ViewImportance:
         self, volume: Volume, placement: MediumPlacement
     ) -> tuple[MediumGrid, ExitDensity]:
         """The coarse medium, and how light leaves it; cached while volume and box stay the same."""
+        # Where the volume lies in the world does not matter to how light leaves it.
         matrices = (placement.unit_from_medium.tobytes(), placement.extent.tobytes())
         key = (id(volume.density), volume.sigma_t, volume.albedo, volume.g, *matrices)
         if self._medium is None or self._out is None or key != self._key:
@@ -124,6 +128,7 @@ def _importance(
         return np.ones(_SHAPE)
     # Importance from the eye, scattered in the medium, that leaves it in each direction.
     seen = importance_map(scattered_importance(grid, medium), out, medium, _SHAPE)
+    # The map is rotated by the environment, the importance is known in the medium's frame.
     angle = np.radians(rotation_deg)
     c, s = np.cos(angle), np.sin(angle)
     about_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
@@ -133,6 +138,7 @@ def _importance(
 
 def _looked_up(seen: F64, towards: F64) -> F64:
     """A map (h, w) at directions (..., 3), bilinear."""
+    # The map goes on across the seam at u = 0.
     wide = np.pad(seen, ((0, 0), (1, 1)), mode="wrap")[None]
     u, v = np.moveaxis(latlong_from_direction(towards), -1, 0)
     h, w = seen.shape

@@ -48,12 +48,14 @@ class IncidentLight:
         medium's box attenuate; else the world ends at the box.
         """
         self._medium, self.mixture, self._prefilter = medium, mixture, settings.prefilter
+        # The light of other media comes as the last ordinates.
         self.blocks = mixture.blocks if takes_others else 0
         self.table = OrdinateTable(
             medium.gpu, capacity + self.blocks, blocks=self.blocks, prefilter=settings.prefilter
         )
         self._paths = Paths(medium, mixture, self.table.capacity)
         self._inter_medium = InterMediumLight(medium, mixture) if self.blocks else None
+        # Surfaces, and what they reflect, come with the first frame that has any.
         self._visibility: Visibility | None = None
         self._virtual: VirtualLights | None = None
         self._surfaces: Surfaces | None = None
@@ -102,6 +104,7 @@ class IncidentLight:
         """Take the surfaces of a frame; virtual lights propagate `in_grids`, or are beams."""
         if self._visibility is None:
             self._visibility = Visibility(self._medium, self.table.capacity)
+        # Shadow maps do not know virtual point lights, which the lattice shades, nor blocks.
         unshaded = surfaces.virtual_lights + self.blocks
         self._visibility.write(ordinates, lights, surfaces.sky, unshaded)
         self._surfaces = surfaces

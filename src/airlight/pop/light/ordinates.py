@@ -23,12 +23,14 @@ from ...surface.sky import environment_map
 from .sky_correction import SkyLight
 from .table import LocalLight
 
+# A sky of radiance 1 everywhere; its number of texels does not matter.
 _UNIFORM = np.ones((2, 4, 3))
 MAKERS: dict[str, Callable[[F64, int], Ordinates]] = {
     "partition": partition,
     "importance": importance_sampled,
 }
 """By the names of the setting: how an environment map becomes ordinates."""
+# The same makers where an importance says which directions the camera sees.
 _FOR_VIEW = {"partition": view_partition, "importance": view_samples}
 
 
@@ -61,9 +63,11 @@ class SceneOrdinates:
         `importance` (h, w) by direction towards the map, before it is rotated.
         """
         parts = []
+        # A directional light is an ordinate of its own.
         distant = [light for light in lights if isinstance(light, DirectionalLight)]
         if distant:
             parts.append(parallel([x.direction for x in distant], [x.irradiance for x in distant]))
+        # The environment's are computed again where it or the importance for the view changed.
         if environment is not self._environment or importance is not self._importance:
             self._environment, self._importance = environment, importance
             self._sky = self._of_sky(environment)
@@ -97,6 +101,7 @@ class SceneOrdinates:
 
     def _of_uniform(self, environment: Environment) -> Ordinates | None:
         """Those of a uniform sky, which are those of the furnace correction: its error vanishes."""
+        # The ordinates of radiance 1 serve every uniform sky.
         uniform = uniform_sky(self.count)
         light = np.asarray(environment.radiance) * environment.scale
         self.sky = uniform_light(uniform)

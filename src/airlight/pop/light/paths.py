@@ -89,6 +89,7 @@ class Paths(ComputePass):
         self._medium, self._mixture = medium, mixture
         self._others = None if mixture.is_alone else _Others(medium.gpu, mixture)
         self._beyond = _Beyond(medium.gpu) if isinstance(medium, FinerMedium) else None
+        # A column density and a visibility per ordinate and cell; of other media two densities.
         nbytes = 8 * mixture.media * capacity * medium.cells
         self.passed = Buffer(medium.gpu, "density passed", nbytes)
 
@@ -117,6 +118,7 @@ class Paths(ComputePass):
             )
             own = {**shared, "fine": whole.density.fine}
             self._beyond.dispatch(commands, extent, **own, beyond=box)
+        # The other media: in the box and, unless the boundary is closed, beyond it.
         if self._others is not None:
             self._others.dispatch(
                 commands,

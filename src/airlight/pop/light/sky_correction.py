@@ -32,6 +32,7 @@ class SkyCorrection:
 
     def __init__(self, gpu: Gpu) -> None:
         self._gpu = gpu
+        # A factor of 1 for every direction, until there is a sky.
         self.texture = self._made(np.ones((1, 1, 3)))
         self.sampler = Sampler(
             gpu,
@@ -61,6 +62,7 @@ class SkyCorrection:
         c, s = np.cos(angle), np.sin(angle)
         map_from_world = np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
         self.sky_from_medium[:3, :3] = map_from_world @ placement.world_from_medium[:3, :3]
+        # Another sky, other ordinates or another phase function need another correction.
         key = (sky.radiance, sky.ordinates, g, prefilter)
         if len(key) == len(self._key) and all(
             a is b or (isinstance(a, tuple | bool) and a == b)
@@ -81,6 +83,7 @@ class SkyCorrection:
         """The map convolved with the phase function: the same for every choice of ordinates."""
         known = self._exact
         if known is None or known[0] is not radiance or known[1] != g:
+            # The convolution sums over texels, and wants at least ROWS rows of them.
             repeats = -(-ROWS // len(radiance))
             wide = radiance.repeat(repeats, axis=0).repeat(repeats, axis=1)
             known = self._exact = radiance, g, convolved(wide, g)

@@ -110,11 +110,13 @@ def packed_ordinates(
     """`OrdinateData` of every ordinate, then of every local light."""
     n = ordinates.count
     packed = np.zeros(max(1, n + len(local)), OrdinateData.dtype)
+    # Distant light in the medium's frame; the sky's has a solid angle, a directional light none.
     if n:
         packed["direction"][:n, :3] = placement.direction(ordinates.direction)
         packed["direction"][:n, 3] = ordinates.mean_cosine
         packed["irradiance"][:n, :3] = ordinates.irradiance / scale
         packed["spot"][:n, 3] = ordinates.solid_angle > 0.0
+    # Local lights, whose intensity falls off from a point.
     for row, light in zip(packed[n:], local, strict=False):
         # A point light is a spot without an axis, whose cone holds every direction.
         axis, spot = (0.0, 0.0, 0.0), (-2.0, -3.0, 1.0, 0.0)

@@ -106,10 +106,12 @@ class Visibility(ComputePass):
 
         `ordinates`: without local lights, those of directional lights first.
         """
+        # Which maps each ordinate asks; the last ordinates ask none.
         rows, shares = shadow_rows(ordinates, lights, sky.lights if sky.maps.layers else [])
         rows = np.concatenate([rows, np.zeros(unshaded, rows.dtype)])
         self._unshaded = unshaded
         self._shadows.write(rows)
+        # How many of the sky's lights the ordinates share varies with the sky.
         if shares.nbytes > self._shares.nbytes:
             self._shares.release()
             self._shares = Buffer(self._medium.gpu, "sky shares", shares.nbytes)
@@ -124,6 +126,7 @@ class Visibility(ComputePass):
         passed: Buffer,
     ) -> None:
         """Fill shares of the first `count` ordinates but the unshaded, after their paths."""
+        # The shares lie behind the column densities in `passed`.
         lights, maps = surfaces.lights, surfaces.sky.maps
         self.dispatch(
             commands,
@@ -167,6 +170,7 @@ def shadow_rows(
     owner, layer, weight = _shared(of_sky, directions, weights)
     counts = np.bincount(owner, minlength=len(of_sky))
     part = rows[len(distant) : ordinates.count]
+    # Each ordinate has a run of shares, whose weights add up to 1.
     part["count"] = counts
     part["first"] = np.cumsum(counts) - counts
     shares = np.zeros(len(layer), SkyViewData.dtype)
@@ -179,11 +183,15 @@ def _shared(
     of_sky: F64, directions: F64, weights: F64
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], F64]:
     """(owner, layer, weight) of every share, sorted by owner."""
+    # Each light of the sky shades the ordinate that is nearest to it.
     cosine = of_sky @ directions.T
     owner = np.argmax(cosine, axis=0)
+    # An ordinate to which none is nearest asks the map of the light that is nearest to it.
     lonely = np.setdiff1d(np.arange(len(of_sky)), owner)
     layer = np.concatenate([np.arange(len(directions)), np.argmax(cosine[lonely], axis=1)])
     owner = np.concatenate([owner, lonely])
+    # The shares of one ordinate lie beside each other.
     order = np.argsort(owner, kind="stable")
+    # A dark light has a share, too: the shares of an ordinate are divided by their sum.
     weight = np.maximum(weights[layer], 1e-12 * max(float(weights.max()), 1e-30))
     return owner[order], layer[order], weight[order]

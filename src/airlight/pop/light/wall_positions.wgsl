@@ -38,6 +38,7 @@ fn reflecting_outside(cell: vec3u, origin: vec3f) -> u32 {
     if (id.x >= params.cells) {
         return;
     }
+    // Rays from the middle of the cell to those of the next cells along x, y and z.
     let cell = cell_of(id.x);
     let origin = (params.world_from_medium * vec4f(cell_centre(cell), 1.0)).xyz;
     var found = 0u;

@@ -73,8 +73,10 @@ class Walls:
         if (crossing, *placed) == self._made:
             return False
         self._made = (crossing, *placed)
+        # Without a mesh near the box all faces are open.
         if not crossing:
             return self._clear(walls)
+        # Rays find the surfaces, then each cell learns of its six faces.
         with commands.stage("pop walls"):
             self._reflectances = self._reflectances or buffer_of(
                 self._medium.gpu, "reflectance of instances", surfaces.blockers.reflectances
@@ -129,6 +131,7 @@ class Walls:
 
     def _clear(self, walls: Buffer) -> bool:
         """Open all faces; returns whether any was closed."""
+        # Without surfaces no face is closed, which is written once.
         was_clear, self._is_clear = self._is_clear, True
         if not was_clear:
             walls.write(np.zeros(2 * self._medium.cells, np.uint32))

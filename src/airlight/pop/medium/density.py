@@ -79,6 +79,7 @@ class Density:
 
     def __init__(self, gpu: Gpu, placement: MediumPlacement, mixture: Mixture) -> None:
         self.placement, self._mixture = placement, mixture
+        # Fine densities of its own parts, which paths and other media sample; means of all media.
         fines = [_fine_texture(gpu, placement) for _ in range(mixture.count.own)]
         self.fine, self.fine_parts = fines[0], fines[1:]
         self.cells = Buffer(gpu, "density", 4 * placement.cells * mixture.media)

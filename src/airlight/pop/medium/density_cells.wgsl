@@ -5,6 +5,7 @@
     if (id.x >= params.cells) {
         return;
     }
+    // The mean of its eight fine cells, so that no matter is lost.
     let first = 2u * cell_of(id.x);
     var sum = 0.0;
     for (var s = 0u; s < 8u; s++) {

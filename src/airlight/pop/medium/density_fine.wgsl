@@ -1,4 +1,5 @@
 // The density of a fine cell: the mean of samples of the voxels, 0 outside the volume.
+//! use cell_order
 
 const FINE = 2.0;   // fine cells per cell and axis (FINE in placement.py)
 
@@ -11,7 +12,7 @@ const FINE = 2.0;   // fine cells per cell and axis (FINE in placement.py)
     var sum = 0.0;
     for (var s = 0u; s < total; s++) {
         // The sample's offset in the fine cell, then its coordinates in the volume.
-        let inside = (vec3f(vec3u(s % n.x, (s / n.x) % n.y, s / (n.x * n.y))) + 0.5) / vec3f(n);
+        let inside = (vec3f(cell_at_index(n, s)) + 0.5) / vec3f(n);
         let point = (vec3f(id) + inside) * params.cell / FINE;
         let uvw = (params.unit_from_medium * vec4f(point, 1.0)).xyz;
         if (all(uvw > vec3f(0.0)) && all(uvw < vec3f(1.0))) {

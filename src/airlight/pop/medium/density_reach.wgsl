@@ -14,7 +14,7 @@
     for (var z = low.z; z <= high.z; z++) {
         for (var y = low.y; y <= high.y; y++) {
             for (var x = low.x; x <= high.x; x++) {
-                let beside = (z * params.count.y + y) * params.count.x + x;
+                let beside = cell_index(vec3u(x, y, z));
                 for (var m = 0u; m < MEDIA; m++) {
                     most = max(most, density[m * params.cells + beside]);
                 }

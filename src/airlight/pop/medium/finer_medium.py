@@ -22,6 +22,7 @@ class FinerMedium(GridMedium):
     def __init__(self, of: GridMedium, ratio: float) -> None:
         """`ratio`: of the sides of cells, from each grid to the next finer one."""
         self.of, self._whole, self.level = of, of.whole, of.level + 1
+        # It begins in the middle of the medium, until the camera is known.
         placement = self._whole.placement
         self._finer_cells = finer_cells(placement, self.level, ratio)
         middle = placement.world_from_medium @ np.array([*(0.5 * placement.extent), 1.0])

@@ -69,9 +69,11 @@ class GridMedium:
         self.gpu, self._resolution = gpu, resolution
         self.parts = self._placed(parts)
         self.others: tuple[GridMedium, ...] = ()
+        # Its own parts come first in the table of media, those of the others follow.
         count = others._replace(own=len(parts))
         self.mixture = Mixture(gpu, self.placement.cells, count)
         self.density = Density(gpu, self.placement, self.mixture)
+        # A density that is on the device already is neither uploaded nor written here.
         self._own_voxels = voxels is None
         self.voxels = [density_texture(gpu, v) for v in parts] if voxels is None else [voxels]
         self._key: tuple[Any, ...] = ()
@@ -130,6 +132,7 @@ class GridMedium:
     @property
     def albedo(self) -> tuple[float, float, float]:
         """Of all parts together."""
+        # Scattering over extinction, both weighted by mass.
         mass = [np.multiply(p.volume.sigma_t, p.width.mass) for p in self.parts]
         scattered = [m * p.volume.albedo for m, p in zip(mass, self.parts, strict=True)]
         r, g, b = np.sum(scattered, axis=0) / np.maximum(np.sum(mass, axis=0), 1e-30)
@@ -188,6 +191,7 @@ class GridMedium:
 
     def encode(self, commands: Commands) -> bool:
         """Fill the medium's own density where the volume changed; returns whether it did."""
+        # All that the density in cells and their coefficients depend on.
         v = self.volume
         key: tuple[Any, ...] = (v.g, v.world_from_volume.tobytes(), v.bounds)
         key += (self.placement.world_from_medium.tobytes(),)

@@ -6,27 +6,45 @@ Volumes of a kind share a grid (`merged_medium`), where means of their coefficie
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...maths.transforms import F64
-from ...scene.coefficients import grouped
+from ...scene.coefficients import ALIKE, grouped, traits
 from ...scene.volume import Volume
 from ..settings import MOST_ALONE, PopSettings
 from .merging import mass_of
 
-_ALIKE = 0.1  # of the ratios of extinctions, of albedo and g
+
+@dataclass(frozen=True)
+class GridPlan:
+    """Which grids volumes are solved on.
+
+    volumes  each in its parts
+    kinds    of the parts, those that share a grid; none where each volume has its own
+    sources  how many grids are marched
+    """
+
+    volumes: list[tuple[Volume, ...]]
+    kinds: list[tuple[int, ...]]
+    sources: int
 
 
-def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int, ...]]:
+def grid_plan(parts: Sequence[Volume], settings: PopSettings) -> GridPlan:
+    """Few volumes have a grid each, more than MOST_ALONE share those of their kinds."""
+    volumes = grouped(parts)
+    kinds = sorted_by_kind(parts, settings) if len(volumes) > MOST_ALONE else []
+    return GridPlan(volumes, kinds, (len(kinds) or len(volumes)) * settings.grid_levels)
+
+
+def sorted_by_kind(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int, ...]]:
     """The indices of the volumes of each kind, at most MOST_ALONE kinds, each in order.
 
     Light that hops from cell to cell knows one medium only, so there all are one kind.
     """
     if settings.scheme != "delta-beam":
         return [tuple(range(len(volumes)))]
-    rows = np.array([_features(volume) for volume in volumes])
+    rows = np.array([traits(volume) for volume in volumes])
     held = np.array([_held(volume) for volume in volumes])
     # Equal ones first, so that few are compared.
     means, kind_of = np.unique(rows, axis=0, return_inverse=True)
@@ -38,7 +56,7 @@ def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int
         apart = off.max(axis=-1)
         np.fill_diagonal(apart, np.inf)
         a, b = np.unravel_index(int(np.argmin(apart)), apart.shape)
-        if apart[a, b] > _ALIKE:
+        if apart[a, b] > ALIKE:
             if len(members) <= MOST_ALONE:
                 break
             # Of unlike ones those whose mean changes least what they hold.
@@ -53,14 +71,6 @@ def kinds_of(volumes: Sequence[Volume], settings: PopSettings) -> list[tuple[int
     return sorted(tuple(sorted(int(i) for i in kind)) for kind in members)
 
 
-def source_count(volumes: Sequence[Volume], settings: PopSettings) -> int:
-    """How many grids are marched for these volumes."""
-    media = len(grouped(volumes))
-    if media > MOST_ALONE:
-        media = len(kinds_of(volumes, settings))
-    return media * settings.grid_levels
-
-
 def _held(volume: Volume) -> float:
     """What a volume counts: its optical cross-section, m^2; an empty grid's if it was full.
 
@@ -68,10 +78,3 @@ def _held(volume: Volume) -> float:
     """
     full = replace(volume, density=None, shape="box")
     return (mass_of(volume) or mass_of(full)) * float(np.mean(volume.sigma_t))
-
-
-def _features(volume: Volume) -> F64:
-    """Ratios of extinctions, albedo and g (9,)."""
-    sigma_t = np.asarray(volume.sigma_t)
-    tint = sigma_t / max(float(sigma_t.max()), 1e-30)
-    return np.concatenate([tint, volume.albedo, volume.g])

@@ -1,6 +1,7 @@
 // The extinction of all media of a kind in fine cells, as the density of one medium.
 //! use media
 //! use members
+//! use cell_order
 
 const LARGEST_HALF = 65504.0;
 
@@ -23,7 +24,7 @@ const LARGEST_HALF = 65504.0;
         }
         var density = 0.0;
         for (var s = 0u; s < n * n * n; s++) {
-            let inside = (vec3f(vec3u(s % n, (s / n) % n, s / (n * n))) + 0.5) / f32(n);
+            let inside = (vec3f(cell_at_index(vec3u(n), s)) + 0.5) / f32(n);
             let uvw = (vec3f(id) + inside) * size;
             density += medium_density(visit.medium, (params.world_from_uvw * vec4f(uvw, 1.0)).xyz);
         }

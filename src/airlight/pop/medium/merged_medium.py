@@ -71,6 +71,7 @@ class MergedMedium(GridMedium):
         there. `others`: media on grids of their own beside this one."""
         self._media, self._pass, self._filled = media, _Merged(gpu, media), -1
         self.rows = tuple(rows)
+        # About as many cells as asked for, over the box of all volumes.
         side = min(float(np.cbrt(cells)), _MOST_SIDE)
         self._of, self._whole_volume = tuple(volumes), merged_volume(volumes)
         self._placement = placed(self._whole_volume, int(side))
@@ -82,6 +83,7 @@ class MergedMedium(GridMedium):
 
     def volume_of(self, volumes: Sequence[Volume]) -> Volume:
         """The medium that these are, which are of the first ones' number; `take` takes it."""
+        # The same volumes give the same object, which the solver takes for unchanged.
         if not all(map(operator.is_, volumes, self._of)):
             self._of, self._whole_volume = tuple(volumes), merged_volume(volumes)
         return self._whole_volume
@@ -94,6 +96,7 @@ class MergedMedium(GridMedium):
 
     def encode(self, commands: Commands) -> bool:
         """Add the media up where any changed; returns whether any did."""
+        # The version of the table of media says whether any of them changed.
         if self._media.version == self._filled:
             return super().encode(commands)
         self._filled, self._key = self._media.version, ()

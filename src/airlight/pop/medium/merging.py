@@ -53,6 +53,7 @@ def mass_of(volume: Volume) -> float:
     size = abs(float(np.linalg.det(volume.world_from_volume[:3, :3]))) * float(np.prod(high - low))
     if volume.density is not None:
         return size * float(volume.density.mean())
+    # A sphere fills pi/6 of the box around it.
     return size * (1.0 if volume.shape == "box" else math.pi / 6.0)
 
 
@@ -61,6 +62,7 @@ def merged_width(volumes: Sequence[Volume], whole: Volume) -> Width:
 
     Volumes whose boxes meet are one body; each body counts by what it holds. `whole`: all merged.
     """
+    # In units of the merged density: what each volume holds, and how dense it is where it holds it.
     unit = max(float(np.mean(whole.sigma_t)), 1e-30)
     held = np.array([mass_of(v) * np.mean(v.sigma_t) / unit for v in volumes])
     density = np.array([_density_by_mass(v) * np.mean(v.sigma_t) / unit for v in volumes])
@@ -72,6 +74,7 @@ def merged_width(volumes: Sequence[Volume], whole: Volume) -> Width:
     full = [i for i, mass in enumerate(held) if mass > 0.0]
     mass, moments = held[full], [_moments(volumes[i]) for i in full]
     centres, spreads = (np.array([m[k] for m in moments]) for k in range(2))
+    # Covariances of a body's volumes, each about the body's centre, add up by mass.
     wide = 0.0
     for body in _bodies(np.array([volume_world_bounds(volumes[i]) for i in full])):
         share = mass[body] / mass[body].sum()
@@ -92,6 +95,7 @@ def _moments(volume: Volume) -> tuple[F64, F64]:
     """The centre (3,), m, and the covariance (3, 3), m^2, of its density in the world."""
     probed = probed_density(volume)
     centre, spread = density_moments(probed, 1.0 / np.array(probed.shape[::-1]))
+    # From the unit cube of its grid to the world; a covariance takes the edges on both sides.
     low, high = np.asarray(volume.bounds)
     to_world = np.asarray(volume.world_from_volume)
     edges = to_world[:3, :3] * (high - low)
@@ -101,6 +105,7 @@ def _moments(volume: Volume) -> tuple[F64, F64]:
 
 def _bodies(boxes: F64) -> list[NDArray[np.bool_]]:
     """Masks (n,) of the boxes (n, 2, 3) that meet one another, directly or by others."""
+    # Boxes meet where they overlap along all axes; then neighbours of neighbours join.
     meet = (boxes[:, None, 0] <= boxes[None, :, 1]).all(axis=-1)
     meet &= meet.T
     while True:

@@ -63,6 +63,7 @@ class Mixture:
         self.count, self.cells = count, cells
         self.media, self.blocks = count.rows, BLOCKS * count.others * has_blocks
         self.rows = Buffer(gpu, "mixed media", MixedData.dtype.itemsize * self.media)
+        # A buffer may not be empty.
         nbytes = 16 * max(1, cells * self.blocks)
         self.inter_medium = Buffer(gpu, "inter-medium irradiance", nbytes)
         self._written = b""
@@ -75,6 +76,7 @@ class Mixture:
     def write(self, parts: Sequence[PlacedVolume], *, is_white: bool = False) -> None:
         """Upload the media as they are, the own parts first; without absorption if `is_white`."""
         packed = pack_array(MixedData, [_row(parts[0], part) for part in parts])
+        # In the furnace nothing is absorbed, and radiance 1 comes back everywhere.
         if is_white:
             packed["albedo"] = 1.0
         if packed.tobytes() != self._written:
@@ -148,6 +150,7 @@ def _used(alone: str, mixed: str, count: MediaCount) -> str:
 
 def _row(own: PlacedVolume, other: PlacedVolume) -> dict[str, Any]:
     """The values of MixedData of `other` in the frame of `own`."""
+    # Its box as the solved medium's frame sees it.
     volume, placement = other.volume, other.placement
     uvw_from_own = placement.uvw_from_world @ own.placement.world_from_medium
     return {
@@ -163,6 +166,7 @@ def _row(own: PlacedVolume, other: PlacedVolume) -> dict[str, Any]:
 
 def _overlap(uvw_from_own: F64, own: MediumPlacement) -> float:
     """The share of a medium's box that lies in another's."""
+    # The share of samples in the solved medium's box that lie in the other.
     at = (np.arange(_OVERLAP_SAMPLES) + 0.5) / _OVERLAP_SAMPLES
     samples = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3) * own.extent
     uvw = samples @ uvw_from_own[:3, :3].T + uvw_from_own[:3, 3]

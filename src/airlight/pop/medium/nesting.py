@@ -35,6 +35,7 @@ class FinerGrid:
     @property
     def placement(self) -> MediumPlacement:
         """Its box of cells, as passes over a medium want it."""
+        # The medium's own frame, from another corner.
         moved = np.eye(4)
         moved[:3, 3] = self.offset
         return MediumPlacement(
@@ -47,6 +48,7 @@ class FinerGrid:
     @property
     def shares(self) -> Fade:
         """Where its light fades in and out, in shares of its box."""
+        # The borders are metres in the medium's frame; marching reads shares of this grid's box.
         fade, extent = self.level.borders, self.placement.extent
         low, high = (np.array(x) - self.offset for x in (fade.low, fade.high))
         low_width, high_width = np.array(fade.low_width), np.array(fade.high_width)
@@ -56,6 +58,7 @@ class FinerGrid:
 
 def finer_cells(whole: MediumPlacement, level: int, ratio: float) -> Placement:
     """The cells of the grid that is finer than `whole` by ratio^level, in its lower corner."""
+    # Cells shrink by the ratio at each level; no grid has more of them than the medium's own.
     cell = float(whole.cell.min()) / ratio**level
     needed = np.ceil(whole.extent / cell - 1e-9).astype(int) + 2 * MARGIN
     count = np.minimum(needed, whole.count)
@@ -69,6 +72,7 @@ def placed_ahead(
 
     Inside the medium's box: for an eye outside on the side that it sees. It moves in whole cells.
     """
+    # Nested lattices' own rules place it, with the medium's box as the largest level.
     corner = Placement((0.0, 0.0, 0.0), float(whole.cell.min()), whole.count)
     nest = Nest((0.0, 0.0, 0.0), triple(whole.extent), (cells, corner))
     # An eye at the middle of a medium's box lies ahead of it, whatever the size of both.

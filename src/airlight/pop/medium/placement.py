@@ -114,9 +114,11 @@ def _frame(world_from_unit: F64) -> tuple[F64, F64, F64]:
     edges = world_from_unit[:3, :3]
     length = np.maximum(np.linalg.norm(edges, axis=0), 1e-12)
     unit = edges / length
+    # Sheared edges: the nearest rotation (polar decomposition).
     if np.abs(unit.T @ unit - np.eye(3)).max() > 1e-6:
         left, _, right = np.linalg.svd(edges)
         unit = left @ right
+    # The box in that frame around all eight corners.
     corners = np.stack(np.meshgrid(*[[0.0, 1.0]] * 3), axis=-1).reshape(8, 3)
     local = (corners @ edges.T + world_from_unit[:3, 3]) @ unit
     low, high = local.min(axis=0), local.max(axis=0)
@@ -146,6 +148,7 @@ def medium_width(volume: Volume, placement: MediumPlacement) -> Width:
     """The width of the medium in the box of a volume."""
     probed = probed_density(volume)
     cell = placement.extent / np.array(probed.shape[::-1])
+    # Weighted by itself: empty voxels say nothing of the medium.
     mean = float((probed**2).sum() / max(float(probed.sum()), 1e-30))
     return Width(largest_diffusivity(probed, cell), mean, float(probed.mean()))
 
@@ -163,6 +166,7 @@ def shape_density(volume: Volume, side: int) -> Any:
         return volume.density
     if volume.shape == "box":
         return np.ones((2, 2, 2), np.float32)
+    # A sphere: each voxel is the mean of eight samples.
     at = (np.arange(2 * side) + 0.5) / side - 1.0
     radius2 = at[:, None, None] ** 2 + at[None, :, None] ** 2 + at[None, None, :] ** 2
     inside = (radius2 <= 1.0).astype(np.float32)
@@ -174,6 +178,7 @@ def placed_parts(parts: Sequence[Volume], resolution: int) -> list[PlacedVolume]
     made = [PlacedVolume.of(part, resolution) for part in parts]
     if len(made) == 1:
         return made
+    # Light leaves all parts together, so their extinctions add up to one density.
     sums = np.zeros(shape_density(parts[0], SPHERE_SIDE).shape, np.float32)
     for part in parts:
         sums += np.float32(np.mean(part.sigma_t)) * shape_density(part, SPHERE_SIDE)

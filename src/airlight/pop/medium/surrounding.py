@@ -26,6 +26,7 @@ class SurroundingMedium:
 
     def fields(self, placement: MediumPlacement) -> dict[str, Any]:
         """Its fields of `MediumParams`, for a medium that is placed so."""
+        # From the medium's frame to 0..1 in its box.
         low, high = np.array(self.low), np.array(self.high)
         unit_from_world: F64 = np.diag([*(1.0 / np.maximum(high - low, 1e-30)), 1.0])
         unit_from_world[:3, 3] = -low * unit_from_world.diagonal()[:3]

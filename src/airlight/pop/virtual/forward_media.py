@@ -31,6 +31,7 @@ class ForwardScaled:
     def scaled(self, scene: Scene) -> Scene:
         """The scene with its media so."""
         medium = None if scene.medium is None else _scaled(scene.medium)
+        # An unchanged volume stays the same object, which later stages know by identity.
         known = {id(volume): made for volume, made in self._made}
         volumes = tuple(known.get(id(v)) or _scaled(v) for v in scene.volumes)
         self._made = list(zip(scene.volumes, volumes, strict=True))
@@ -38,6 +39,7 @@ class ForwardScaled:
 
 
 def _scaled(medium: _M) -> _M:
+    # Light is lost to the beam where it is absorbed or scattered otherwise than forwards.
     lost = np.asarray(medium.sigma_t) * beam_loss(medium.g, medium.albedo)
     r, g, b = (float(x) for x in lost)
     return replace(medium, sigma_t=(r, g, b))

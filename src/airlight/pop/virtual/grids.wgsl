@@ -55,6 +55,7 @@ fn placed(n: u32) -> f32 {
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) lane: u32) {
+    // Each lane places some of the grids, and adds up the power of their lights.
     var own = 0.0;
     for (var n = shape.first + lane; n < hops.grids; n += WX) {
         own += placed(n);

@@ -29,6 +29,7 @@ from .reflected import ReflectedLights
 
 TILE = 16
 """Texels along a side of what is summed at once."""
+# Invocations that scan the sums of tiles.
 _SCAN_GROUP = 256
 
 _CONSTANTS = f"const TILE = {TILE}u;\nconst PI = 3.14159265;\n"
@@ -64,6 +65,7 @@ class VirtualVisibilityParams(Struct):
     first_row = u32()
 
 
+# The reflective shadow maps, which are summed by tiles and drawn from.
 _maps = (
     uniform("params", VirtualParams),
     storage("views", LightViewData),
@@ -120,6 +122,7 @@ class VirtualLights:
         gpu = medium.gpu
         self._medium, self._from = medium, reflected
         self._kind = Kind.VIRTUAL_GRID if in_grids else Kind.VIRTUAL
+        # The running sum over tiles finds a light's tile, a sum over the tile's texels the light.
         self._tiles_of = [_side(maps) ** 2 * maps.layers for maps in reflected.maps]
         self._tiles = Buffer(gpu, "tiles of maps", 4 * max(1, sum(self._tiles_of)))
         # Lattice coordinates of each virtual point light.
@@ -181,10 +184,10 @@ class VirtualLights:
         # Texels count by what they send into the sphere around the whole medium, of which a finer
         # grid holds a part.
         whole = self._medium.whole.placement
-        # The ball around the whole medium: virtual point lights are chosen by what they send there.
         half = 0.5 * whole.extent
         centre = whole.world_from_medium[:3, :3] @ half + whole.world_from_medium[:3, 3]
         to_world = self._medium.placement.world_from_medium
+        # The sums of all maps' tiles lie in one row, map after map.
         firsts = np.cumsum([0, *self._tiles_of])
         return [
             (

@@ -37,6 +37,7 @@ class ReflectedMaps:
             light_count=kit.lights.count,
             columns=ColumnPlan(shared=kit.shared),
         )
+        # Maps of the lights have a resolution of their own; the sky's are those of the kit.
         self._maps = LightMaps(kit.gpu, scene.lights, settings.virtual_resolution)
         self._attenuated = [
             AttenuatedMaps(kit.gpu, maps, self._media, owners)
@@ -50,11 +51,13 @@ class ReflectedMaps:
 
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Redraw and attenuate what changed; the sky is up to date. low..high: the scene, m."""
+        # Media first, which attenuate; then the maps of lights that moved.
         self._media.update(commands, self._attenuating(scene), low, high)
         is_drawn = self._maps.encode(commands, self._kit.meshes, scene.lights, low, high)
         media, sky = self._media.version, self._kit.sky.version
         if not is_drawn and (media, sky) == self._seen:
             return
+        # Virtual point lights are sampled again where this version is another one.
         self.reflected.version += 1
         for maps in self._attenuated:
             maps.attenuate(commands, self._kit.lights.table)
@@ -69,6 +72,7 @@ class ReflectedMaps:
 
 def _reach(scene: Scene, low: F64, high: F64) -> float:
     """How far apart surfaces and media may lie, m: the sky's maps hold surfaces alone."""
+    # The medium may reach beyond the surfaces.
     if scene.medium is not None:
         box = medium_box(scene.medium, low, high, scene.camera.position)
         low, high = np.minimum(low, box[0]), np.maximum(high, box[1])

@@ -8,6 +8,7 @@
     }
     let first = TILE * vec2u(id.x % side, (id.x / side) % side);
     let layer = id.x / (side * side);
+    // Tiles at the far sides of a map reach beyond it.
     var sum = 0.0;
     for (var k = 0u; k < TILE * TILE; k++) {
         let texel = first + vec2u(k % TILE, k / TILE);

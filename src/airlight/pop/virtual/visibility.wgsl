@@ -7,6 +7,7 @@
         return;
     }
     let row = virtual_lights.first_row + id.y;
+    // A straight line through the lattice, to half a cell before the light's surface.
     let centre = cell_centre(cell_of(id.x));
     let world = (params.world_from_medium * vec4f(centre, 1.0)).xyz;
     let share = open_line(warped_coordinates(lattice, world), light_cells[id.y].xyz);

@@ -3,7 +3,7 @@
    animation    the tracks of a scene, their span and rate
    curve        a value by keyframes
    tracks       cameras, lights, meshes and environments by keyframes
-   density      volumes: files of a sequence, or a function of time
+   density      volumes by a function of time; file_sequence by files; boxes   several on one
    rig, skin    the nodes, skins and morph targets of a glTF file, and the vertices they move
 
 Every track computes what it moves from its own data and the time alone, so a scene at a time

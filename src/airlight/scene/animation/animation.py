@@ -68,6 +68,11 @@ class Animation:
         end = max(known, default=self.start_s)
         return end if end > self.start_s else self.start_s + _ENDLESS_S
 
+    @property
+    def changes_boxes(self) -> bool:
+        """Whether volumes may have other boxes at other times."""
+        return any(getattr(track, "changes_boxes", False) for track in self.tracks)
+
     def at(self, scene: Scene, time_s: float) -> Scene:
         """`scene` at a time. Raises SceneError, naming the time, where it cannot be."""
         time = checks.number(time_s, "time_s")

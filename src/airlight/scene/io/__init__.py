@@ -9,28 +9,33 @@ toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml
                  toml_text* write, as toml_syntax spells; toml_page prints the reference
 light_groups     thousands of point lights in an .npz file
 gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give
-                 values; _nodes, _mesh, _material, _uv, _variants, _deform and _animation the scene;
-                 _extensions and _losses say what is not read; gltf_write, _write_material write
+                 values; _nodes, _camera, _mesh, _material, _uv, _variants, _deform and _animation
+                 the scene; _extensions, _losses and _schema say what is not read, or impossible;
+                 gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
-usd, usd_*       OpenUSD, by an extra: its stage -> meshes, materials, lights
+usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume; usd_losses
+                 says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
-                 _serialized), _materials, _textures, _emitters, _lights, _media, _camera
+                 _serialized), _materials, _textures, _emitters, _lights, _camera; _media: where
+                 (_bodies) and what of (_coefficients)
 polygons, normals   faces of many corners cut into triangles; normals of what has none
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
                  texture_bake draws one again where gltf_frames brings coordinates together
 volumes          density grids of every kind: numpy_files, nanovdb, openvdb, openvdb_tree, vti and
-                 netcdf (gridded: its axes) -> dense_grid; coefficient_files, emission_files: the
-                 grids beside a density; volume_scene: one grid as a scene of its own
-defaults         framing: a camera where there is none, daylight where there is no light, ground
-                 under a bare model; probe: the rays by which they find walls and windows
+                 netcdf (gridded: its axes, netcdf_times, cloud_water: its units) -> dense_grid;
+                 coefficient_files, emission_files: the grids beside a density; volume_scene: one
+                 grid as a scene of its own
+defaults         a camera where there is none: framing, viewpoint, by the scene's outline; where
+                 there is no light a studio, in rooms daylight; ground under a bare model; probe:
+                 the rays that find walls and windows
 """
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
@@ -65,23 +70,27 @@ def load(
     variant: str | None = None,
     sun: Sky | str | None = None,
     ground: bool | None = False,
+    parameters: Mapping[str, Any] | None = None,
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`.
 
-    Of a mesh file, `up` is the axis that points upwards, `scale` how many metres its unit is, and
-    `variant` names one of a glTF file's material variants; other files say so themselves.
+    Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
+    metres its unit is; of a glTF file `variant` names one of its material variants. Scene files say
+    so themselves, and grids of NetCDF and zarr which way is up. Coefficients of a grid are per
+    metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
+    $names in a Mitsuba file; they win over its defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
-    True: a mesh file or a grid that shows no room, has no floor and gets its daylight here stands
+    True: a mesh file or a grid that shows no room, has no floor and gets its light here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
 
-    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a default sun and sky, and without a
-    camera one that frames them, as density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) do; scene
-    files (TOML, Mitsuba XML) say themselves. What was dropped, replaced or approximated is in the
-    scene's `warnings`. Raises SceneError.
+    Mesh files (OBJ, glTF, PLY, STL, USD) without light get a studio, in rooms a sun and a sky, and
+    without a camera one that frames them; density grids (NumPy, VDB, VTK, NetCDF, Mitsuba .vol) a
+    sun, a sky and a camera. Scene files (TOML, Mitsuba XML) say themselves. What was dropped,
+    replaced or approximated is in the scene's `warnings`. Raises SceneError.
     """
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
-    model = model_keys(written, up=up, scale=scale, variant=variant)
+    model = model_keys(written, up=up, scale=scale, variant=variant, parameters=parameters)
     sky = chosen_sky(sun)
     # Scenes that ship are made, not read; like scene files they say everything themselves.
     if written.startswith(BUILTIN_PREFIX):
@@ -111,29 +120,45 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
 
 
 def model_keys(
-    path: str, *, up: str = "y", scale: float = 1.0, variant: str | None = None
+    path: str,
+    *,
+    up: str = "y",
+    scale: float = 1.0,
+    variant: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
-    """What is asked for beside the file, by the names of a [[mesh]]'s keys, checked.
+    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked;
+    `parameters` among them.
 
-    Raises SceneError where it is no mesh file.
+    Raises SceneError where it is no file that has them.
     """
+    from .toml_media_tables import VOLUME
+    from .toml_tables import MESH
+
+    # Parameters are Mitsuba's alone.
+    if parameters and Path(path).suffix.lower() != ".xml":
+        raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
+    texts = {name: str(value) for name, value in (parameters or {}).items()}
     given = {"up": up, "scale": scale, "variant": variant}
     usual = {"up": "y", "scale": 1.0, "variant": None}
     # An option left as it is by default says nothing, and is allowed for every file.
     asked = {name: value for name, value in given.items() if value != usual[name]}
-    if asked and Path(path).suffix.lower() not in MESH_SUFFIXES:
+    suffix = Path(path).suffix.lower()
+    # Variants are of mesh files; how a file lies and how large it is, of grids as well.
+    is_grid = suffix in VOLUME_SUFFIXES
+    suffixes = MESH_SUFFIXES if "variant" in asked else (*MESH_SUFFIXES, *VOLUME_SUFFIXES)
+    if asked and suffix not in suffixes:
+        kinds = "mesh files" if "variant" in asked else "mesh files and density grids"
         raise SceneError(
-            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for mesh files "
-            f"({', '.join(MESH_SUFFIXES)})",
+            f"{' and '.join(asked)} {'is' if len(asked) == 1 else 'are'} for {kinds} "
+            f"({', '.join(suffixes)})",
             where=path,
-            remedy="In a scene file, each [[mesh]] has keys of these names.",
+            remedy="In a scene file, each [[mesh]] and each [[volume]] has keys of its own.",
         )
-    from .toml_tables import MESH
-
-    # The checks of a [[mesh]]'s keys hold here too, with their messages.
-    return {
-        key.name: key.check(asked[key.name], key.name) for key in MESH.keys if key.name in asked
-    }
+    # The checks of their keys hold here too, with their messages.
+    keys = (VOLUME if is_grid else MESH).keys
+    checked = {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
+    return {**checked, "parameters": texts} if texts else checked
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
@@ -152,13 +177,13 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
     if suffix == ".xml":
         from .mitsuba import load_mitsuba
 
-        scene = load_mitsuba(file)
+        scene = load_mitsuba(file, model.get("parameters"))
         return with_sky(scene, sky) if sky else scene
     # Bare grids and meshes get what they lack.
     if suffix in VOLUME_SUFFIXES:
         from .volume_scene import load_volume_scene
 
-        scene = load_volume_scene(file)
+        scene = load_volume_scene(file, model)
     else:
         # Keys of placement, as a [[mesh]] would have them.
         scene = load_meshes(file, model.get("variant"))
@@ -228,10 +253,10 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
 
 
 def with_defaults(scene: Scene) -> Scene:
-    """The scene with a framing camera, and a sun and a sky, where it has none.
+    """The scene with a framing camera, and with light, where it has none.
 
     A camera like Camera() counts as none; lights, an environment, or bright surfaces in a room
-    as light. An added sun is exposed by the image where the camera's exposure is 0.
+    as light. Where a light was added and the camera's exposure is 0 it is chosen, too.
     """
     from .defaults import with_default_camera, with_default_lights
     from .probe import Probe

@@ -24,7 +24,7 @@ _SUN_GLOW = np.array((1.6, 1.3, 0.8))
 
 _ELEVATIONS_DEG = (25.0, 40.0, 55.0)
 _AZIMUTHS = 16
-_OUTDOOR_SHARE = 0.35
+OPEN_SHARE = 0.35
 _ENOUGH_SHARE = 0.15
 
 
@@ -70,13 +70,13 @@ def sun_for(probe: Probe, camera: Camera) -> tuple[F64, float]:
     forward = np.subtract(camera.target, camera.position)
     # Azimuths are counted from +Z, and `facing` is the one behind the camera's back.
     facing = float(np.arctan2(-forward[0], -forward[2]))
-    shoulder = _direction(48.0, facing + 0.75)
+    shoulder = _direction(45.0, facing - 0.75)
     # In the open, the shoulder's sun will do.
     points = _seen_points(probe, camera)
     if len(points) == 0:
         return shoulder, 1.0
     share = float(probe.sees_sky(points, shoulder).mean())
-    if share >= _OUTDOOR_SHARE:
+    if share >= OPEN_SHARE:
         return shoulder, share
     # Else try a grid of directions by how much of the view they light, and from which side.
     azimuths = facing + 2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS

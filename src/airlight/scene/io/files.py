@@ -1,7 +1,7 @@
 """Opening a user's file: the one place where that is done.
 
-Only regular files are read: a pipe, a socket or a device may block, or never end. What a file
-that came from elsewhere may name lies in its own folder or below it.
+Only regular files are read: a pipe, a socket or a device may block, or never end. What a scene
+file may name is one rule for all kinds of them, `named_file`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import os
 import re
 import stat
 import struct
+import threading
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -30,6 +31,8 @@ _KINDS = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+_OF_THE_SYSTEM = (("/", "proc"), ("/", "sys"))
+"""Where files are made up as they are read: some block, some never end."""
 SMALLER = "Make it smaller, or free some memory."
 """The remedy for what is too large for memory."""
 
@@ -116,32 +119,92 @@ def in_utf8(raw: bytes) -> bytes:
     return raw
 
 
-def root_around(own: Path) -> Path:
-    """The folder in which a scene in the folder `own` may name files, beside that itself.
+_CONFINED: dict[Path, int] = {}
+"""Folders of files that strangers sent, and how often each is confined."""
+_CONFINING = threading.Lock()
 
-    AIRLIGHT_ROOT where that lies around it.
+
+@contextmanager
+def confined_to(folder: Path) -> Iterator[None]:
+    """In the block files of this folder name no files outside of it, in any thread."""
+    real = folder.resolve()
+    with _CONFINING:
+        _CONFINED[real] = _CONFINED.get(real, 0) + 1
+    try:
+        yield
+    finally:
+        with _CONFINING:
+            _CONFINED[real] -= 1
+            if not _CONFINED[real]:
+                del _CONFINED[real]
+
+
+def bound_of(folder: Path) -> Path | None:
+    """The folder outside of which files of `folder` may name none; None: any of the machine.
+
+    That is AIRLIGHT_ROOT where it is set, or `folder` itself where that lies elsewhere; and what
+    `confined_to` says.
     """
-    # A root elsewhere says nothing about this scene, whose own folder then bounds it.
-    chosen = env.value("AIRLIGHT_ROOT")
-    root = Path(chosen).resolve() if chosen else own
-    return root if own.is_relative_to(root) else own
+    own, chosen = folder.resolve(), env.value("AIRLIGHT_ROOT")
+    with _CONFINING:
+        bounds = [folder for folder in _CONFINED if own.is_relative_to(folder)]
+    if chosen:
+        root = Path(chosen).resolve()
+        bounds.append(root if own.is_relative_to(root) else own)
+    # Of folders around each other the innermost holds.
+    return max(bounds, key=lambda bound: len(bound.parts), default=None)
 
 
-def inside(root: Path, name: str, where: object, start: Path | None = None) -> Path:
-    """The file called `name` in the folder `root` or below it; backslashes separate as slashes do.
+def named_file(name: str, where: object, start: Path, owner: Path | None = None) -> Path:
+    """The file that the scene file `where` calls `name`, seen from the folder `start`.
 
-    `name` is what the file `where` says, seen from the folder `start` (`root`). Raises SceneError
-    for one that leads out of the folder, by links, too, and for names of devices.
+    The rule of every kind of scene file: a name may lead down and up and through links, or be a
+    whole path; backslashes separate as slashes do. SceneError is raised for what no scene needs
+    and a stranger could mean: names of devices, shares of other machines (to open one tells them
+    who asks), files that the system makes up, and what `bound_of` the folder `owner` (`start`)
+    leaves out. Whoever opens the file refuses pipes and devices (`regular_file`).
     """
-    # Names that no other system could open.
-    plain = PurePosixPath(name.replace("\\", "/"))
-    for part in plain.parts:
-        if _WINDOWS_DEVICE.fullmatch(part):
-            raise SceneError(
-                f"it names '{name}', which is a device under Windows",
-                where=where,
-                remedy="Call the file otherwise.",
-            )
+    plain = _plain_name(name, where)
+    if plain.parts[:1] == ("//",):
+        raise SceneError(
+            f"it names '{name}', which lies on another machine",
+            where=where,
+            remedy="Copy the file to this one.",
+        )
+    if PureWindowsPath(name).drive and os.name != "nt":
+        raise SceneError(
+            f"it names '{name}', which is a path of Windows",
+            where=where,
+            remedy="Name the file by a path relative to this one.",
+        )
+    check_named(start / plain, name, where, owner or start)
+    return start / plain
+
+
+def check_named(path: Path, name: str, where: object, owner: Path) -> None:
+    """Raise SceneError where `path`, links followed, is nothing that `named_file` would give.
+
+    For readers that find files in ways of their own: `name` is what the file `where` says, `owner`
+    its folder.
+    """
+    real, bound = _resolved(path, name, where), bound_of(owner)
+    if real.parts[:2] in _OF_THE_SYSTEM:
+        raise SceneError(f"it names '{name}', which is a file of the system", where=where)
+    if bound is not None and not real.is_relative_to(bound):
+        raise SceneError(
+            f"it names '{name}', which is outside of '{bound}'",
+            where=where,
+            remedy="Copy the file into that folder, or let AIRLIGHT_ROOT be one around both.",
+        )
+
+
+def inside(root: Path, name: str, where: object) -> Path:
+    """The part called `name` of the container that the folder `root` is, in it or below.
+
+    `name` is what the file `where` says; backslashes separate as slashes do. Raises SceneError for
+    one that leads out of the folder, by links, too, and for names of devices.
+    """
+    plain = _plain_name(name, where)
     outside = SceneError(
         f"it names '{name}', which is outside its folder",
         where=where,
@@ -150,11 +213,8 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
     if plain.is_absolute() or PureWindowsPath(name).drive:
         raise outside
     # The file itself, wherever links lead, has to lie in the folder.
-    try:
-        path, folder = ((start or root) / plain).resolve(), root.resolve()
-    except (OSError, ValueError, RuntimeError):  # a loop of links, or a null byte
-        raise SceneError(f"it names '{name}', which is no file", where=where) from None
-    if not path.is_relative_to(folder):
+    path = _resolved(root / plain, name, where)
+    if not path.is_relative_to(root.resolve()):
         if ".." in plain.parts:
             raise outside
         raise SceneError(
@@ -163,6 +223,27 @@ def inside(root: Path, name: str, where: object, start: Path | None = None) -> P
             remedy=outside.remedy,
         )
     return path
+
+
+def _plain_name(name: str, where: object) -> PurePosixPath:
+    """With slashes alone. Raises SceneError for names that no other system could open."""
+    plain = PurePosixPath(name.replace("\\", "/"))
+    for part in plain.parts:
+        if _WINDOWS_DEVICE.fullmatch(part):
+            raise SceneError(
+                f"it names '{name}', which is a device under Windows",
+                where=where,
+                remedy="Call the file otherwise.",
+            )
+    return plain
+
+
+def _resolved(path: Path, name: str, where: object) -> Path:
+    """The file itself, wherever links lead."""
+    try:
+        return path.resolve()
+    except (OSError, ValueError, RuntimeError):  # a loop of links, or a null byte
+        raise SceneError(f"it names '{name}', which is no file", where=where) from None
 
 
 @contextmanager

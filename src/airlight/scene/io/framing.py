@@ -15,9 +15,9 @@ import numpy as np
 from ..camera import Camera
 from ..checks import F64
 from .probe import Hits, Probe, sphere_directions
+from .viewpoint import AZIMUTH_DEG, BELOW_DEG, around, from_front, rounded_camera, towards_eye
 
 ROOM_FOV_DEG = 60.0
-OBJECT_FOV_DEG = 40.0
 EYE_HEIGHT_M = 1.6
 _RAYS = 96
 _ROOM_TRIANGLES = 3000
@@ -25,9 +25,6 @@ _CONE_COSINE = 0.77
 _STANDING_M = 1.5
 _WALLS = 12
 """Directions that walls of one room face."""
-_VIEW_FROM = (0.55, 0.35, 1.0)
-_AIR_FROM = (0.55, -0.25, 1.0)
-"""From below: smoke and clouds show before the sky, and hardly before ground as bright as they."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,16 +40,21 @@ class Room:
         return self.high - self.low
 
 
-def framing_camera(probe: Probe) -> Camera:
-    """A camera that shows the scene of `probe` well."""
+def framing_camera(probe: Probe, points: F64 | None = None) -> Camera:
+    """A camera that shows the scene of `probe` well.
+
+    `points` (N, 3), metres, are to be in the image of what stands free: the scene's `outline`, or
+    without it what the probe holds, which of large meshes lacks the small triangles.
+    """
+    points = probe.corners.reshape(-1, 3) if points is None else points
     if len(probe.corners) == 0:
         return Camera()
     # Inside a room, through its open wall, or around an object that stands free.
     room = find_room(probe)
     if room is None:
-        return _around(np.array(_VIEW_FROM), probe.corners.reshape(-1, 3))
+        return from_front(points)
     if not np.isfinite(room.size[[0, 2]]).all():
-        return _through_open_side(probe, room)
+        return _through_open_side(points, room)
     return _inside(probe, room)
 
 
@@ -60,7 +62,9 @@ def framing_box(low: F64, high: F64, *, is_on_ground: bool = False) -> Camera:
     """A camera that shows the air in the box low..high (3,), metres, from outside: from below, or
     from above where it stands on a ground."""
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
-    return _around(np.array(_VIEW_FROM if is_on_ground else _AIR_FROM), corners)
+    if is_on_ground:
+        return from_front(corners)
+    return around(towards_eye(BELOW_DEG, AZIMUTH_DEG), corners)
 
 
 def find_room(probe: Probe) -> Room | None:
@@ -190,7 +194,7 @@ def _look_along(room: Room, axis: int, side: float, shift: float) -> Camera:
     target[axis] -= side * 0.65 * length
     target[across] -= 0.5 * shift * (high[across] - low[across])
     target[1] -= 0.065 * length
-    return _camera(eye, target, ROOM_FOV_DEG)
+    return rounded_camera(eye, target, ROOM_FOV_DEG)
 
 
 def _interest(probe: Probe, camera: Camera, room: Room) -> float:
@@ -236,7 +240,7 @@ def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 
     return unit
 
 
-def _through_open_side(probe: Probe, room: Room) -> Camera:
+def _through_open_side(points: F64, room: Room) -> Camera:
     """From outside, straight through the open wall, so that the whole inside fits."""
     # The first open side: towards +Z, where models show themselves, before any other.
     sides = [(axis, side) for axis in (2, 0) for side in (1.0, -1.0)]
@@ -245,29 +249,4 @@ def _through_open_side(probe: Probe, room: Room) -> Camera:
     )
     direction = np.zeros(3)
     direction[axis] = side
-    return _around(direction, probe.corners.reshape(-1, 3))
-
-
-def _around(direction: F64, points: F64) -> Camera:
-    """From outside along -direction, as near as keeps all points (N, 3) in a 4:3 image."""
-    # A view from `direction` upon the middle of the points' box.
-    towards = direction / np.linalg.norm(direction)
-    center = (points.min(axis=0) + points.max(axis=0)) / 2.0
-    right = np.cross((0.0, 1.0, 0.0), towards)
-    right /= np.linalg.norm(right)
-    # How far back each point needs the eye, across and up, with 8 % of margin.
-    offset = points - center
-    half = math.tan(math.radians(OBJECT_FOV_DEG) / 2.0) / 1.08
-    reach_x = np.abs(offset @ right) / (half * 4.0 / 3.0)
-    reach_y = np.abs(offset @ np.cross(towards, right)) / half
-    distance = float(np.max(np.maximum(reach_x, reach_y) + offset @ towards))
-    return _camera(center + towards * (distance or 1e-3), center, OBJECT_FOV_DEG)
-
-
-def _camera(eye: F64, target: F64, fov_y_deg: float) -> Camera:
-    # Tenths of millimetres, and more digits where all is nearer than that is fine.
-    apart = max(float(np.linalg.norm(eye - target)), 1e-30)
-    digits = max(4, 3 - math.floor(math.log10(apart)))
-    ex, ey, ez = (round(float(v), digits) for v in eye)
-    tx, ty, tz = (round(float(v), digits) for v in target)
-    return Camera(position=(ex, ey, ez), target=(tx, ty, tz), fov_y_deg=fov_y_deg)
+    return around(direction, points)

@@ -19,7 +19,7 @@ from ...errors import SceneError
 from ...maths.transforms import triple
 from ..animation import Animation
 from ..animation.rig import Part, Rig
-from ..camera import Camera, film_of
+from ..camera import Camera
 from ..checks import F64
 from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..material import Material
@@ -27,6 +27,7 @@ from ..mesh import Mesh
 from ..scene import Scene
 from .gltf_animation import read_clips
 from .gltf_buffers import Buffers, read_container
+from .gltf_camera import placed_camera
 from .gltf_compressed import DRACO
 from .gltf_deform import Deforms
 from .gltf_extensions import check_extensions, instances
@@ -36,6 +37,7 @@ from .gltf_losses import losses
 from .gltf_material import Materials, PlacedMaterial
 from .gltf_mesh import Primitive, read_primitive, read_surface
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
+from .gltf_schema import schema_doubts
 from .gltf_variants import listed_variants
 
 WATTS_PER_LUMEN = 1.0
@@ -55,7 +57,7 @@ def load_gltf(path: Path, variant: str | None = None) -> Scene:
 def read_gltf(path: Path) -> GltfFile:
     """The parsed file, whose nodes can be placed at will. Raises SceneError."""
     document, binary = read_container(path)
-    warnings = [*check_extensions(document), *losses(document)]
+    warnings = [*check_extensions(document), *schema_doubts(document), *losses(document)]
     return GltfFile(document, Buffers(document, binary), warnings)
 
 
@@ -167,6 +169,11 @@ class GltfFile:
         read = read_primitive(primitive, self.buffers, placed.frame)
         if read is None:
             return None
+        for k in placed.uv_sets:
+            if not primitive.child("attributes").has(f"TEXCOORD_{k}"):
+                self._warn(
+                    primitive, f"it has no TEXCOORD_{k}, by which images of its material lie"
+                )
         if not placed.apart:
             return read, None
         # The others' images are drawn again in one set, on the triangles of this primitive, hence a
@@ -264,20 +271,12 @@ class GltfFile:
             if not node.has("camera"):
                 continue
             item = cameras[node.index("camera", cameras, "cameras")]
-            if item.text("type") != "perspective":
-                self._warn(item, "only perspective cameras are used")
-                continue
-            lens = item.child("perspective")
-            fov_y, aspect = lens.number("yfov", 0.8), lens.number("aspectRatio", 0.0)
-            position, forward, up = matrix[:3, 3], -matrix[:3, 2], matrix[:3, 1]
-            # It looks along its node's -Z.
-            return Camera(
-                position=triple(position),
-                target=triple(position + forward / max(float(np.linalg.norm(forward)), 1e-30)),
-                up=triple(up),
-                fov_y_deg=float(np.clip(math.degrees(fov_y), 0.1, 179.0)),
-                film_px=film_of(aspect),
-            )
+            doubts: list[str] = []
+            camera = placed_camera(item, matrix, doubts)
+            for doubt in doubts:
+                self._warn(item, doubt)
+            if camera is not None:
+                return camera
         return None
 
     def _warn(self, item: Item, problem: str) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from .files import inside, read_bytes
+from .files import named_file, read_bytes
 from .gltf_compressed import DRACO, decoded_primitive, decoded_view, has_draco, meshopt_extension
 from .gltf_json import Item
 
@@ -93,7 +93,7 @@ def _glb_chunks(raw: bytes, path: Path) -> tuple[bytes, bytes | None]:
 
 
 def uri_bytes(item: Item, folder: Path) -> bytes:
-    """What the `uri` of a buffer or image names: embedded data or a file in `folder`."""
+    """What the `uri` of a buffer or image names: embedded data or a file, seen from `folder`."""
     uri = item.text("uri")
     if uri.startswith("data:"):
         head, _, body = uri.partition(",")
@@ -107,11 +107,11 @@ def uri_bytes(item: Item, folder: Path) -> bytes:
 
 
 def uri_file(item: Item, folder: Path) -> Path:
-    """The file that the `uri` names. Raises SceneError for one that is not in `folder`."""
+    """The file that the `uri` names, seen from `folder`. Raises SceneError as `named_file` does."""
     uri = item.text("uri")
     if _SCHEME.match(uri):
         raise item.error(f"'{uri[:200]}' is not a file beside this one", "Download it first.")
-    return inside(folder, unquote(uri), f"{item.file}: {item.place}")
+    return named_file(unquote(uri), f"{item.file}: {item.place}", folder)
 
 
 class Buffers:

@@ -33,6 +33,10 @@ def losses(document: Item) -> list[str]:
 
 
 def _losses(document: Item) -> Iterator[str]:
+    # A file of a later version may mean what is not known here.
+    least = document.child("asset").text("minVersion")
+    if least not in ("", "2.0"):
+        yield f"it asks for glTF {least}, and is read as 2.0"
     # Of several, one is shown.
     scenes = document.items("scenes")
     if len(scenes) > 1:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
-from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap
+from ..material import DEFAULT_MATERIAL, Material, Texture, Wrap, specular_of
 from .gltf_buffers import Buffers, uri_bytes, uri_file
 from .gltf_json import Item
 from .gltf_uv import ImageUse, UvFrame, image_use, shared_frame
@@ -45,11 +45,12 @@ _UNDERSTOOD = {
 @dataclasses.dataclass(frozen=True, eq=False)
 class PlacedMaterial:
     """A material, and the texture coordinates that its images read; where no frame serves all,
-    `apart` has each image's own by the material's field."""
+    `apart` has each image's own by the material's field. `uv_sets` are those that images read."""
 
     material: Material
     frame: UvFrame
     apart: Mapping[str, ImageUse] = dataclasses.field(default_factory=dict)
+    uv_sets: tuple[int, ...] = ()
 
 
 class Materials:
@@ -98,11 +99,12 @@ class Materials:
         # The images in one frame, or as they are, each with its own.
         slots = {id(value): name for name, value in values.items()}
         named = {slots[id(use.texture)]: use for use in uses}
-        shared = shared_frame(uses)
+        shared, sets = shared_frame(uses), tuple(sorted({use.uv_set for use in uses}))
         if shared is None:
-            return PlacedMaterial(Material(**values), UvFrame(), named)
+            return PlacedMaterial(Material(**values), UvFrame(), named, sets)
         frame, textures = shared
-        return PlacedMaterial(Material(**values | dict(zip(named, textures, strict=True))), frame)
+        values |= dict(zip(named, textures, strict=True))
+        return PlacedMaterial(Material(**values), frame, uv_sets=sets)
 
     def _reflection(self, item: Item, values: dict[str, Any], uses: list[ImageUse]) -> None:
         """Base colour, alpha, roughness, metallic and specular."""
@@ -159,7 +161,10 @@ class Materials:
             self._warn(item, "its glass is rough, light passes it as if it were clear")
         # A surface is there everywhere, where alpha is above a threshold, or by a share.
         if mode == "MASK":
-            values["alpha_cutoff"] = _unit(item.number("alphaCutoff", 0.5))
+            cutoff = item.number("alphaCutoff", 0.5)
+            values["alpha_cutoff"] = _unit(cutoff)
+            if cutoff > 1.0:  # which no alpha reaches: nothing of it is there
+                values["alpha"] = 0.0
         elif mode == "BLEND":
             values["is_blended"] = True
         elif mode == "OPAQUE":
@@ -239,11 +244,9 @@ class Materials:
 
 def _specular(extensions: Item) -> float:
     """Scale of the dielectric reflectance 0.04, from KHR_materials_ior and _specular."""
-    # Fresnel's reflectance at normal incidence, 0.04 for an index of 1.5.
     ior = extensions.child("KHR_materials_ior").number("ior", 1.5)
-    reflectance = ((ior - 1.0) / (ior + 1.0)) ** 2 if ior > 0.0 else 1.0
     factor = extensions.child("KHR_materials_specular").number("specularFactor", 1.0)
-    return _unit(factor * reflectance / 0.04)
+    return _unit(factor * specular_of(ior))
 
 
 def _unit(value: float) -> float:

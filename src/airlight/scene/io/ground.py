@@ -7,19 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from ...maths.latlong import latlong_row_solid_angles, latlong_texel_directions
-from ..checks import F32, F64
-from ..environment import Environment
-from ..lights import DirectionalLight
 from ..material import Material
 from ..mesh import Mesh
 from ..scene import Scene
 from ..shapes import quad
+from ..studio import GROUND_ALBEDO, studio
+from ..studio import NAME as STUDIO
 from .framing import find_room, framing_box
 from .probe import Probe
 
 NAME = "ground of airlight"
-ALBEDO = 0.3
 REACH = 6.0
 """Half the side of the ground, over the larger of the model's half width and height."""
 NONE = "no ground was put under it: {why}"
@@ -46,24 +43,27 @@ def with_ground(scene: Scene, *, is_asked: bool = False) -> Scene:
     at[1] = low[1] - _SUNK * float(np.linalg.norm(high - low))
     matrix = np.diag((2.0 * half, 1.0, 2.0 * half, 1.0))
     matrix[:3, 3] = at
-    # A computed sky says how bright its ground is; a map's ground gets the usual albedo.
+    # What the sky shows below its horizon is a matte ground of this albedo in the same light, so
+    # the square has no edge to be seen.
     sky = environment.sky
-    albedo = sky.ground if sky else ALBEDO
-    material = Material(base_color=(albedo, albedo, albedo), roughness=1.0)
+    albedo = sky.ground if sky else GROUND_ALBEDO
+    material = Material(base_color=(albedo, albedo, albedo), specular=0.0)
     ground = Mesh(geometry=quad(), world_from_object=matrix, material=material, name=NAME)
-    standing = replace(scene, meshes=(*scene.meshes, ground), environment=_matched(scene))
+    standing = replace(scene, meshes=(*scene.meshes, ground))
     if scene.meshes:
         return standing
-    # Grids, which have no camera of their own, are framed from below: there the ground hides them.
+    # Grids are framed from below, before a sky: on a ground they stand as things do.
     seen = framing_box(low, high, is_on_ground=True)
     exposed = replace(seen, exposure_stops=scene.camera.exposure_stops)
-    return replace(standing, camera=exposed)
+    around = environment if environment.sky else studio(scene.lights)
+    return replace(standing, camera=exposed, environment=around)
 
 
 def _why_none(scene: Scene, is_asked: bool) -> str | None:
     """Why no ground belongs under the scene, None where one does."""
-    if scene.environment is None or not scene.environment.horizon:
-        return "its light is not airlight's daylight"
+    environment = scene.environment
+    if environment is None or not (environment.horizon or environment.source == STUDIO):
+        return "its light is not airlight's own"
     # Grids alone are no room and have no floor; they get a ground where one is asked for.
     probe = Probe.of(scene)
     if len(probe.corners) == 0:
@@ -86,7 +86,14 @@ def ground_tables(scene: Scene) -> list[dict[str, Any]]:
     matrix = ground.world_from_object
     place = {"translate": matrix[:3, 3], "scale": np.diag(matrix)[:3]}
     # As `with_ground` made it: a matrix of a scale and a shift.
-    return [{"shape": "quad", **place, "base_color": ground.material.base_color[0]}]
+    return [
+        {
+            "shape": "quad",
+            **place,
+            "base_color": ground.material.base_color[0],
+            "specular": ground.material.specular,
+        }
+    ]
 
 
 def _has_floor(probe: Probe) -> bool:
@@ -105,30 +112,3 @@ def _has_floor(probe: Probe) -> bool:
     near = np.isfinite(distance) & (height < low[1] + 0.05 * float(size[1]))
     is_flat = float(size[1]) < 0.02 * float(max(size[0], size[2]))
     return bool(is_flat or near.mean() > _FLOOR_SHARE)
-
-
-def _matched(scene: Scene) -> Environment | None:
-    """The environment with the ground below its horizon lit as the square is.
-
-    So the square has no edge to be seen.
-    """
-    environment = scene.environment
-    if environment is None or environment.map is None or environment.sky is not None:
-        return environment  # a computed sky's ground is lit already
-    # What the ground receives from the sky and from the directional lights above it.
-    received = _received(environment.map)
-    for light in scene.lights:
-        if isinstance(light, DirectionalLight):
-            received += np.array(light.irradiance) * max(-light.direction[1], 0.0)
-    below = environment.map.copy()
-    # A matte ground sends albedo / pi times that everywhere.
-    below[(len(below) + 1) // 2 :] = ALBEDO / np.pi * received
-    return replace(environment, map=below)
-
-
-def _received(radiance: F32) -> F64:
-    """Irradiance (3,) of the ground under the upper half of a map."""
-    height, width = radiance.shape[:2]
-    up = latlong_texel_directions(height, width)[: height // 2, :, 1]
-    weights = up * latlong_row_solid_angles(height, width)[: height // 2, None]
-    return np.asarray((radiance[: height // 2] * weights[..., None]).sum(axis=(0, 1)), np.float64)

@@ -38,4 +38,4 @@ def _group(label: str, table: Any, folder: Path) -> PointLights:
     # A group's keys are those of any [[light]]; all it says lies in its file.
     values = check_table(LIGHT, table, label)
     written = values["file"]
-    return read_point_lights(existing_file(folder / written, written, label))
+    return read_point_lights(existing_file(written, label, folder))

@@ -11,6 +11,7 @@ Henyey-Greenstein scattering; the sensors perspective and thinlens; <default>, <
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -50,6 +51,7 @@ _HOW = frozenset(
         "sample_emitters",
         "silhouette_sampling_weight",
         "max_value",
+        "has_spectral_extinction",
     )
 )
 _HOW_TAGS = ("integrator", "sampler", "film", "rfilter", "scene")
@@ -64,21 +66,22 @@ class _Found:
     groups: dict[int, list[Mesh]] = field(default_factory=dict)
 
 
-def load_mitsuba(path: Path) -> Scene:
+def load_mitsuba(path: Path, parameters: Mapping[str, str] | None = None) -> Scene:
     """Read a Mitsuba scene. What was dropped or approximated is in the scene's `warnings`.
 
-    Raises SceneError for broken or dangerous XML, files that are missing or lie outside the
-    scene's folder, and plugins that do not exist.
+    `parameters` are values of its $names, which win over its defaults. Raises SceneError for broken
+    or dangerous XML, files that are missing or that no scene may name, and plugins that do not
+    exist.
     """
     path = Path(path)
     try:
         with naming(path):
-            tree, folders = read_tree(path)
+            tree, folders = read_tree(path, parameters or {})
             source = Source(path, folders)
             for name in folders.skipped:
                 source.note(
-                    f"the search path '{name}' is no folder in '{folders.root}', and nothing is "
-                    "looked for in it; set AIRLIGHT_ROOT to a folder around the scene to allow it"
+                    f"the search path '{name}' is no folder that the scene may name, and nothing "
+                    "is looked for in it"
                 )
             scene = _scene(tree, source)
     except (TypeError, AttributeError) as error:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
 
 from ..checks import Rgb
-from ..material import SIDES, Material
+from ..material import SIDES, Material, Texture
 from .mitsuba_nodes import Node
 from .mitsuba_textures import Source, bitmap, color_input, rgb_of, scalar_input
-from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
+from .texture_mix import is_soft, packed_roughness_metallic, raised, with_alpha
 
 # Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;
 # from their indices of refraction (refractiveindex.info), as tabled by Lagarde2011 (but for W).
@@ -164,7 +167,7 @@ def _conductor(node: Node, source: Source) -> Material:
     return Material(
         base_color=_at_most_one((r, g, b)),
         base_color_texture=texture,
-        roughness=_roughness(node, source),
+        **_roughness(node, source),
         metallic=1.0,
         **SIDES["front"],
     )
@@ -182,7 +185,7 @@ def _plastic(node: Node, source: Source) -> Material:
     return Material(
         base_color=_at_most_one(color),
         base_color_texture=texture,
-        roughness=_roughness(node, source),
+        **_roughness(node, source),
         specular=min(1.0, tint * _specular(index, node, source)),
         **SIDES["front"],
     )
@@ -203,7 +206,7 @@ def _glass(node: Node, source: Source) -> Material:
     return Material(
         base_color=_at_most_one(tint),
         base_color_texture=texture,
-        roughness=_roughness(node, source),
+        **_roughness(node, source),
         specular=_limited(mirrored / DIELECTRIC_REFLECTANCE, node, source),
         transmission=1.0,
     )
@@ -213,24 +216,32 @@ def _null(node: Node, source: Source) -> Material:
     raise NoSurface
 
 
-def _roughness(node: Node, source: Source) -> float:
-    """Ours is the square root of Mitsuba's alpha; 0 for the smooth kinds."""
-    if not node.kind.startswith("rough"):
-        return 0.0
+def _roughness(node: Node, source: Source) -> dict[str, Any]:
+    """The fields of a Material: the square root of Mitsuba's alpha; 0 for the smooth kinds."""
+    if not node.kind.startswith("rough") and node.kind != "pplastic":
+        return {"roughness": 0.0}
     if node.get("distribution", "beckmann") != "ggx":
         source.note(f"{node}: its Beckmann lobe is read as GGX of the same alpha")
     # The geometric mean of both widths keeps the area of the lobe.
-    if "alpha_u" in node.values or "alpha_v" in node.values:
+    widths = [name for name in ("alpha_u", "alpha_v") if name in node.values or node.child(name)]
+    given = [scalar_input(node, name, 0.1, source) for name in widths or ("alpha",)]
+    if len(given) == 1 and widths:  # the other one is Mitsuba's default
+        given.append((0.1, None))
+    if len(given) == 2 and not _is_one(given[0], given[1]):
         source.note(f"{node}: its anisotropic roughness is read as its geometric mean")
-        u, v = (float(node.get(key, 0.1)) for key in ("alpha_u", "alpha_v"))
-        return min(1.0, math.sqrt(math.sqrt(max(u * v, 0.0))))
-    # One width for both directions; a texture of it is left out.
-    alpha, texture = scalar_input(node, "alpha", 0.1, source)
-    if texture is not None:
-        source.note(f"{node}: its roughness texture is left out")
-        alpha = 0.1
     # Mitsuba's alpha is the square of our roughness.
-    return min(1.0, math.sqrt(max(alpha, 0.0)))
+    power = 0.5 / len(given)
+    textures = [texture for _, texture in given if texture is not None]
+    factor = math.prod(max(value, 0.0) for value, _ in given) ** power
+    packed = packed_roughness_metallic(raised(textures, power), None) if textures else None
+    return {"roughness": min(1.0, factor), "metallic_roughness_texture": packed}
+
+
+def _is_one(a: tuple[float, Texture | None], b: tuple[float, Texture | None]) -> bool:
+    """Whether two widths are the same number, or the same image."""
+    if (a[1] is None) != (b[1] is None) or a[0] != b[0]:
+        return False
+    return a[1] is None or b[1] is None or np.array_equal(a[1].pixels, b[1].pixels)
 
 
 def _index(node: Node, name: str, default: float) -> float:
@@ -268,6 +279,7 @@ _READERS: dict[str, Callable[[Node, Source], Material]] = {
     "roughconductor": _conductor,
     "plastic": _plastic,
     "roughplastic": _plastic,
+    "pplastic": _plastic,
     "dielectric": _glass,
     "roughdielectric": _glass,
     "thindielectric": _glass,

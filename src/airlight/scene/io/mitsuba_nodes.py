@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
-from .files import inside, regular_file, root_around
+from .files import is_file, is_folder, named_file, regular_file
 
 MAX_DEPTH = 60
 """Of plugins in plugins, as written; twice that by references."""
@@ -55,54 +55,55 @@ class Node:
 class Folders:
     """Where a scene looks for the files that it names: its own folder, and search paths before it.
 
-    Nothing outside of `root` is read: the scene's own folder, or AIRLIGHT_ROOT where that lies
-    around it.
+    `skipped` are search paths that are no folders, or that the scene may not name.
     """
 
     own: Path
-    root: Path
     search: list[Path] = field(default_factory=list)
     skipped: list[str] = field(default_factory=list)
 
     @classmethod
     def of(cls, path: Path) -> Folders:
         """Those of the scene at `path`. Raises SceneError where there is no such file."""
-        own = regular_file(path).resolve().parent
-        return cls(own, root_around(own))
+        return cls(regular_file(path).resolve().parent)
 
     def find(self, name: str, where: object) -> Path:
         """The first file of that name; where none exists, what it would be beside the scene.
 
-        Raises SceneError for a name that leads out of the root.
+        Raises SceneError for a name that scenes may not use, `files.named_file`.
         """
-        # The search path that was named last comes first.
+        # The search path that was named last comes first. From one of them a name may lead where
+        # it may not, and from the next to the file.
         for folder in self.search:
-            found = inside(self.root, name, where, start=folder)
-            if found.exists():
-                return found
-        beside = inside(self.root, name, where, start=self.own)
-        # A path outside was left out on purpose; if the file may be there, the error says so.
-        if self.skipped and not beside.exists():
+            try:
+                path = named_file(name, where, folder, self.own)
+            except SceneError:
+                continue
+            if is_file(path):
+                return path
+        path = named_file(name, where, self.own)
+        # A file that is nowhere may lie where the scene was not looked for.
+        if self.skipped and not is_file(path):
             raise SceneError(
-                f"'{name}' is not in its folder, and its search path '{self.skipped[0]}' leads "
-                f"out of '{self.root}'",
+                f"'{name}' is not in its folder, and its search path '{self.skipped[0]}' is no "
+                "folder, or none that it may name",
                 where=self.own,
-                remedy="Set AIRLIGHT_ROOT to a folder around the scene and its files",
+                remedy="Check the path; AIRLIGHT_ROOT, where it is set, lies around it.",
             )
-        return beside
+        return path
 
     def add(self, name: str, path: Path) -> None:
         """Look in the folder `name`, as the file `path` says in a <path>, before all others.
 
-        One that lies outside of the root is skipped, and remembered as such.
+        What is no folder is skipped, and remembered as such.
         """
-        # What leads out of the root is not an error: the file may lie in another folder.
+        # It is no error: the files may lie in another folder.
         try:
-            folder = inside(self.root, name, path, start=path.resolve().parent)
+            folder = named_file(name, path, path.resolve().parent, self.own)
         except SceneError:
             self.skipped.append(name)
             return
-        if folder.is_dir():
+        if is_folder(folder):
             self.search.insert(0, folder)
         else:
             self.skipped.append(name)

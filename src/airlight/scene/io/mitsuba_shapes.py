@@ -191,7 +191,8 @@ def _sphere() -> Geometry:
 def _cylinder() -> Geometry:
     """Open, along z from 0 to 1; u around it, v along it."""
     u, v = _grid(ROUND_STEPS, 1)
-    normals = np.stack([np.cos(2 * np.pi * u), np.sin(2 * np.pi * u), 0 * u], axis=1)
+    angle = 2 * np.pi * (u % 1.0)  # the seam's two sides meet
+    normals = np.stack([np.cos(angle), np.sin(angle), 0 * u], axis=1)
     positions = normals + np.stack([0 * v, 0 * v, v], axis=1)
     uvs = np.stack([u, v], axis=1)
     return _geometry(positions, _cells(ROUND_STEPS, 1)[:, ::-1], normals, uvs)

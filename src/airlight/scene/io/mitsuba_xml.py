@@ -1,12 +1,12 @@
 """Mitsuba's XML as a tree of plain nodes: includes, defaults, parameters and references solved.
 
-The file is not trusted: a document type (where entities would be declared) is refused, and so
-is every file outside the folder of the scene.
+The file is not trusted: a document type (where entities would be declared) is refused.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
@@ -44,27 +44,41 @@ class _Reader:
     """What holds for the whole scene while its files are read."""
 
     folders: Folders
-    parameters: dict[str, str] = field(default_factory=dict)
+    parameters: dict[str, str]
+    asked: set[str] = field(default_factory=set)
     nodes: dict[str, Node] = field(default_factory=dict)
     references: list[tuple[Node, int, str, Path]] = field(default_factory=list)
     includes: int = 0
     expanded: int = 0
 
 
-def read_tree(path: Path) -> tuple[Node, Folders]:
-    """The scene's root node, and the folders that it may name files in.
+def read_tree(path: Path, parameters: Mapping[str, str]) -> tuple[Node, Folders]:
+    """The scene's root node, and the folders that it looks for files in.
 
-    Raises SceneError for XML that is broken, dangerous or refers to what is not there.
+    `parameters` are values of $names, which win over the file's defaults. Raises SceneError for XML
+    that is broken, dangerous or refers to what is not there, and for a parameter that it has not.
     """
-    reader = _Reader(Folders.of(path))
+    reader = _Reader(Folders.of(path), dict(parameters))
     root = _parse(path)
     if root.tag != "scene":
         raise SceneError(f"this is XML, but its root is <{root.tag}>, not <scene>", where=path)
     scene = Node("scene", "scene")
     _fill(scene, root, reader, path, 0)
+    _refuse_unasked(parameters, reader, path)
     _solve_references(reader)
     refuse_cycles(scene)
     return scene, reader.folders
+
+
+def _refuse_unasked(given: Mapping[str, str], reader: _Reader, path: Path) -> None:
+    """Raise SceneError for a parameter that was given and that nothing in the scene asks for."""
+    for name in given:
+        if name not in reader.asked:
+            raise SceneError(
+                f"no ${name} stands in the scene, and a parameter gives it a value",
+                where=path,
+                remedy=nearest(name, reader.asked) if reader.asked else "It has no parameters.",
+            )
 
 
 class _Builder(ElementTree.TreeBuilder):
@@ -97,7 +111,9 @@ def _fill(
         tag, attributes = child.tag, child.attrib
         # What stands for something else: defaults, other files, references.
         if tag == "default":
-            reader.parameters.setdefault(attributes.get("name", ""), attributes.get("value", ""))
+            name = attributes.get("name", "")
+            reader.parameters.setdefault(name, attributes.get("value", ""))
+            reader.asked.add(name)
         elif tag == "include":
             _include(node, attributes.get("filename", ""), reader, path, depth)
         elif tag in ("ref", "alias"):
@@ -208,11 +224,13 @@ def _with_values(text: str, reader: _Reader, path: Path) -> str:
                 raise SceneError(
                     f"the parameter ${asked[0]} has no value",
                     where=path,
-                    remedy=f'Add <default name="{asked[0]}" value="..."/> before it.',
+                    remedy=f"Give it one: --param {asked[0]}=VALUE, in Python "
+                    f'parameters={{"{asked[0]}": ...}}, or in the file <default>.',
                 )
             parts += ["$", part]
             continue
         value = reader.parameters[name]
+        reader.asked.add(name)
         # Values may hold values, so their length could double with every line of the file.
         reader.expanded += len(value)
         if reader.expanded > MOST_EXPANDED:

@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 
 from ...errors import AirlightError, SceneError
 from ..checks import F64
-from .dense_grid import DenseGrid, Optics, check_count, chosen_name
+from .cloud_water import as_opaque, is_length, optical, radius_of
+from .dense_grid import DenseGrid, check_count, chosen_name
 from .files import inside, is_folder, opened, regular_file
 from .gridded import Axis, letter_of, placed
 from .ledger import note_read
+from .netcdf_times import at_one_time, name_and_number
 
 ZARR = ".zarr"
 _GET = "Run: pip install 'airlight[science]'."
@@ -41,36 +43,33 @@ _LIKELY: tuple[str, ...] = (
 )
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
 
-# Of cloud droplets: all light is scattered, ahead; their radius is that of a fair-weather cloud.
-_RADIUS_M = 1e-5
-_PER_KG = 1.5 / (1000.0 * _RADIUS_M)  # m^2 of extinction per kg of water: 3 / (2 rho r)
-_AIR_KG_M3, _AIR_FALLS_M = 1.2, 8500.0
 _GRAVITY = 9.81  # m s^-2, as WRF has it
-_INVERSE_M = {"m-1": 1.0, "1/m": 1.0, "m^-1": 1.0, "m**-1": 1.0, "km-1": 1e-3, "1/km": 1e-3}
-_CONTENT = {"kg m-3": 1.0, "kg/m3": 1.0, "kg/m^3": 1.0, "kg m**-3": 1.0}
-_CONTENT |= {"g m-3": 1e-3, "g/m3": 1e-3, "g/m^3": 1e-3, "g m**-3": 1e-3}
-_MIXING = {"kg kg-1": 1.0, "kg/kg": 1.0, "kg kg**-1": 1.0, "g/g": 1.0}
-_MIXING |= {"g kg-1": 1e-3, "g/kg": 1e-3, "g kg**-1": 1e-3}
 
 
 def read_xarray(path: Path, wanted: str) -> DenseGrid:
     """The variable called `wanted`; of "density", the only one or the likeliest cloud.
 
-    Of several times the first is read. Raises SceneError for what is damaged or has no such
-    variable, and where the extra is not installed.
+    "NAME[3]" is its fourth time; else, of several, the first that holds any is read. Raises
+    SceneError for what is damaged or has no such variable or time, and where the extra is not
+    installed.
     """
     # All is read while the file is open: xarray loads values when they are asked for.
     with _opened(path) as dataset:
         names = _names(dataset)
-        name = chosen_name(wanted, names, _LIKELY)
-        warned = () if name == wanted else (f"{path.name}: its variable '{name}' is the density",)
-        values, axes, told = _along_axes(dataset[name], _wrf_lines(dataset), path.name)
+        asked, number = name_and_number(wanted, names)
+        name = chosen_name(asked, names, _LIKELY)
+        warned = () if name == asked else (f"{path.name}: its variable '{name}' is the density",)
+        lines = _wrf_lines(dataset)
+        time = _time_axis(dataset[name], lines)
+        variable, number, timed = at_one_time(dataset[name], time, number, path.name)
+        values, axes, told = _along_axes(variable, lines, path.name)
+        values, sized, radius = _sized(dataset, dataset[name], time, number, values, path.name)
         made = placed(values, axes, path.name)
         units = str(dataset[name].attrs.get("units", "")).strip()
-        told = (*warned, *told, *made.warnings)
+        told = (*warned, *timed, *told, *sized, *made.warnings)
     # The units decide how values become extinction: mixing ratios need the air's density at their
     # height.
-    density, optics = _optical(made.values, made.heights_m, units)
+    density, optics = optical(made.values, made.heights_m, units, radius)
     density, mended = _mended(density, path.name)
     return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics)
 
@@ -101,7 +100,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of attributes that are not as the conventions say
-            # Times stay numbers: only the first is read.
+            # Times stay numbers: only one is read.
             with xarray.open_dataset(
                 path, engine=engine, decode_times=False, cache=False
             ) as dataset:
@@ -221,13 +220,10 @@ def _along_axes(
     axes = [_axis(variable, str(name), lines) for name in variable.dims]
     told: list[str] = []
     kept: list[Axis] = []
-    # Of times the first is read; other dimensions of one cell are dropped.
-    for axis in axes:
-        is_time = axis.letter == "T"
-        if (is_time and len(axes) > 3) or (axis.size == 1 and len(axes) - len(told) > 3):
+    # Dimensions of one cell are dropped where there are more than three.
+    for k, axis in enumerate(axes):
+        if axis.size == 1 and len(kept) + len(axes) - k > 3:
             variable = variable.isel({axis.name: 0})
-            if axis.size > 1:
-                told.append(f"{file} has {axis.size} times, the first is read")
         else:
             kept.append(axis)
     check_count(variable.size)
@@ -245,6 +241,31 @@ def _along_axes(
     return values, order, tuple(told)
 
 
+def _sized(
+    dataset: Any, water: Any, time: str | None, number: int, values: NDArray[Any], file: str
+) -> tuple[NDArray[Any], tuple[str, ...], str]:
+    """Water as opaque as in droplets of the radius that the file has, what to tell, its name.
+
+    Small droplets are more opaque; radii are used before levels are resampled.
+    """
+    radius = radius_of(water, dataset)
+    if radius is None:
+        return values, (), ""
+    name, units = str(radius.name), radius.attrs.get("units", "")
+    if not is_length(radius):
+        text = f"{file}: '{name}' is no radius of droplets: its units '{units}' are no length"
+        return values, (text,), ""
+    at = radius if time is None else radius.isel({time: number})
+    sizes, _, _ = _along_axes(at, _wrf_lines(dataset), file)
+    return as_opaque(values, sizes, radius), (f"{file}: '{name}' is the droplets' radius",), name
+
+
+def _time_axis(variable: Any, lines: dict[str, F64]) -> str | None:
+    """The dimension of times, of a variable of more than three dimensions."""
+    axes = [_axis(variable, str(name), lines) for name in variable.dims]
+    return next((a.name for a in axes if a.letter == "T" and len(axes) > 3), None)
+
+
 def _axis(variable: Any, name: str, lines: dict[str, F64]) -> Axis:
     size = int(variable.sizes[name])
     centres, attributes = lines.get(name), {"units": "m"} if name in lines else {}
@@ -256,27 +277,6 @@ def _axis(variable: Any, name: str, lines: dict[str, F64]) -> Axis:
     letter = letter_of(name, attributes)
     is_down = str(attributes.get("positive", "up")).lower() == "down"
     return Axis(name, letter, size, centres, str(attributes.get("units", "")), is_down)
-
-
-def _optical(
-    values: NDArray[np.float32], heights_m: F64, units: str
-) -> tuple[NDArray[np.float32], Optics | None]:
-    """Values in m^-1 or kg m^-3 where the units are of extinction or water; what that means."""
-    key = " ".join(units.split())
-    if key in _INVERSE_M:
-        return values * np.float32(_INVERSE_M[key]), Optics(
-            1.0, 0.999, 0.85, f"its values in {units} are the extinction"
-        )
-    if key not in _CONTENT and key not in _MIXING:
-        return values, None
-    text = f"its values in {units} are water in droplets of {_RADIUS_M * 1e6:g} micrometres"
-    # Mixing ratios times the density of air, which falls with height, are water by volume.
-    if key in _CONTENT:
-        water = values * np.float32(_CONTENT[key])
-    else:
-        air = _AIR_KG_M3 * np.exp(-heights_m / _AIR_FALLS_M) * _MIXING[key]
-        water = values * air.astype(np.float32)[None, :, None]  # (z, y up, x)
-    return water, Optics(_PER_KG, 1.0, 0.86, text)
 
 
 def _mended(values: NDArray[np.float32], file: str) -> tuple[NDArray[np.float32], tuple[str, ...]]:

@@ -21,6 +21,8 @@ MAX_TRIANGLES = 8_000
 _TESTS_AT_ONCE = 60_000
 _LARGEST = 500
 _HARDLY_LARGER = 1.0001
+_PANE_PASSES = 0.25
+"""Of the light that meets a pane: with so much it is no wall."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,21 +35,37 @@ class Hits:
 
 
 class Probe:
-    """The triangles of a scene in world space, largest first; glass counts as opaque.
+    """The triangles of a scene in world space, largest first.
 
-    `corners` (T, 3, 3) metres, `mesh` (T,) the mesh each belongs to, `normals` (T, 3) unit.
+    `corners` (T, 3, 3) metres, `mesh` (T,) the mesh each belongs to, `normals` (T, 3) unit. Rays
+    pass the meshes that `panes` numbers, glass and other surfaces that let much light through.
     """
 
-    def __init__(self, corners: F64, normals: F64, mesh: NDArray[np.int64]) -> None:
+    def __init__(
+        self, corners: F64, normals: F64, mesh: NDArray[np.int64], panes: Sequence[int] = ()
+    ) -> None:
         self.corners = corners
         self.normals = normals
         self.mesh = mesh
+        self.panes = tuple(panes)
+        self._walls = np.flatnonzero(~np.isin(mesh, self.panes))
 
     @classmethod
-    def of(cls, scene: Scene, max_triangles: int = MAX_TRIANGLES) -> Probe:
-        """The largest triangles of a scene; those without area are left out."""
+    def of(
+        cls, scene: Scene, max_triangles: int = MAX_TRIANGLES, *, through_panes: bool = True
+    ) -> Probe:
+        """The largest triangles of a scene; those without area are left out.
+
+        `through_panes`: rays are light's, which passes panes; else they are somebody's who walks.
+        """
         largest = _largest_areas(scene.meshes)
-        held, least = cls(np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, np.int64)), 0.0
+        panes = [
+            k
+            for k, mesh in enumerate(scene.meshes)
+            if through_panes and _passes(mesh) >= _PANE_PASSES
+        ]
+        held = cls(np.zeros((0, 3, 3)), np.zeros((0, 3)), np.zeros(0, np.int64), panes)
+        least = 0.0
         for k, mesh in enumerate(scene.meshes):
             # Of a shape that stands in many places, most add nothing.
             stretch = float(np.linalg.norm(mesh.world_from_object[:3, :3], 2))
@@ -65,11 +83,12 @@ class Probe:
         cross, area = _areas(corners)
         keep = np.argsort(-area, kind="stable")[:max_triangles]
         least = float(area[keep[-1]]) if len(keep) else 0.0
-        return Probe(corners[keep], cross[keep] / area[keep, None], owner[keep]), least
+        made = Probe(corners[keep], cross[keep] / area[keep, None], owner[keep], self.panes)
+        return made, least
 
     def largest(self, count: int) -> Probe:
         """A quicker and blinder probe."""
-        return Probe(self.corners[:count], self.normals[:count], self.mesh[:count])
+        return Probe(self.corners[:count], self.normals[:count], self.mesh[:count], self.panes)
 
     def cast(self, origins: F64, directions: F64) -> Hits:
         """First hits of rays (R, 3), unit directions (R, 3).
@@ -77,7 +96,7 @@ class Probe:
         Source: Moeller1997, the ray-triangle test in barycentric coordinates.
         """
         # Rays in batches: the table of rays times triangles stays within memory.
-        count = max(1, _TESTS_AT_ONCE // max(1, len(self.corners)))
+        count = max(1, _TESTS_AT_ONCE // max(1, len(self._walls)))
         parts = [
             self._cast(origins[k : k + count], directions[k : k + count])
             for k in range(0, len(origins), count)
@@ -91,15 +110,13 @@ class Probe:
         return Hits(distance, np.where(hit, nearest, -1), facing < 0.0)
 
     def _cast(self, origins: F64, directions: F64) -> tuple[F64, NDArray[np.int64]]:
-        if len(self.corners) == 0:
+        if len(self._walls) == 0:
             return np.full(len(origins), np.inf), np.zeros(len(origins), dtype=np.int64)
-        middle = self.corners[0].mean(axis=0)  # single precision wants small coordinates
+        corners = self.corners[self._walls]
+        middle = corners[0].mean(axis=0)  # single precision wants small coordinates
         origins = origins - middle
-        a = self.corners[:, 0] - middle
-        edge1, edge2 = (
-            self.corners[:, 1] - self.corners[:, 0],
-            self.corners[:, 2] - self.corners[:, 0],
-        )
+        a = corners[:, 0] - middle
+        edge1, edge2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         normal = np.cross(edge1, edge2)
         # All four triple products are sums over a ray's and a triangle's vectors, so each is a
         # matrix product: (o - a) . (d x e) = e . (o x d) - d . (e x a).
@@ -118,7 +135,7 @@ class Probe:
             inside = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 1e-5)
         t[~inside] = np.inf
         nearest = t.argmin(axis=1)
-        return t[np.arange(len(t)), nearest].astype(np.float64), nearest
+        return t[np.arange(len(t)), nearest].astype(np.float64), self._walls[nearest]
 
     def winding(self, points: F64) -> F64:
         """How often the surfaces go round each point (P, 3): about 1 in a solid, 0 in the open or
@@ -150,7 +167,7 @@ class Probe:
         """In the plane across the direction a ray is a point: only triangles whose flat box
         holds it are tested."""
         # Parallel rays: in the plane across them only boxes that hold the point can be hit.
-        corners = self.corners[part]
+        corners = self.corners[self._walls[part]]
         across = _plane(towards)
         near = np.ones((len(points), len(corners)), dtype=bool)
         for axis in across:
@@ -177,6 +194,13 @@ def _pairs_hit(origins: F64, towards: F64, corners: F64) -> NDArray[np.bool_]:
         t = np.einsum("nk,nk->n", edge2, q) * inverse
     hit: NDArray[np.bool_] = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 1e-6)
     return hit
+
+
+def _passes(mesh: Mesh) -> float:
+    """The share of light that passes a mesh straight, its textures left aside."""
+    material = mesh.material
+    covered = material.alpha if material.is_blended else 1.0
+    return 1.0 - covered * (1.0 - material.transmission * (1.0 - material.metallic))
 
 
 def _single(values: F64) -> F32:

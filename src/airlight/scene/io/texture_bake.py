@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from ...maths.colour import srgb_decode, srgb_encode
 from ..checks import F64
-from ..material import Texture, Wrap
+from ..material import Texture
+from ..texels import interpolated
 
 Ints = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
@@ -136,7 +137,7 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
         which, texel, away, inside = which[near], texel[near], away[near], inside[near]
         # Each texel by its triangle's map, in the old image.
         at = placed.source[which, 0] + np.einsum("nij,nj->ni", jacobians[which], away)
-        values = _interpolated(old, at, texture.wrap)
+        values = interpolated(old, at, texture.wrap)
         # Normal maps are in the frame of their texture coordinates, which turn, too.
         if is_normal:
             values = _turned(values, jacobians[which])
@@ -209,30 +210,6 @@ def _old_image(texture: Texture, placed: Charts) -> F64:
             even, odd = (np.take(values, range(k, values.shape[axis], 2), axis) for k in (0, 1))
             values = (even + odd) / 2.0
     return np.asarray(values)
-
-
-def _interpolated(image: F64, at: F64, wrap: tuple[Wrap, Wrap]) -> F64:
-    """Bilinear values (N, 4) at `at` (N, 2), whose 1 is the image's side."""
-    # Texel centres lie at half numbers; the four around each point, wrapped.
-    size = np.array(image.shape[1::-1])
-    place = at * size - 0.5
-    corner = np.floor(place).astype(np.int64)
-    x, y = (place - corner).T[..., None]
-    (x0, x1), (y0, y1) = (
-        [_wrapped(corner[:, k] + step, int(size[k]), wrap[k]) for step in (0, 1)] for k in (0, 1)
-    )
-    above = image[y0, x0] * (1.0 - x) + image[y0, x1] * x
-    below = image[y1, x0] * (1.0 - x) + image[y1, x1] * x
-    return np.asarray(above * (1.0 - y) + below * y)
-
-
-def _wrapped(texel: Ints, count: int, wrap: Wrap) -> Ints:
-    if wrap == "clamp":
-        # A mirrored image has a period of two, of which the second half runs backwards.
-        return np.clip(texel, 0, count - 1)
-    if wrap == "mirror":
-        return np.minimum(texel % (2 * count), 2 * count - 1 - texel % (2 * count))
-    return texel % count
 
 
 def _turned(values: F64, jacobians: F64) -> F64:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path, PurePosixPath, PureWindowsPath
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
 from ...errors import SceneError
 from ..material import Texture
-from .files import regular_file
+from .files import check_named, named_file, regular_file
 from .images import read_texture
 
 
@@ -41,9 +41,8 @@ class TextureFiles:
     def find(self, name: str) -> Path | None:
         """The file called `name`, whatever its case and slashes, or None.
 
-        A path that goes up and down again is followed, because models and their images commonly lie
-        in folders side by side. Absolute paths are those of other machines: the bare name is then
-        looked for in this folder and in `textures`.
+        Names follow the rule of `files.named_file`. Whole paths are often those of other machines:
+        the bare name is looked for in this folder and in `textures` as well.
         """
         plain = PurePosixPath(name.strip().strip('"').replace("\\", "/"))
         if not plain.name:
@@ -53,12 +52,14 @@ class TextureFiles:
         return next((hit for path in tries if (hit := self._found(path))), None)
 
     def _found(self, name: PurePosixPath) -> Path | None:
-        """The file of that name as seen from the folder."""
-        if name.is_absolute() or PureWindowsPath(name).drive:
-            return None
-        hit = _cased(self.folder, name)
+        """The file of that name as seen from the folder; none where no scene may name it."""
         try:
-            return None if hit is None else regular_file(hit)
+            named_file(str(name), self._named_by, self.folder)
+            hit = _cased(self.folder, name)
+            if hit is None:
+                return None
+            check_named(hit, str(name), self._named_by, self.folder)
+            return regular_file(hit)
         except SceneError:
             return None
 

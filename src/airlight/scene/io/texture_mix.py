@@ -1,8 +1,9 @@
-"""Two images of one surface packed into the channels of one texture."""
+"""Images of one surface put together: packed into channels, multiplied."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 import PIL.Image
@@ -61,6 +62,19 @@ def packed_roughness_metallic(
         if image is not None:
             pixels[..., channel] = _resized(image.pixels[..., 0], shape)
     return dataclasses.replace(given, pixels=pixels)
+
+
+def raised(images: Sequence[Texture], power: float) -> Texture:
+    """The product of data images, raised to `power`, of the largest size; placed as the first."""
+    shape = (0, 0)
+    for image in images:
+        shape = _larger(shape, image.pixels.shape[:2])
+    product = np.ones((*shape, 1))
+    for image in images:
+        product = product * _resized(image.pixels[..., 0], shape)[..., None] / 255.0
+    grey = np.round(255.0 * product**power).astype(np.uint8)
+    pixels = np.concatenate([grey, grey, grey, np.full_like(grey, 255)], axis=-1)
+    return dataclasses.replace(images[0], pixels=pixels)
 
 
 def _larger(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, int]:

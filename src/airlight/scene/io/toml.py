@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,8 @@ from ..environment import Environment
 from ..lights import TYPES, Light
 from ..medium import Medium
 from ..scene import Scene
+from ..studio import NAME as STUDIO
+from ..studio import studio
 from .defaults import with_default_camera, with_default_lights
 from .files import read_text
 from .light_groups import is_group, light_groups
@@ -104,7 +106,9 @@ def _scene(raw: Raw, path: Path) -> Scene:
     shining = list(_numbered(raw, "light"))
     lights = [_light(table, label) for label, table in shining if not is_group(table)]
     said: list[str] = []
-    environment, turning = _environment(raw, folder, said)
+    # Lights of the tables come first, then those of mesh files, as the tracks count them.
+    shine = (*(light for light, _ in lights), *(x for part in parts for x in part.lights))
+    environment, turning = _environment(raw, folder, shine, said)
     sky = read_sky(raw)
     # Everything that moves, by its number in the scene.
     tracks = [
@@ -114,10 +118,9 @@ def _scene(raw: Raw, path: Path) -> Scene:
         *([EnvironmentTrack(turning)] if turning else []),
         *(VolumeTrack(k, files) for k, (_, _, files) in enumerate(volumes) if files),
     ]
-    # Lights of the tables come first, then those of mesh files, as the tracks count them.
     scene = Scene(
         meshes=tuple(mesh for part in parts for mesh in part.meshes),
-        lights=(*(light for light, _ in lights), *(x for part in parts for x in part.lights)),
+        lights=shine,
         environment=environment,
         medium=_medium(raw),
         volumes=tuple(volume for volume, _, _ in volumes),
@@ -188,8 +191,13 @@ def _light(raw: Any, label: str) -> tuple[Light, Curves]:
     return light, light_curves(light, keys, between, label) if keys else {}
 
 
-def _environment(raw: Raw, folder: Path, said: list[str]) -> tuple[Environment | None, Curves]:
-    """[environment] and its keyframes; what its file left to doubt is added to `said`."""
+def _environment(
+    raw: Raw, folder: Path, lights: Sequence[Light], said: list[str]
+) -> tuple[Environment | None, Curves]:
+    """[environment] and its keyframes; what its file left to doubt is added to `said`.
+
+    `lights` are the scene's, which a studio belongs to.
+    """
     label = ENVIRONMENT.header
     if "environment" not in raw:
         return None, {}
@@ -200,13 +208,16 @@ def _environment(raw: Raw, folder: Path, said: list[str]) -> tuple[Environment |
     moved = curves("environment", keys, between, label) if keys else {}
     if "file" in values and "radiance" in values:
         raise SceneError(f"{label} has both a file and a radiance", remedy="Use one of them.")
-    # A map from a file, or one radiance.
+    # A studio, a map from a file, or one radiance.
     with inside(label):
+        if values.get("file") == STUDIO:
+            del values["file"]
+            return replace(studio(lights), **values), moved
         if "file" in values:
             from .images import read_radiance
 
             written = values.pop("file")
-            values["map"] = read_radiance(existing_file(folder / written, written, label), said)
+            values["map"] = read_radiance(existing_file(written, label, folder), said)
             values["source"] = written
         return Environment(**values), moved
 

@@ -12,15 +12,16 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from ..animation import Animation, Curve, Track
-from ..animation.density import FileSequence
+from ..animation.file_sequence import FileSequence
 from ..animation.rig import Rig
 from ..animation.tracks import MeshTrack, Placing
 from ..checks import F64
 from ..lights import Light
 from ..scene import Scene
+from .files import check_named, named_file
 from .toml_keys import ANIMATION, KEYS
 from .toml_schema import Table, check_table
-from .volumes import is_grid_file
+from .volumes import NOWHERE, VolumeGrid, is_grid_file
 
 Raw = Mapping[str, Any]
 _PLACES = ("translate", "rotate_deg", "scale")
@@ -142,7 +143,7 @@ def shifted(track: Track, meshes: int, lights: int, *, has_camera: bool) -> Trac
 
 def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
     """The files of a sequence, sorted by the numbers in their names. Raises SceneError."""
-    path = folder / pattern
+    path = named_file(pattern, "", folder)
     # A folder stands for all files in it; * may stand in the name alone.
     try:
         base, name = (path, "*") if path.is_dir() else (path.parent, path.name)
@@ -156,6 +157,8 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
             f"{label}: sequence '{pattern}' names no files",
             remedy="Paths are relative to the scene file; * stands for any number.",
         )
+    for file in found:  # which may be links
+        check_named(file, pattern, "", folder)
     return tuple(sorted((f.resolve() for f in found), key=_by_numbers))
 
 
@@ -167,10 +170,15 @@ def _by_numbers(path: Path) -> tuple[Any, ...]:
 def file_sequence(
     values: dict[str, Any],
     files: tuple[Path, ...],
-    shape: tuple[int, ...],
-    emission_grid: str | None = None,
+    grid: VolumeGrid,
+    emission_grid: str | None,
+    colours: Mapping[str, str],
 ) -> FileSequence:
-    """The sequence that a [[volume]]'s keys describe; takes them out of `values`."""
+    """The sequence that a [[volume]]'s keys describe; takes them out of `values`.
+
+    `grid`: of the file that says where it lies. Where the table has `bounds`, or files do not say
+    where they are, all files have its box. `colours`: names of grids, by coefficient.
+    """
     names = {
         "sequence_fps": "fps",
         "sequence_start_s": "start_s",
@@ -180,7 +188,16 @@ def file_sequence(
         "channels": "channels",
     }
     given = {field: values.pop(name) for name, field in names.items() if name in values}
-    return FileSequence(files, shape, **given, emission_grid=emission_grid)
+    has_own_box = "bounds" not in values and not any(NOWHERE in text for text in grid.warnings)
+    return FileSequence(
+        files,
+        grid.density.shape,
+        **given,
+        emission_grid=emission_grid,
+        colours=tuple(colours.items()),
+        bounds=grid.bounds if has_own_box else None,
+        turn=grid.world_from_volume,
+    )
 
 
 def animation(raw: Raw, tracks: Sequence[Track]) -> Animation | None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .. import checks
 from ..keys import Key, one_of
 from .toml_keys import SEQUENCE_KEYS
-from .toml_schema import COLOUR, PLACEMENT, Table, mean_cosine, unit_rgb
+from .toml_schema import COLOUR, PLACEMENT, UP, Table, mean_cosine, unit_rgb
 
 _SCATTERING = (
     Key("sigma_t", checks.rgb, COLOUR, "extinction coefficient", "m^-1"),
@@ -114,8 +116,9 @@ MEDIUM = Table(
 VOLUME = Table(
     "volume",
     "A medium of varying density: a density grid, or a shape of density 1. Coefficients hold at "
-    "density 1. It is placed as a mesh is, after its bounds. A scene may have 256 media, its "
-    "[medium] included; they may overlap.",
+    "density 1. It is placed as a mesh is, after its bounds, and coefficients are per metre of the "
+    "world: a grid that `scale` makes twice as long is twice as deep. A scene may have 256 media, "
+    "its [medium] included; they may overlap.",
     (
         Key(
             "file",
@@ -147,6 +150,7 @@ VOLUME = Table(
             "the file's own",
         ),
         *SEQUENCE_KEYS,
+        replace(UP, doc=f"{UP.doc}; NetCDF and zarr files say so themselves"),
         *PLACEMENT,
         *_SCATTERING,
         _EMISSION,

@@ -20,7 +20,7 @@ from ..mesh import Mesh
 from ..placing import moved_camera
 from ..scene import Scene
 from ..shapes import box, quad, sphere
-from .files import regular_file
+from .files import named_file, regular_file
 from .toml_animation import mesh_tracks
 
 _SHAPES = {"box": box, "sphere": sphere, "plane": quad, "quad": quad}
@@ -43,7 +43,7 @@ def placed_mesh(
     if ("file" in values) == ("shape" in values):
         raise SceneError(f"{label} needs either a file or a shape")
     if "file" in values:
-        scene = _read(folder / values["file"], values, label)
+        scene = _read(folder, values, label)
     elif "variant" in values:
         raise SceneError(f"{label} has a variant, and a shape has none")
     else:
@@ -59,14 +59,15 @@ def placed(
 
     Raises SceneError where matrix stands beside other transforms.
     """
-    upright = _UPRIGHT[values.get("up", "y")]
+    upright = upright_from_file(values)
     matrix = world_from_mesh(values, label) @ upright
     tracks = mesh_tracks(scene, values, keys, matrix, upright, label)
     return replace(_moved(scene, matrix), animation=Animation(tracks) if tracks else None)
 
 
-def existing_file(path: Path, written: str, label: str) -> Path:
-    """`path`, or a SceneError that names the file as the scene file wrote it."""
+def existing_file(written: str, label: str, folder: Path) -> Path:
+    """The file that a scene file in `folder` calls `written`. Raises SceneError, by that name."""
+    path = named_file(written, "", folder)
     try:
         return regular_file(path)
     except SceneError as error:
@@ -76,6 +77,11 @@ def existing_file(path: Path, written: str, label: str) -> Path:
             f"{label}: file '{written}' {what}",
             remedy="Paths are relative to the scene file.",
         ) from None
+
+
+def upright_from_file(values: Mapping[str, Any]) -> F64:
+    """(4, 4): the turn that the key `up` asks for, before anything else."""
+    return _UPRIGHT[values.get("up", "y")]
 
 
 def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:
@@ -96,16 +102,16 @@ def world_from_mesh(values: Mapping[str, Any], label: str) -> F64:
     return matrix
 
 
-def _read(path: Path, values: Mapping[str, Any], label: str) -> Scene:
+def _read(folder: Path, values: Mapping[str, Any], label: str) -> Scene:
     from . import MESH_SUFFIXES, load_meshes
 
     written = values["file"]
-    if path.suffix.lower() not in MESH_SUFFIXES:
+    if Path(written).suffix.lower() not in MESH_SUFFIXES:
         raise SceneError(
             f"{label}: file '{written}' is not a mesh file",
             remedy=f"Known endings: {', '.join(MESH_SUFFIXES)}.",
         )
-    return load_meshes(existing_file(path, written, label), values.get("variant"))
+    return load_meshes(existing_file(written, label, folder), values.get("variant"))
 
 
 def _moved(scene: Scene, world_from_file: F64) -> Scene:
@@ -129,7 +135,7 @@ def _moved_camera(camera: Camera, matrix: F64) -> Camera:
 def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with its materials' factors, and the texture channels behind them, replaced."""
     # What the table says of the material.
-    names = ("base_color", "roughness", "metallic", "emission", "transmission")
+    names = ("base_color", "roughness", "metallic", "specular", "emission", "transmission")
     factors = {name: values[name] for name in names if name in values}
     if "opacity" in values:
         factors |= {"alpha": values["opacity"], "is_blended": True}

@@ -35,12 +35,9 @@ are relative to the scene file. Vectors are arrays of three numbers, a colour is
 Rec.709 numbers or one for grey. Right-handed, +Y up, metres. Directions are those \
 of travel: away from the light.
 
-A scene file may name any file of the machine, because its author is its user. What comes from \
-elsewhere may not: a glTF's buffers and images, and all that a Mitsuba XML names, must lie in that \
-file's own folder or below it, links followed; an OBJ's materials and textures are found by \
-relative paths alone. Only \
-regular files are read, no pipes, sockets or devices, and a file that claims to unpack to far \
-more than its size bears out is refused.
+Which files a scene file, or any other file of a scene, may name is \
+[one rule](files.md#files-that-name-others). A file that claims to unpack to \
+far more than its size bears out is refused.
 
 Numbers are at most 1e15, positions and sizes 1e9 m, and a scene reaches at most 1e8 m from the \
 origin: beyond, single precision has no image of it.

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from .. import checks
-from ..keys import Key
+from ..keys import Key, one_of
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,14 @@ def inside(label: str) -> Iterator[None]:
 
 COLOUR = "colour"
 """The kind of value that is three numbers, or one for grey."""
+
+UP = Key(
+    "up",
+    one_of("y", "z"),
+    '"y" or "z"',
+    "which axis of the file points upwards; it is turned before anything else",
+    default='"y"',
+)
 
 PLACEMENT = (
     Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),

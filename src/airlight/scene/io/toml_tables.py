@@ -12,7 +12,7 @@ from ..lights import TYPES
 from ..material import SIDES
 from .toml_keys import ANIMATION, BETWEEN, CLIP_KEYS
 from .toml_media_tables import MEDIUM, VOLUME
-from .toml_schema import COLOUR, PLACEMENT, Table, fraction, unit_rgb
+from .toml_schema import COLOUR, PLACEMENT, UP, Table, fraction, unit_rgb
 from .toml_sky_keys import SKY
 
 _POSITION = Key("position", checks.vec3, "vector", "where it is", "m", required=True)
@@ -26,8 +26,8 @@ def _choice(*names: str) -> str:
 
 CAMERA = Table(
     "camera",
-    "The camera. Without the table, one is chosen that frames the scene and is exposed by "
-    "the image.",
+    "The camera. Without the table, one is chosen that frames the scene, and where a default "
+    "light is added it is exposed by the light that falls on the scene; in rooms by the image.",
     (
         _POSITION,
         Key("target", checks.vec3, "vector", "the point it looks at", "m", required=True),
@@ -37,8 +37,7 @@ CAMERA = Table(
             "exposure_stops",
             checks.stops,
             'number or "auto"',
-            'display exposure: 2^stops; "auto": from the image itself, as without it where a '
-            "default sun is added",
+            'display exposure: 2^stops; "auto": from the image itself',
             "stops",
             "0",
         ),
@@ -71,16 +70,6 @@ CAMERA = Table(
     ),
 )
 
-MODEL_KEYS = (
-    Key(
-        "up",
-        one_of("y", "z"),
-        '"y" or "z"',
-        "which axis of the file points upwards; it is turned before anything else",
-        default='"y"',
-    ),
-    Key("variant", checks.text, "text", "by name, one of a glTF file's material variants"),
-)
 MESH = Table(
     "mesh",
     "Triangles: a file's, or a shape's. A file's own lights come along, moved with it; its camera "
@@ -92,7 +81,8 @@ MESH = Table(
             "file",
             checks.text,
             "path",
-            "a mesh file: OBJ, glTF, GLB, PLY or STL; Draco: airlight[gltf]",
+            "a mesh file: OBJ, glTF, GLB, PLY, STL or USD; Draco: airlight[gltf], USD: "
+            "airlight[usd]",
         ),
         Key(
             "shape",
@@ -100,11 +90,19 @@ MESH = Table(
             '"box", "sphere", "plane" or "quad"',
             "instead of a file: 1 m across, centred at the origin; quad and plane face +Y",
         ),
-        *MODEL_KEYS,
+        UP,
+        Key("variant", checks.text, "text", "by name, one of a glTF file's material variants"),
         *PLACEMENT,
         Key("base_color", unit_rgb, COLOUR, "linear reflectance", default="the file's, or 0.8"),
         Key("roughness", fraction, "number", "0 mirror, 1 matt", default="the file's, or 1"),
         Key("metallic", fraction, "number", "0 dielectric, 1 metal", default="the file's, or 0"),
+        Key(
+            "specular",
+            fraction,
+            "number",
+            "scales what a dielectric mirrors, 4 % head on; 0 is perfectly matt",
+            default="the file's, or 1",
+        ),
         Key("emission", checks.rgb, COLOUR, "radiance", "W m^-2 sr^-1", "the file's, or 0"),
         Key(
             "opacity",
@@ -164,11 +162,18 @@ LIGHT = Table(
 ENVIRONMENT = Table(
     "environment",
     "Light from far away, all around. Without the table the background is black where the scene "
-    "has a light or an emissive mesh; where it has none, a default sun and sky are added. Suns in "
-    "a map (at most some 2 degrees wide, at least 3 % of its light, up to four) light the scene "
-    "as directional lights do, with sharp shadows.",
+    "has a light or an emissive mesh; where it has none, a default light is added: a sun and a "
+    "sky in rooms, for volumes alone and where hardly any of what is seen would be lit, a studio "
+    "around all else. Suns in a map (at most some 2 degrees wide, at least "
+    "3 % of its light, up to four) light the scene as directional lights do, with sharp shadows.",
     (
-        Key("file", checks.text, "path", "a latitude-longitude image: EXR, HDR, PNG or JPEG"),
+        Key(
+            "file",
+            checks.text,
+            "path",
+            "a latitude-longitude image: EXR, HDR, PNG or JPEG; or builtin:studio, the backdrop "
+            "in which bare models are shown, as the scene's directional lights light it",
+        ),
         Key("radiance", checks.rgb, COLOUR, "instead of a file: constant radiance", "W m^-2 sr^-1"),
         Key("scale", checks.number, "number", "multiplies it", default="1"),
         Key(

@@ -21,6 +21,7 @@ from ..environment import Environment
 from ..lights import Light
 from ..medium import Medium
 from ..scene import Scene
+from ..studio import NAME as STUDIO
 from ..sun_sky import followed
 from ..volume import Volume
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
@@ -52,7 +53,7 @@ def scene_text(
 
     `source` is a file, or builtin:NAME. The text's paths are relative to `folder`, where it will
     stand. `settings` by technique are written over the scene's own; `model` are the keys with
-    which a mesh file was loaded (up, scale, variant). A comment says what could not be written.
+    which a model or grid was loaded (up, scale, variant). A comment says what could not be written.
     """
     scene = followed(scene)
     raw, notes = _original(source, folder, model or {})
@@ -96,6 +97,10 @@ def scene_text(
     return "".join(notes) + "\n".join(toml_lines(ordered)).strip() + "\n"
 
 
+_NO_KEYS = ("sun", "ground", "parameters")
+"""What a file is loaded with beside the keys of its table."""
+
+
 def _original(
     source: str, folder: Path, model: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
@@ -106,15 +111,14 @@ def _original(
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
         for table in (*many, raw.get("environment", {})):
             for key in ("file", "sequence"):
-                if key in table:
+                if key in table and table[key] != STUDIO:
                     table[key] = _relative(path.parent / table[key], folder)
         return raw, []
     # Of another file, a table that names it.
-    if path.suffix.lower() in MESH_SUFFIXES:
-        placed = {name: model[name] for name in model if name not in ("sun", "ground")}
-        return {"mesh": [{"file": _relative(path, folder), **placed}]}, []
-    if path.suffix.lower() in VOLUME_SUFFIXES:
-        return {"volume": [{"file": _relative(path, folder)}]}, []
+    placed = {name: model[name] for name in model if name not in _NO_KEYS}
+    for name, suffixes in (("mesh", MESH_SUFFIXES), ("volume", VOLUME_SUFFIXES)):
+        if path.suffix.lower() in suffixes:
+            return {name: [{"file": _relative(path, folder), **placed}]}, []
     return {}, [_NO_MESHES.format(source=source)]
 
 
@@ -145,6 +149,8 @@ def _is_default_light(raw: Mapping[str, Any], scene: Scene, original: Scene) -> 
         return False
     if now is None or before is None or now.map is None or before.map is None:
         return False
+    if now.source == STUDIO:
+        return False  # it has a name
     # As the loader made them: the same values, the same lights, the same pixels.
     plain = ("radiance", "scale", "rotation_deg", "visible")
     is_same_sky = all(getattr(now, key) == getattr(before, key) for key in plain)
@@ -182,6 +188,8 @@ def _environment_file(
 ) -> Mapping[str, Any]:
     """[environment] as it was, its file that of the scene's map; none where that has no file."""
     now, before = scene.environment, original.environment
+    if now is not None and now.source == STUDIO:
+        return {**raw, "file": STUDIO}
     # The file's map stays named while the environment comes from the same source.
     if now is not None and before is not None and now.source == before.source:
         return raw

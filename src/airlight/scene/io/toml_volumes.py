@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...errors import SceneError
-from ..animation.density import FileSequence, VolumeTrack
-from ..checks import Rgb
+from ..animation.file_sequence import FileSequence
+from ..checks import F64, Bounds, Rgb
 from ..medium import extinction_and_albedo
 from ..volume import Volume
 from .coefficient_files import NAMES, density_or_first, read_coefficients, taken_grids
 from .emission_files import taken_emission
+from .files import named_file
 from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
 from .toml_media_tables import VOLUME
-from .toml_meshes import existing_file, world_from_mesh
+from .toml_meshes import existing_file, upright_from_file, world_from_mesh
 from .toml_schema import check_table, inside
-from .volumes import NOWHERE, VolumeGrid, is_grid_file
+from .volumes import NOWHERE, UPRIGHT_SUFFIXES, VolumeGrid, is_grid_file
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
 _OF_FILES = ("grid", "channels")
@@ -42,8 +46,9 @@ def placed_volume(
             if key.name in values:
                 raise SceneError(f"{label}: {key.name} belongs to a sequence")
     matrix = world_from_mesh(values, label)
+    turn = {"up": values.pop("up", "y")}
     values = {name: value for name, value in values.items() if name not in _PLACING}
-    if "shape" in values:
+    if "shape" in values:  # which a turn by a right angle leaves as it is
         for name in (
             *(name for name in _OF_FILES if name in values),
             *(f"{n}_grid" for n in grids),
@@ -55,9 +60,7 @@ def placed_volume(
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
-        (_grid_file(folder / written, written, label),)
-        if is_file
-        else volume_files(written, folder, label)
+        (_grid_file(written, label, folder),) if is_file else volume_files(written, folder, label)
     )
     note_read(*files)  # of a sequence those that are read later, too
     shown, grid = _first_filled(files, values, grids)
@@ -68,18 +71,44 @@ def placed_volume(
         grid = grown or grid
         if grids:
             values, grid = _with_coefficients(values, given, shown, grid, grids)
-    sequence = file_sequence(values, files, grid.density.shape, glowing)
-    warnings = grid.warnings
-    if "bounds" in values:
-        warnings = tuple(text for text in warnings if NOWHERE not in text)
-    else:
-        matrix = matrix @ grid.world_from_volume
+    sequence = file_sequence(values, files, grid, glowing, grids)
+    upright, told = upright_from_grid(turn, files[0])
+    values, warnings = _in_its_box(values, grid, matrix @ upright, upright)
     with inside(label):
-        values = {"bounds": grid.bounds, **values, "world_from_volume": matrix}
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
         if shown != files[0]:  # a sequence may begin empty
-            volume = VolumeTrack(0, sequence).of(volume, sequence.start_s)
-    return volume, warnings, None if is_file else sequence
+            volume = sequence.of(volume, sequence.start_s)
+    return volume, (*told, *warnings), None if is_file else sequence
+
+
+def upright_from_grid(values: Mapping[str, Any], file: Path) -> tuple[F64, tuple[str, ...]]:
+    """(4, 4): the turn that the key `up` asks for of the grid in `file`.
+
+    Where the file's axes say which way is up, there is none, which a text tells.
+    """
+    if values.get("up", "y") != "y" and file.suffix.lower() in UPRIGHT_SUFFIXES:
+        return np.eye(4), (f"{file.name}: up is left out: its own axes say which is up",)
+    return upright_from_file(values), ()
+
+
+def _in_its_box(
+    values: dict[str, Any], grid: VolumeGrid, matrix: F64, upright: F64
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The values with the box and the matrix of a grid that `matrix` moves, and what is said."""
+    if "bounds" not in values:
+        placed = matrix @ grid.world_from_volume
+        return {**values, "bounds": grid.bounds, "world_from_volume": placed}, grid.warnings
+    # The box is the world's, so that it holds once the grid is upright.
+    box = _before(values["bounds"], upright)
+    told = tuple(text for text in grid.warnings if NOWHERE not in text)
+    return {**values, "bounds": box, "world_from_volume": matrix}, told
+
+
+def _before(box: Bounds, turn: F64) -> Bounds:
+    """The box that a turn by right angles makes `box`."""
+    corners = np.array(box) @ turn[:3, :3]  # the inverse, as of rows
+    (x, y, z), (u, v, w) = corners.min(axis=0), corners.max(axis=0)
+    return (float(x), float(y), float(z)), (float(u), float(v), float(w))
 
 
 def _first_filled(
@@ -101,9 +130,10 @@ def _first_filled(
     return files[0], first
 
 
-def _grid_file(path: Path, written: str, label: str) -> Path:
+def _grid_file(written: str, label: str, folder: Path) -> Path:
     """A grid's file, or the folder that a zarr store is. Raises SceneError."""
-    return path if is_grid_file(path) else existing_file(path, written, label)
+    path = named_file(written, "", folder)
+    return path if is_grid_file(path) else existing_file(written, label, folder)
 
 
 def _with_coefficients(
@@ -115,12 +145,9 @@ def _with_coefficients(
 ) -> tuple[dict[str, Any], VolumeGrid]:
     """The values with coefficients by voxel, and the density on the box that holds their grids."""
     grid, made = read_coefficients(path, grid, grids, {n: given[n] for n in NAMES if n in given})
-    # Colours by voxel come from one file, so only those that leave the density alone will do.
-    if "sequence" in given:
-        if "sigma_t" in made:
-            raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
-        text = f"{path.name}: the colours of a sequence stay those of this file"
-        grid = replace(grid, warnings=(*grid.warnings, text))
+    # A sequence mixes densities, so only colours that leave the density alone will do.
+    if "sequence" in given and "sigma_t" in made:
+        raise SceneError(f"{next(iter(grids))}_grid belongs to a file, not to a sequence")
     # Grids of extinction have the table's numbers in them already.
     if "sigma_t" in made:
         values = {name: value for name, value in values.items() if name not in NAMES}

@@ -1,13 +1,13 @@
 """USD scenes (.usd, .usda, .usdc, .usdz) by the extra `usd` (usd-core, OpenUSD's own library).
 
-Read: meshes, cubes, spheres and planes, GeomSubsets, instances and point instancers, variants as
+Read: meshes and the schema's simple shapes, GeomSubsets, instances, point instancers, variants as
 selected, UsdPreviewSurface with images, UsdLux lights and domes, cameras, OpenVDB volumes, the up
-axis and metersPerUnit. What moves stands as it does at the first time.
+axis and metersPerUnit. What moves stands as it does at the first time; `usd_losses` says what else
+is asked for and not read.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,16 +21,16 @@ from ..lights import Light
 from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from ..volume import Volume
-from .files import root_around
 from .images import read_radiance
 from .usd_lights import dome, usd_camera, usd_light
+from .usd_losses import UsdLosses
 from .usd_material import UsdMaterials
-from .usd_mesh import prim_geometries
+from .usd_mesh import is_shape, prim_geometries
 from .usd_stage import opened_stage, refused_by_usd, resolved_asset, told_by_usd
+from .usd_volume import UsdVolumes
 
 _MOST_INSTANCES = 100_000
 _HIDDEN = ("proxy", "guide")
-_LEFT_OUT = ("BasisCurves", "Points", "Cylinder", "Cone", "Capsule", "NurbsPatch", "HermiteCurves")
 _UPRIGHT: F64 = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
 
 
@@ -49,17 +49,16 @@ class _Reader:
     """A stage on its way to a scene."""
 
     def __init__(self, path: Path) -> None:
-        self._path, self._folder = path, root_around(path.parent.resolve())
+        self._path, self._folder = path, path.parent.resolve()
+        self.warnings: list[str] = []
         self._stage = stage = opened_stage(path)
         from pxr import Usd, UsdGeom
 
         # A moving stage is read as it is at its first time.
         self._time = Usd.TimeCode.EarliestTime()
-        self.warnings: list[str] = []
         if stage.HasAuthoredTimeCodeRange():
             self._time = Usd.TimeCode(stage.GetStartTimeCode())
-            if stage.GetEndTimeCode() > stage.GetStartTimeCode():
-                self.warnings.append(f"what moves stands as at time {stage.GetStartTimeCode():g}")
+        self._losses = UsdLosses(self._time)
         # From the stage's unit and upwards axis to metres and +Y.
         self._metres = float(UsdGeom.LinearUnits.centimeters)
         if stage.HasAuthoredMetadata("metersPerUnit"):  # Blender's are floats, not doubles
@@ -72,6 +71,7 @@ class _Reader:
         # Caches for the whole stage, and what is found on the way.
         self._places = UsdGeom.XformCache(self._time)
         self._materials = UsdMaterials(self._folder, self._time)
+        self._volume_reader = UsdVolumes(stage, self._folder, self._time, self.warnings)
         self._shapes: dict[str, list[tuple[Geometry, str]]] = {}
         self._meshes: list[Mesh] = []
         self._lights: list[Light] = []
@@ -84,7 +84,7 @@ class _Reader:
         self._walk(self._stage.GetPseudoRoot(), self._root)
         if not self._meshes and not self._volumes:
             raise SceneError("it has no triangles and no volumes", where=self._path)
-        told = dict.fromkeys([*self.warnings, *self._materials.warnings])
+        told = dict.fromkeys([*self.warnings, *self._losses.texts(), *self._materials.warnings])
         return Scene(
             meshes=tuple(self._meshes),
             lights=tuple(self._lights),
@@ -105,6 +105,7 @@ class _Reader:
             if self._is_hidden(prim):
                 visited.PruneChildren()
                 continue
+            self._losses.look(prim)
             if prim.IsA(UsdGeom.PointInstancer):
                 # Prototypes below an instancer are shown at its places only.
                 visited.PruneChildren()
@@ -133,7 +134,8 @@ class _Reader:
         if prim.IsA(UsdGeom.Gprim) and not prim.IsA(UsdVol.Volume):
             self._gprim(prim, world)
         elif prim.IsA(UsdVol.Volume):
-            self._volume(prim, world)
+            volume = self._volume_reader.of(prim, world)
+            self._volumes += [volume] if volume is not None else []
         elif prim.IsA(UsdLux.DomeLight) or prim.GetTypeName() == "DomeLight_1":
             self._dome(prim, world)
         elif prim.HasAPI(UsdLux.LightAPI):
@@ -142,15 +144,23 @@ class _Reader:
                 self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
             else:
                 self._lights.append(light)
-        elif prim.IsA(UsdGeom.Camera) and self._camera is None:
-            self._camera = usd_camera(prim, world, self._time, self._metres)
-            if self._camera is None:
-                self.warnings.append(f"'{prim.GetPath()}': only perspective cameras are used")
+        elif prim.IsA(UsdGeom.Camera):
+            if self._camera is not None:
+                self.warnings.append("it has several cameras: the first perspective one is used")
+                return
+            try:
+                self._camera = usd_camera(prim, world, self._time, self._metres)
+            except SceneError as error:
+                self.warnings.append(f"'{prim.GetPath()}': {error.problem}: it is left out")
 
     def _gprim(self, prim: Any, world: F64) -> None:
-        if prim.GetTypeName() in _LEFT_OUT:
+        from pxr import UsdLux
+
+        if not is_shape(prim):
             self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
             return
+        if prim.HasAPI(UsdLux.LightAPI):
+            self.warnings.append(f"'{prim.GetPath()}': the light that it is is left out")
         # Instances share a prototype's geometry, which is read once.
         prototype = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
         key = str(prototype.GetPath())
@@ -214,35 +224,3 @@ class _Reader:
         self._environment, is_tilted = dome(prim, world, self._time, image)
         if is_tilted:
             self.warnings.append(f"'{prim.GetPath()}': a tilted dome is taken upright")
-
-    def _volume(self, prim: Any, world: F64) -> None:
-        """The density of a volume from its OpenVDB file."""
-        from pxr import UsdVol
-
-        from .volume_scene import grid_volume
-        from .volumes import read_volume
-
-        # The field called density, or the only one; it has to be in an OpenVDB file.
-        fields = UsdVol.Volume(prim).GetFieldPaths()
-        name = "density" if "density" in fields else next(iter(fields), None)
-        asset = self._stage.GetPrimAtPath(fields[name]) if name else None
-        if asset is None or not asset.IsA(UsdVol.OpenVDBAsset):
-            self.warnings.append(f"'{prim.GetPath()}': it has no density in an OpenVDB file")
-            return
-        # Its file and the grid in it are attributes of the asset.
-        vdb = UsdVol.OpenVDBAsset(asset)
-        attribute = vdb.GetFilePathAttr()
-        value, grid = attribute.Get(self._time), vdb.GetFieldNameAttr().Get(self._time)
-        # The path counts from the layer that wrote it.
-        layer = attribute.GetPropertyStack(self._time)[0].layer
-        resolved = resolved_asset(layer, str(value.path), self._folder) if value else ""
-        if not resolved or not Path(resolved).is_file():
-            self.warnings.append(f"'{prim.GetPath()}': its file is missing")
-            return
-        volume, told = grid_volume(read_volume(resolved, str(grid or name)), Path(resolved))
-        # Extinction is per unit of the file, which is `scale` metres in the world.
-        scale = float(np.cbrt(abs(np.linalg.det(world[:3, :3])))) or 1.0
-        r, g, b = (c / scale for c in volume.sigma_t)
-        matrix = world @ volume.world_from_volume
-        self._volumes.append(replace(volume, sigma_t=(r, g, b), world_from_volume=matrix))
-        self.warnings += told

@@ -89,14 +89,22 @@ def dome(prim: Any, world: F64, time: Any, image: Any) -> tuple[Environment, boo
     return Environment(map=tinted, rotation_deg=yaw), pole[1] < 0.99
 
 
-def usd_camera(prim: Any, world: F64, time: Any, metres: float) -> Camera | None:
-    """A perspective camera placed by `world`; `metres`: a unit of the stage."""
+def usd_camera(prim: Any, world: F64, time: Any, metres: float) -> Camera:
+    """A perspective camera placed by `world`; `metres`: a unit of the stage.
+
+    Raises SceneError for one that airlight has not, or that sees nothing.
+    """
     from pxr import Gf, UsdGeom
 
     camera = UsdGeom.Camera(prim)
     seen = camera.GetCamera(time)
     if seen.projection != Gf.Camera.Perspective:
-        return None
+        raise SceneError("only perspective cameras are used")
+    # Its view is between its film and its lens, so both have a size.
+    lens = {"focalLength": seen.focalLength, "verticalAperture": seen.verticalAperture}
+    for name, length in lens.items():
+        if not 0.0 < length < math.inf:
+            raise SceneError(f"{name} is {length:g}, which sees nothing")
     fov = float(np.clip(seen.GetFieldOfView(Gf.Camera.FOVVertical), 0.1, 179.0))
     # USD's cameras look along -Z.
     ahead, f_stop = _unit(-world[:3, 2]), float(seen.fStop)

@@ -10,10 +10,11 @@ import numpy as np
 
 from ...errors import SceneError
 from ..checks import Rgb
-from ..material import Material, Texture, Wrap
+from ..material import Material, Texture, Wrap, specular_of
 from .images import read_texture
 from .texture_files import missing_texture
 from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
+from .usd_losses import surface_losses
 from .usd_stage import resolved_asset
 
 _WRAPS: dict[str, Wrap] = {"repeat": "repeat", "mirror": "mirror", "clamp": "clamp"}
@@ -33,10 +34,10 @@ class UsdMaterials:
 
     def of(self, prim: Any, *, has_colors: bool) -> Material:
         """The material of a prim; where it has none, white under its displayColor, or grey."""
-        from pxr import UsdGeom, UsdShade
+        from pxr import UsdGeom
 
         # A subset has a material of its own, and the sides of its mesh.
-        bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        bound = _bound(prim)
         mesh = prim if prim.IsA(UsdGeom.Gprim) else prim.GetParent()
         sided = UsdGeom.Gprim(mesh).GetDoubleSidedAttr().Get(self._time) or False
         key = (str(bound.GetPath()) if bound else "", bool(sided), has_colors)
@@ -56,9 +57,7 @@ class UsdMaterials:
         return str(name) if name else "st"
 
     def _surface(self, prim: Any) -> Any:
-        from pxr import UsdShade
-
-        bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        bound = _bound(prim)
         shader = bound.ComputeSurfaceSource()[0] if bound else None
         return shader if shader and shader.GetIdAttr().Get() == _PREVIEW else None
 
@@ -73,6 +72,7 @@ class UsdMaterials:
         if not shader or shader.GetIdAttr().Get() != _PREVIEW:
             self.warnings.append(f"{name}: has no {_PREVIEW}: it is shown grey")
             return replace(usual, name=name)
+        self.warnings += [f"{name}: {text}" for text in surface_losses(shader, self._time)]
         # Images and numbers of UsdPreviewSurface; where there is an image, it alone counts.
         base = self._texture(shader, "diffuseColor", is_color=True)
         emission = self._texture(shader, "emissiveColor", is_color=True)
@@ -110,6 +110,7 @@ class UsdMaterials:
             two_sided=two_sided,
             roughness=numbers["roughness"],
             metallic=numbers["metallic"],
+            specular=min(specular_of(self._number(shader, "ior", 1.5)), 1.0),
         )
 
     def _producer(self, shader: Any, name: str) -> tuple[Any, str]:
@@ -177,6 +178,9 @@ class UsdMaterials:
             self.warnings.append(f"{place}: its scale and bias are left out")
         # Wrapping by axis; the format's other modes repeat.
         wraps = [str(self._value(source, f"wrap{axis}") or "repeat") for axis in "ST"]
+        for axis, wrap in zip("ST", wraps, strict=True):
+            if wrap not in (*_WRAPS, "useMetadata"):
+                self.warnings.append(f"{place}: its wrap{axis} '{wrap}' is left out: it repeats")
         wrap_s, wrap_t = (_WRAPS.get(name, "repeat") for name in wraps)
         return self._placed(replace(image, wrap=(wrap_s, wrap_t)), source, place)
 
@@ -236,3 +240,12 @@ class UsdMaterials:
         if not opened:
             raise SceneError(f"'{asset}' is missing")
         return read_texture(bytes(opened.GetBuffer()), is_srgb=is_srgb, source=asset)
+
+
+def _bound(prim: Any) -> Any:
+    """The material of a prim: for previews, for all purposes, or else the one for final images."""
+    from pxr import UsdShade
+
+    api, tokens = UsdShade.MaterialBindingAPI(prim), UsdShade.Tokens
+    found = (api.ComputeBoundMaterial(purpose)[0] for purpose in (tokens.preview, tokens.full))
+    return next((material for material in found if material), None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ I64 = NDArray[np.int64]
 
 
 def prim_geometries(prim: Any, time: Any, uv_name: Any) -> Iterator[tuple[Geometry, Any]]:
-    """(geometry, prim whose material it has) of a Mesh, Cube, Sphere or Plane; else nothing.
+    """(geometry, prim whose material it has) of a prim of which `is_shape` holds.
 
     `uv_name(prim)` names the texture coordinates of a prim's material. Raises SceneError.
     """
@@ -31,6 +32,7 @@ def prim_geometries(prim: Any, time: Any, uv_name: Any) -> Iterator[tuple[Geomet
         mesh = UsdGeom.Mesh(prim)
         faces = _Faces(mesh, time)
         for chosen, bound in _subsets(prim, len(faces.sizes), time):
+            chosen = np.setdiff1d(chosen, faces.holes)
             geometry = faces.geometry(chosen, uv_name(bound))
             if geometry is not None:
                 yield geometry, bound
@@ -43,6 +45,59 @@ def prim_geometries(prim: Any, time: Any, uv_name: Any) -> Iterator[tuple[Geomet
         plane = UsdGeom.Plane(prim)
         flat = (plane.GetWidthAttr().Get(time), 1.0, plane.GetLengthAttr().Get(time))
         yield _turned(_scaled(shapes.quad(), flat), str(plane.GetAxisAttr().Get(time))), prim
+    else:
+        yield _revolved(prim, time), prim
+
+
+def is_shape(prim: Any) -> bool:
+    """Whether a prim is a mesh, or a shape that becomes one."""
+    return str(prim.GetTypeName()) in _SHAPES
+
+
+def _revolved(prim: Any, time: Any) -> Geometry:
+    """A Cylinder, Cone or Capsule, which have a radius, a height and an axis. Raises SceneError."""
+    radius, height = (float(prim.GetAttribute(n).Get(time)) for n in ("radius", "height"))
+    if not (0.0 < radius < np.inf and 0.0 <= height < np.inf):
+        where = f"'{prim.GetPath()}'"
+        raise SceneError(f"{where}: its radius {radius:g} and height {height:g} are no lengths")
+    made = shapes.revolved(_PROFILES[str(prim.GetTypeName())](radius, height / 2.0))
+    return _turned(made, str(prim.GetAttribute("axis").Get(time)))
+
+
+_Lines = list[tuple[F64, F64]]
+"""Points of a profile and their normals, as `shapes.revolved` takes them."""
+
+
+def _straight(*ends: tuple[float, float]) -> _Lines:
+    """From end to end, with an edge at each."""
+    lines = []
+    for start, end in pairwise(ends):
+        points = np.array([start, end])
+        along = points[1] - points[0]
+        normal = np.array([along[1], -along[0]]) / max(float(np.linalg.norm(along)), 1e-30)
+        lines.append((points, np.stack([normal, normal])))
+    return lines
+
+
+def _cylinder(radius: float, half: float) -> _Lines:
+    return _straight((0.0, -half), (radius, -half), (radius, half), (0.0, half))
+
+
+def _cone(radius: float, half: float) -> _Lines:
+    return _straight((0.0, -half), (radius, -half), (0.0, half))
+
+
+def _capsule(radius: float, half: float) -> _Lines:
+    # One smooth line: a quarter of a circle at each end, the side between them.
+    angles = np.linspace(-np.pi / 2.0, 0.0, 17)
+    low = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    low[0, 0] = 0.0
+    normals = np.concatenate([low, low[::-1] * (1.0, -1.0)])
+    return [(normals * radius + np.where(normals[:, 1:] > 0.0, 1.0, -1.0) * (0.0, half), normals)]
+
+
+_PROFILES = {"Cylinder": _cylinder, "Cone": _cone, "Capsule": _capsule}
+_SHAPES = ("Mesh", "Cube", "Sphere", "Plane", *_PROFILES)
 
 
 def _scaled(geometry: Geometry, size: tuple[float, ...]) -> Geometry:
@@ -94,6 +149,7 @@ class _Faces:
             self.positions
         ):
             raise SceneError(f"'{where}': a face has a point that there is not")
+        self.holes = np.array(mesh.GetHoleIndicesAttr().Get(time) or [], np.int64)
         # Faces go round clockwise where the mesh is left-handed.
         self._is_left_handed = mesh.GetOrientationAttr().Get(time) == "leftHanded"
 

@@ -1,5 +1,4 @@
-"""Opening a USD file with all of its layers, none of which lies outside of the file's folder, or of
-AIRLIGHT_ROOT where that lies around it.
+"""Opening a USD file with all of its layers, each of which follows the rule of `files.named_file`.
 
 USD's own resolver opens whatever a layer names. So each layer is opened on its own first, without
 composition, and what it would compose is looked up and checked, before the stage is opened. The
@@ -15,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
-from .files import regular_file, root_around
-from .ledger import note_read
+from .files import check_named, named_file, regular_file
 
 _MOST_LAYERS = 4096
 _MOST_TEXTS, _LONGEST_TEXT = 20, 300
+_DURING = re.compile(r" \(\w+ing [^()]*<0x[0-9a-f]+>\)$")
+"""Of what the library says, during which work of its own."""
 _CLIPS = ("clips", "clipSets")
 
 
@@ -36,6 +36,7 @@ def told_by_usd() -> Iterator[Callable[[], list[str]]]:
 
     def told() -> list[str]:
         found = [d.commentary.split("\n")[0] for d in delegate.TakeUncoalescedDiagnostics()]
+        found = [_DURING.sub("", text) for text in found]
         return [text[:_LONGEST_TEXT] for text in found[:_MOST_TEXTS]]
 
     yield told
@@ -66,9 +67,8 @@ def opened_stage(path: Path) -> Any:
             "needs the package usd-core, which is not installed",
             remedy="Run: pip install 'airlight[usd]', or export glTF (.glb).",
         ) from None
-    # Every layer that the first one names, before the library composes them: none outside of the
-    # folder is read.
-    folder = root_around(path.parent.resolve())
+    # Every layer that the first one names, before the library composes them.
+    folder = path.parent.resolve()
     try:
         first = _layer(path.resolve(), Sdf)
         # What is still to be looked at, and what was seen: layers may name each other in a circle.
@@ -88,7 +88,7 @@ def opened_stage(path: Path) -> Any:
     # Composition may bring in others still.
     for layer in stage.GetUsedLayers():
         if layer.realPath:
-            placed_inside(layer.realPath, folder, layer.identifier)
+            _check_asset(layer.realPath, folder, layer.identifier)
     return stage
 
 
@@ -123,7 +123,7 @@ def _said(error: Exception) -> str:
 
 
 def _named(layer: Any, folder: Path) -> list[str]:
-    """What a layer would compose, resolved, each in the folder. Raises SceneError."""
+    """What a layer would compose, resolved and checked. Raises SceneError."""
     # Clips name files by templates that are no dependencies of a layer.
     layer.Traverse("/", lambda path: _refuse_clips(layer, path))
     found = []
@@ -141,7 +141,10 @@ def _refuse_clips(layer: Any, path: Any) -> None:
 
 
 def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
-    """Where an asset that `layer` names lies; "" for none. Raises SceneError for one outside."""
+    """Where an asset that `layer` names lies; "" for none. `folder` is that of the stage.
+
+    Raises SceneError for one that no scene may name.
+    """
     from pxr import Ar, Sdf
 
     # Expressions are evaluated at composition, when it is too late to check them.
@@ -149,22 +152,25 @@ def resolved_asset(layer: Any, asset: str, folder: Path) -> str:
         raise SceneError("names files by expressions, which are not read", remedy="Flatten it.")
     if not asset:
         return ""
+    # Names are seen from the layer that holds them; one in a package is a part of that.
+    start = Path(layer.realPath).parent if layer.realPath else folder
+    named_file(_outer(asset), "", start, folder)
     written = Sdf.ComputeAssetPathRelativeToLayer(layer, asset)
     resolved = str(Ar.GetResolver().Resolve(written))
-    if resolved:
-        # What does not resolve is checked as well: the library may look for it elsewhere.
-        placed_inside(resolved, folder, asset)
-    elif not _is_within(_outer(written), folder):
-        raise _outside(asset)
+    # Programs on Windows write backslashes, which lead nowhere elsewhere.
+    if not resolved and "\\" in asset:
+        return resolved_asset(layer, asset.replace("\\", "/"), folder)
+    # What does not resolve is checked as well: the library may look for it elsewhere.
+    _check_asset(resolved or written, folder, asset, is_there=bool(resolved))
     return resolved
 
 
-def placed_inside(resolved: str, folder: Path, asset: str) -> None:
-    """Raise SceneError where a resolved path lies outside of the folder, links followed."""
-    outer = _outer(resolved)
-    if not _is_within(outer, folder):
-        raise _outside(asset)
-    note_read(outer)
+def _check_asset(path: str, folder: Path, asset: str, *, is_there: bool = True) -> None:
+    """Raise SceneError where no scene may name a path of USD's, or where it is no regular file."""
+    outer = folder / _outer(path)
+    check_named(outer, asset, "", folder)
+    if is_there:
+        regular_file(outer)
 
 
 def _outer(path: str) -> str:
@@ -174,17 +180,3 @@ def _outer(path: str) -> str:
     while Ar.IsPackageRelativePath(path):
         path = Ar.SplitPackageRelativePathOuter(path)[0]
     return path
-
-
-def _is_within(path: str, folder: Path) -> bool:
-    try:
-        return (folder / path).resolve().is_relative_to(folder)
-    except (OSError, ValueError, RuntimeError):
-        return False
-
-
-def _outside(asset: str) -> SceneError:
-    return SceneError(
-        f"it names '{asset}', which is outside its folder",
-        remedy="Copy the file beside it, or set AIRLIGHT_ROOT to a folder around both.",
-    )

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..checks import F32, Bounds
+from ..checks import F32, F64, Bounds
 from ..emission import Emission
 from ..scene import Scene
-from ..volume import Volume
+from ..volume import IDENTITY, Volume
 from .coefficient_files import colours_of
 from .dense_grid import Optics
 from .emission_files import on_one_grid
-from .volumes import VolumeGrid, grid_names, read_values, read_volume
+from .volumes import NOWHERE, GridValues, VolumeGrid, grid_names, read_values, read_volume
 
 DEPTH = 6.0
 """Optical depth through the denser parts, of the coefficient that is chosen for a bare grid."""
@@ -24,34 +26,48 @@ FLAME = 20.0
 HOTTEST_K = 1900.0
 """What temperatures end at that are in no kelvin: a flame of wood."""
 ORANGE = (1.0, 0.25, 0.02)
-_FLAMES = ("temperature", "flame", "flames", "heat", "fire")
+FLAMES = ("temperature", "flame", "flames", "heat", "fire")
+"""Names of grids of what glows."""
 _COOLEST_K = 600.0
 
 
-def load_volume_scene(file: Path) -> Scene:
+def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scene:
     """The grid in `file` as whitish smoke; no light, no camera. Raises SceneError.
 
-    Unless its units say how dense density 1 is, sigma_t is chosen for it, and a warning says so.
-    Where the file has flames or temperatures, too, it is a fire.
+    `keys` are up and scale, as a [[volume]] has them. Unless its units say how dense density 1 is,
+    sigma_t is chosen for the grid as it stands then, and a warning says so; what units say is per
+    metre whatever the scale. Where the file has flames or temperatures, too, it is a fire.
     """
-    grid, emission, told = _with_emission(read_volume(file), file)
-    volume, chosen = grid_volume(grid, file)
+    # A scene file's functions, which this module must not need to be loaded.
+    from .toml_meshes import world_from_mesh
+    from .toml_volumes import upright_from_grid
+
+    upright, said = upright_from_grid(keys or {}, file)
+    matrix = world_from_mesh(keys or {}, file.name) @ upright
+    grid, emission, told = _with_emission(read_volume(file), file, matrix)
+    volume, chosen = grid_volume(grid, file, matrix)
     shown = replace(volume, emission=emission)
-    return Scene(volumes=(shown,), name=file.stem, warnings=(*told, *chosen))
+    return Scene(volumes=(shown,), name=file.stem, warnings=(*said, *told, *chosen))
 
 
-def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
-    """A grid as a medium of what its units say, or else as smoke, and what was chosen for it."""
+def grid_volume(
+    grid: VolumeGrid, file: Path, world_from_file: F64 = IDENTITY
+) -> tuple[Volume, tuple[str, ...]]:
+    """A grid as a medium of what its units say, or else as smoke, and what was chosen for it.
+
+    `world_from_file` (4, 4) moves it. Coefficients are per metre of the world.
+    """
     # Units settle the optics; where there are none smoke is assumed, and said.
     colours, said = _colours(grid, file)
-    optics = grid.optics or _chosen_optics(grid)
+    matrix = world_from_file @ grid.world_from_volume
+    optics = grid.optics or _chosen_optics(grid, matrix)
     volume = Volume(
         sigma_t=(optics.sigma_t,) * 3,
         density=grid.density,
         bounds=grid.bounds,
         albedo=(optics.albedo,) * 3,
         g=(optics.g,) * 3,
-        world_from_volume=grid.world_from_volume,
+        world_from_volume=matrix,
         source=str(file),
         albedo_grid=colours,
     )
@@ -59,12 +75,15 @@ def grid_volume(grid: VolumeGrid, file: Path) -> tuple[Volume, tuple[str, ...]]:
     if grid.optics:
         chosen = f"{file.name}: {optics.text}: sigma_t = {optics.sigma_t:g} m^-1, "
         chosen += f"albedo = {optics.albedo:g}, g = {optics.g}"
-    return volume, (*grid.warnings, *said, chosen)
+    # The size of a box that was assumed is told as it was before.
+    is_moved = not np.array_equal(world_from_file, IDENTITY)
+    told = (f"{t}, before it is placed" if is_moved and NOWHERE in t else t for t in grid.warnings)
+    return volume, (*told, *said, chosen)
 
 
-def _chosen_optics(grid: VolumeGrid) -> Optics:
+def _chosen_optics(grid: VolumeGrid, world_from_volume: F64) -> Optics:
     """Whitish smoke as deep as smoke is, for a grid that says nothing about light."""
-    sigma_t = fitting_sigma_t(grid.density, grid.bounds)
+    sigma_t = fitting_sigma_t(grid.density, grid.bounds, world_from_volume)
     text = (
         f"says nothing about light: sigma_t = {sigma_t:g} m^-1 and albedo = {ALBEDO} "
         "were chosen; a scene file with [[volume]] sets them"
@@ -73,36 +92,46 @@ def _chosen_optics(grid: VolumeGrid) -> Optics:
 
 
 def _with_emission(
-    grid: VolumeGrid, file: Path
+    grid: VolumeGrid, file: Path, world_from_file: F64
 ) -> tuple[VolumeGrid, Emission | None, tuple[str, ...]]:
     """The grid on a box that holds its fire, the fire if there is one, and what was chosen for it.
 
     Its brightest path is as bright as FLAME; temperatures in units of their own end at HOTTEST_K.
     """
     # Where the units say that it is a cloud, temperatures are those of its air.
-    name = None if grid.optics else next((n for n in grid_names(file) if n in _FLAMES), None)
+    name = None if grid.optics else next((n for n in grid_names(file) if n in FLAMES), None)
     if name is None:
         return grid, None, ()
-    grown, values = on_one_grid(grid, read_values(file, name))
-    if values.ndim != 3 or not float(values.max()) > 0.0:
-        return grid, None, (f"{file.name}: its grid '{name}' is no fire that is seen",)
+    return fire(grid, read_values(file, name), name, file.name, world_from_file)
+
+
+def fire(
+    grid: VolumeGrid, values: GridValues, name: str, label: str, world_from_file: F64 = IDENTITY
+) -> tuple[VolumeGrid, Emission | None, tuple[str, ...]]:
+    """The grid on a box that holds the flames or temperatures `values`, and what they emit.
+
+    `name` is what they are called, "temperature" or another; `label` stands in what is told.
+    """
+    grown, found_values = on_one_grid(grid, values)
+    if found_values.ndim != 3 or not float(found_values.max()) > 0.0:
+        return grid, None, (f"{label}: its grid '{name}' is no fire that is seen",)
     # Temperatures in kelvin are taken as they are, others end at HOTTEST_K.
     scale = 1.0
     # Each kind of grid: kelvin, or flames of a colour in proportion to the values.
     if name == "temperature":
-        hottest = float(values.max())
+        hottest = float(found_values.max())
         scale = 1.0 if _COOLEST_K < hottest <= 1e4 else HOTTEST_K / hottest
-        found = Emission(temperature=values, temperature_scale=scale)
+        found = Emission(temperature=found_values, temperature_scale=scale)
     else:
-        found = Emission(ORANGE, np.maximum(values, 0.0))
+        found = Emission(ORANGE, np.maximum(found_values, 0.0))
     assert found.values is not None
-    longest_m = float(np.subtract(grown.bounds[1], grown.bounds[0]).max())
+    longest_m = float(_sides_m(grown.bounds, world_from_file @ grown.world_from_volume).max())
     # So bright that a tenth of the box's longest side, at its peak, sends FLAME.
     strength = FLAME / max(found.peak * max(found.radiance) * 0.1 * longest_m, 1e-30)
     r, g, b = (float(f"{c * strength:.3g}") for c in found.radiance)
     keys = f'{"temperature" if name == "temperature" else "emission"}_grid = "{name}"'
     keys += f" with temperature_scale = {scale:g}" if scale != 1.0 else ""
-    text = f"{file.name} has flames: {keys}, emission = {max(r, g, b):g} were chosen"
+    text = f"{label} has flames: {keys}, emission = {max(r, g, b):g} were chosen"
     return grown, replace(found, radiance=(r, g, b)), (text,)
 
 
@@ -122,10 +151,16 @@ def _colours(grid: VolumeGrid, file: Path) -> tuple[F32 | None, tuple[str, ...]]
     return clipped, (text,)
 
 
-def fitting_sigma_t(density: F32, bounds: Bounds) -> float:
+def _sides_m(bounds: Bounds, world_from_volume: F64) -> F64:
+    """Lengths (3,) of a placed box's sides x, y, z, metres."""
+    stretched = np.linalg.norm(world_from_volume[:3, :3], axis=0)
+    return np.asarray(np.subtract(bounds[1], bounds[0]) * stretched)
+
+
+def fitting_sigma_t(density: F32, bounds: Bounds, world_from_volume: F64 = IDENTITY) -> float:
     """sigma_t, m^-1 at density 1, that makes the denser parts DEPTH deep; two digits."""
     # The mean density along each axis times the box's side: optical depth over sigma_t.
-    size = np.subtract(bounds[1], bounds[0])[::-1]  # z, y, x
+    size = _sides_m(bounds, world_from_volume)[::-1]  # z, y, x
     depths = [
         float(np.percentile(density.mean(axis=axis, dtype=np.float64), 95)) * size[axis]
         for axis in range(3)

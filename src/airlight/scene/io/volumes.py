@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
+from ..one_grid import LONGEST_SIDE
 from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, check_count
 from .files import is_file, is_folder, naming, opened
 from .nanovdb import SparseGrid, read_nanovdb
@@ -25,11 +26,11 @@ from .numpy_files import opened_npz, read_npy
 from .openvdb import openvdb_names, read_openvdb
 from .vti import read_vti, vti_names
 
-LONGEST_SIDE = 2048
-"""Voxels along a side; what every graphics device takes. Longer sides are averaged."""
-
 NOWHERE = "does not say where it is"
 """In the warning of a file without a box."""
+
+UPRIGHT_SUFFIXES = (".nc", ".nc4", ZARR)
+"""Of files whose own axes say which way is up: their grids are read with +Y up."""
 
 _CHANNELS = {"density": 0, "r": 0, "g": 1, "b": 2, "a": 3}
 _VOL_HEADER = struct.Struct("<3sBiiiii6f")

@@ -41,7 +41,7 @@ class LightRow:
     position: Vec3 = (0.0, 0.0, 0.0)
     direction: Vec3 = (0.0, -1.0, 0.0)
     shape: tuple[float, float] = (-1.0, -1.0)
-    nearest: float = 1e-8
+    nearest: float = 1e-16
     body: float = 0.0
     gap: float = 0.0
     tangent: Vec3 = (1.0, 0.0, 0.0)

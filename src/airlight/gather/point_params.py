@@ -1,0 +1,21 @@
+"""What passes over gather points, or from them to pixels, must know of the camera."""
+
+from __future__ import annotations
+
+from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
+
+
+class PointParams(Struct):
+    """The camera, and how the image is reduced."""
+
+    world_from_clip = mat4x4f()
+    eye = vec3f("m")
+    scale = u32("pixels along a side of a texel")
+    size = vec2f("px")
+    reduced = vec2u("texels, one for each block of pixels")
+    sample = u32("of the still")
+    texel = f32("m, how wide a texel is one metre away")
+    rays = u32("of a point")
+    step = u32("pixels of a block from one that is tried to the next")
+    most = u32("orphan points of the image")
+    pad = u32()
