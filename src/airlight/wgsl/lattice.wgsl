@@ -54,11 +54,11 @@ fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
 
 // Where it is wanted to look, but on no axis past the middle of a cell that a surface at `coordinates` faces, where
 // a wall on that axis encloses the cell.
-fn before_walls(lattice: LatticeParams, coordinates: vec3f, wanted: vec3f, n: vec3f, is_asked: vec3<bool>) -> vec3f {
+fn before_walls(lattice: LatticeParams, coordinates: vec3f, wanted: vec3f, n: vec3f) -> vec3f {
     let cell = floor(coordinates + BEFORE * n);
     let centre = cell + 0.5;
     let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
-    return select(wanted, within, is_asked & ends(lattice, cell, n));
+    return select(wanted, within, ends(lattice, cell, n));
 }
 
 // Where to look for the light on a surface, in warped coordinates as `warped` itself. Not behind a wall that the
@@ -67,7 +67,7 @@ fn lookup_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f 
     let coordinates = lifted(lattice, warped, n);
     let wanted = coordinates + vec3f(lookup_offset(coordinates.x, n.x), lookup_offset(coordinates.y, n.y),
         lookup_offset(coordinates.z, n.z));
-    return before_walls(lattice, coordinates, wanted, n, vec3<bool>(true));
+    return before_walls(lattice, coordinates, wanted, n);
 }
 
 // Texture coordinates of lattice coordinates; none between two lattices that share textures.
@@ -103,6 +103,9 @@ fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3
     return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
+// Sines between an oblique plane and an axis: closed faces across it are other walls' up to the first, the plane's
+// own steps from the second on.
+const OWN_STEPS = vec2f(0.2, 0.4);
 // How far from its plane an oblique surface is looked up, cells along its normal.
 const BEFORE_OBLIQUE = 0.75;
 // Cells whose middles are so far from its plane lie behind it, and before it.
@@ -119,12 +122,13 @@ fn before_plane(distance: vec3f) -> vec3f {
 // its normal, where they are another wall's.
 fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f {
     // Its own steps enclose cells across axes that it faces more, other walls across the others.
+    let is_own = smoothstep(vec3f(OWN_STEPS.x), vec3f(OWN_STEPS.y), abs(n));
     let coordinates = lifted(lattice, plane, n);
-    let raised = before_walls(lattice, coordinates, coordinates + BEFORE_OBLIQUE * n, n, abs(n) < vec3f(0.4));
-    let at = clamp(raised, vec3f(0.5), vec3f(lattice.count) - 0.5);
+    let raised = coordinates + BEFORE_OBLIQUE * n;
+    let before = mix(before_walls(lattice, coordinates, raised, n), raised, is_own);
+    let at = clamp(before, vec3f(0.5), vec3f(lattice.count) - 0.5);
     let cell = floor(at);
     let t = at - cell - 0.5;
-    let is_own = smoothstep(vec3f(0.2), vec3f(0.4), abs(n));
     let offset = mix(open_offset(lattice, cell, t, vec3f(0.0)), t, is_own);
     // The shares of the cell and of its neighbour on each axis.
     let distance = dot(cell + 0.5 - plane, n);
@@ -136,7 +140,7 @@ fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f 
 // The same for a surface point of the world, m, and its normal along the lattice's axes.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
     let warped = warped_surface_coordinates(lattice, position, n);
-    let oblique = select(obliqueness(n), 0.0, lattice.is_paper != 0u);
+    let oblique = select(obliqueness(n, OBLIQUE), 0.0, lattice.is_paper != 0u);
     var uvw = vec3f(0.0);
     if (oblique < 1.0) {
         uvw = lattice_eased(lattice, lookup_coordinates(lattice, warped, n), rim_shares(n));
