@@ -9,6 +9,7 @@
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
 const OFF_PLANE = 0.25;  // cells: from how far on it is another surface, or a curved one
+const WALL = 0.6;         // cells before it: from how far on it is a wall; a steeper change would jump as lights turn
 const BEFORE_FLAT = 1.0; // cells before a flat surface oblique to them: hardly any that it cuts are so far
 
 // 0 for objects up to a size, 1 for those half as large again.
@@ -84,7 +85,7 @@ fn openness_before(layer: u32, p: vec3f, n: vec3f) -> f32 {
     loop {
         let shown = shown_on_line(layer, p + mix(0.5, BEFORE_FLAT, 0.5 * f32(k)) * up);
         let height = dot(lattice_from_world(lattice, shown.point - p), n) / lattice.cell;
-        let passes = select(1.0 - smoothstep(PLANE, OFF_PLANE, height), 1.0, shown.depth >= 1.0);
+        let passes = select(1.0 - smoothstep(OFF_PLANE, WALL, height), 1.0, shown.depth >= 1.0);
         open = min(open, select(0.0, passes, shown.is_known));
         k++;
         if (k >= 3u) { break; }
