@@ -78,7 +78,7 @@ fn flatness(layer: u32, p: vec3f, n: vec3f) -> f32 {
 // How far a view shows nothing else between the plane through p across n and BEFORE_FLAT before it, 0 to 1. Seen past
 // points there it shows the plane, or what is behind it, but a wall that is nearer, or that hides them from the light,
 // before it. What is not in its map is not known to be open.
-fn openness_before(layer: u32, p: vec3f, n: vec3f) -> f32 {
+fn clearance(layer: u32, p: vec3f, n: vec3f) -> f32 {
     let up = lattice.cell * world_from_lattice(lattice, n);
     var open = 1.0;
     var k = 0u;
@@ -104,7 +104,7 @@ fn light_coordinates(layer: u32, p: vec3f, n: vec3f) -> vec3f {
         return upright;
     }
     let before = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
-    return mix(upright, before, oblique * flatness(layer, p, n) * openness_before(layer, p, n));
+    return mix(upright, before, oblique * flatness(layer, p, n) * clearance(layer, p, n));
 }
 
 // Its flux.
