@@ -26,8 +26,6 @@ from .reduced_media import ReducedMedia
 from .settings import ScatterSettings
 from .sky_table import SkyTable
 
-_RETURNED = Lobe(returned_sharpness())
-
 
 class EnteringLight:
     """Lights and sky of one scene, as they enter lattices."""
@@ -44,6 +42,8 @@ class EnteringLight:
         """`keeps_light`: each lattice keeps the fluence of unscattered light in its cells."""
         gpu, self.keeps_light = kit.gpu, keeps_light
         self.kit, self.settings, self.media = kit, settings, media
+        is_ours = not settings.scheme.startswith("paper")
+        self._returned = Lobe(returned_sharpness(), is_raised=is_ours)
         # Reflective shadow maps of the lights, and whose each layer is.
         # Random points of rays are drawn for every texel.
         self._has_rays = settings.single in ("random", "stratified")
@@ -98,7 +98,7 @@ class EnteringLight:
     def inject_sky(self, commands: Commands, target: InjectionTarget) -> None:
         """Add what surfaces reflect of the sky to a lattice's sums."""
         maps = self.kit.sky.maps
-        self._sky_reflected.encode(commands, maps, target, _RETURNED, lights=self._sky_lights)
+        self._sky_reflected.encode(commands, maps, target, self._returned, lights=self._sky_lights)
 
     def inject_reflected(self, commands: Commands, target: InjectionTarget) -> None:
         """Add virtual point lights, and random points of rays where settings ask for them."""
@@ -109,6 +109,6 @@ class EnteringLight:
         for maps, lights in zip(self.maps.groups, self._map_lights, strict=True):
             if not maps.layers:
                 continue
-            self._reflected.encode(commands, maps, target, _RETURNED, lights=lights)
+            self._reflected.encode(commands, maps, target, self._returned, lights=lights)
             if self._has_rays:
                 self._rays.encode(commands, maps, target, lights=lights, sampling=sampling)
