@@ -5,12 +5,10 @@
 //! use lattice_space
 //! use lobes
 //! use light_texel
+//! use flat_surfaces
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
-const OFF_PLANE = 0.25;  // cells: from how far on it is another surface, or a curved one
-const WALL = 0.6;         // cells before it: from how far on it is a wall; a steeper change would jump as lights turn
-const BEFORE_FLAT = 1.0; // cells before a flat surface oblique to them: hardly any that it cuts are so far
 
 // 0 for objects up to a size, 1 for those half as large again.
 fn large_enough(size: f32, least: f32) -> f32 {
@@ -38,76 +36,9 @@ fn is_of(seen: Seen, p: vec3f, n: vec3f, size: f32) -> bool {
         && abs(dot(p - seen.place / seen.texels, along)) < PLANE * lattice.cell;
 }
 
-// What a view shows on its line through a world point, if that is in its map: depth and world point.
-struct Shown { is_known: bool, depth: f32, point: vec3f }
-
-fn shown_on_line(layer: u32, p: vec3f) -> Shown {
-    let view = views[layer];
-    let clip = view.clip_from_world * vec4f(p, 1.0);
-    let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
-    let is_known = clip.w > 0.0 && all(uv >= vec2f(0.0)) && all(uv < vec2f(1.0));
-    let texel = vec2u(saturate(uv) * (f32(params.resolution) - 1e-3));
-    let d = textureLoad(depth, texel, layer, 0);
-    return Shown(is_known, d, texel_point(view, texel_centre(texel, params.resolution), d));
-}
-
-// How flat what a view shows around p is, 0 to 1: the share of four points, half a cell away across the normal n
-// (along the lattice's axes), that it shows near the plane. A ball smaller than a cell is not, nor is what is not in
-// the map.
-fn flatness(layer: u32, p: vec3f, n: vec3f) -> f32 {
-    // Two directions across n, the first also across the axis that n is least along.
-    let a = abs(n);
-    let is_x = a.x <= a.y && a.x <= a.z;
-    let other = select(vec3f(0.0, 0.0, 1.0), vec3f(0.0, 1.0, 0.0), a.y <= a.z);
-    let aside = normalize(cross(n, select(other, vec3f(1.0, 0.0, 0.0), is_x)));
-    let across = array<vec3f, 2>(aside, cross(n, aside));
-    // What the view shows there, where that is in its map.
-    var near = 0.0;
-    var k = 0u;
-    loop {
-        let away = select(0.5, -0.5, k > 1u) * lattice.cell * across[k & 1u];
-        let shown = shown_on_line(layer, p + world_from_lattice(lattice, away));
-        let off = abs(dot(lattice_from_world(lattice, shown.point - p), n)) / lattice.cell;
-        near += select(0.0, 1.0 - smoothstep(PLANE, OFF_PLANE, off), shown.is_known && shown.depth < 1.0);
-        k++;
-        if (k >= 4u) { break; }
-    }
-    return 0.25 * near;
-}
-
-// How far a view shows nothing else between the plane through p across n and BEFORE_FLAT before it, 0 to 1. Seen past
-// points there it shows the plane, or what is behind it, but a wall that is nearer, or that hides them from the light,
-// before it. What is not in its map is not known to be open.
-fn clearance(layer: u32, p: vec3f, n: vec3f) -> f32 {
-    let up = lattice.cell * world_from_lattice(lattice, n);
-    var open = 1.0;
-    var k = 0u;
-    loop {
-        let shown = shown_on_line(layer, p + mix(0.5, BEFORE_FLAT, 0.5 * f32(k)) * up);
-        let height = dot(lattice_from_world(lattice, shown.point - p), n) / lattice.cell;
-        let passes = select(1.0 - smoothstep(OFF_PLANE, WALL, height), 1.0, shown.depth >= 1.0);
-        open = min(open, select(0.0, passes, shown.is_known));
-        k++;
-        if (k >= 3u) { break; }
-    }
-    return open;
-}
-
-// Where a surface's light enters, in lattice coordinates: half a cell before it, where it is not in the cell of
-// the wall itself. Cells that a flat surface oblique to them cuts hold the light of both its sides, and the steps of
-// faces that it closes let it through: farther before that, unless another wall is so close.
-fn light_coordinates(layer: u32, p: vec3f, n: vec3f) -> vec3f {
-    let warped = warped_surface_coordinates(lattice, p, n);
-    let upright = warped + 0.5 * n;
-    let oblique = select(0.0, obliqueness(n, OBLIQUE), lobes.is_raised != 0u);
-    if (oblique <= 0.0) {
-        return upright;
-    }
-    let before = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
-    return mix(upright, before, oblique * flatness(layer, p, n) * clearance(layer, p, n));
-}
-
-// Its flux.
+// Its flux: half a cell before it, where it is not in the cell of the wall itself. Cells that a flat surface oblique to
+// them cuts hold the light of both its sides, and the steps of faces that it closes let it through: farther before that,
+// unless another wall is so close.
 fn add_seen(seen: Seen, layer: u32) {
     if (seen.texels <= 0.0) {
         return;
@@ -116,7 +47,22 @@ fn add_seen(seen: Seen, layer: u32) {
     let share = object_share(seen.size, p);
     if (share > 0.0) {
         let n = lattice_from_world(lattice, normalize(seen.normal));
-        add_lobe(light_coordinates(layer, p, n), n, share * light_arriving(layer, p) * seen.power);
+        let warped = warped_surface_coordinates(lattice, p, n);
+        let upright = warped + 0.5 * n;
+        let power = share * light_arriving(layer, p) * seen.power;
+        let oblique = select(0.0, obliqueness(n, OBLIQUE), lobes.is_raised != 0u);
+        // A share of it moves, not where it enters: that would jump from cell to cell.
+        var coordinates = upright;
+        var entering = power;
+        var is_moved = oblique <= 0.0;
+        loop {
+            add_lobe(coordinates, n, entering);
+            if (is_moved) { break; }
+            is_moved = true;
+            entering = oblique * flatness(layer, p, n) * clearance(layer, p, n) * power;
+            add_lobe(upright, n, -entering);
+            coordinates = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
+        }
     }
 }
 

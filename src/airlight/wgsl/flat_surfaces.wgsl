@@ -1,0 +1,77 @@
+// Flat surfaces in the maps of lights, where nothing is close before them. The including pass binds the uniforms `lattice`
+// and `params` (of which `resolution` is the maps'), and `views` and `depth` of reflective shadow maps.
+// Twins: maths.flat_surfaces.
+//! use lattice_axes
+//! use light_texel
+
+const ON_PLANE = 0.1;    // cells: how far from a plane what counts as part of it may be
+const OFF_PLANE = 0.25;  // cells: from how far on it is another surface, or a curved one
+const WALL = 0.6;        // cells before it: from how far on it is a wall
+const BEFORE_FLAT = 1.0; // cells before a flat surface oblique to them: hardly any that it cuts are so far
+
+// The k-th axis across n, a unit vector, and its weight; those of all three are 2. It changes smoothly with n.
+fn axis_across(n: vec3f, k: u32) -> vec4f {
+    let along = n[k];
+    let weight = 1.0 - along * along;
+    var across = -along * n;
+    across[k] += 1.0;
+    return vec4f(across * inverseSqrt(max(weight, 1e-6)), weight);
+}
+
+// How far what is so many cells off a plane is a part of it, 0 to 1.
+fn is_on_plane(off: f32) -> f32 {
+    return 1.0 - smoothstep(ON_PLANE, OFF_PLANE, abs(off));
+}
+
+// How far what a view shows past a point before a plane is not a wall before that: it is so many cells above it.
+fn is_open(height: f32) -> f32 {
+    return 1.0 - smoothstep(OFF_PLANE, WALL, height);
+}
+
+// What a view shows on its line through a world point, if that is in its map: depth and world point.
+struct Shown { is_known: bool, depth: f32, point: vec3f }
+
+fn shown_on_line(layer: u32, p: vec3f) -> Shown {
+    let view = views[layer];
+    let clip = view.clip_from_world * vec4f(p, 1.0);
+    let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
+    let is_known = clip.w > 0.0 && all(uv >= vec2f(0.0)) && all(uv < vec2f(1.0));
+    let texel = vec2u(saturate(uv) * (f32(params.resolution) - 1e-3));
+    let d = textureLoad(depth, texel, layer, 0);
+    return Shown(is_known, d, texel_point(view, texel_centre(texel, params.resolution), d));
+}
+
+// How flat what a view shows around p is, 0 to 1: the share of six points, half a cell away across the normal n
+// (along the lattice's axes), that it shows near the plane. A ball smaller than a cell is not, nor is what is not in
+// the map.
+fn flatness(layer: u32, p: vec3f, n: vec3f) -> f32 {
+    var near = 0.0;
+    var k = 0u;
+    loop {
+        let axis = axis_across(n, k >> 1u);
+        let away = select(0.5, -0.5, (k & 1u) != 0u) * lattice.cell * axis.xyz;
+        let shown = shown_on_line(layer, p + world_from_lattice(lattice, away));
+        let off = dot(lattice_from_world(lattice, shown.point - p), n) / lattice.cell;
+        near += select(0.0, axis.w * is_on_plane(off), shown.is_known && shown.depth < 1.0);
+        k++;
+        if (k >= 6u) { break; }
+    }
+    return 0.25 * near;
+}
+
+// How far a view shows nothing else between the plane through p across n and BEFORE_FLAT before it, 0 to 1. Seen past
+// points there it shows the plane, or what is behind it, but a wall that is nearer, or that hides them from the light,
+// before it. What is not in its map is not known to be open.
+fn clearance(layer: u32, p: vec3f, n: vec3f) -> f32 {
+    let up = lattice.cell * world_from_lattice(lattice, n);
+    var open = 1.0;
+    var k = 0u;
+    loop {
+        let shown = shown_on_line(layer, p + mix(0.5, BEFORE_FLAT, 0.5 * f32(k)) * up);
+        let height = dot(lattice_from_world(lattice, shown.point - p), n) / lattice.cell;
+        open = min(open, select(0.0, select(is_open(height), 1.0, shown.depth >= 1.0), shown.is_known));
+        k++;
+        if (k >= 3u) { break; }
+    }
+    return open;
+}
