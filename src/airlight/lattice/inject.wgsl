@@ -54,13 +54,15 @@ fn add_seen(seen: Seen, layer: u32) {
         // A share of it moves, not where it enters: that would jump from cell to cell.
         var coordinates = upright;
         var entering = power;
+        var sharpness = lobes.lobe;
         var is_moved = oblique <= 0.0;
         loop {
-            add_lobe(coordinates, n, entering);
+            add_sharp_lobe(coordinates, n, sharpness, entering);
             if (is_moved) { break; }
             is_moved = true;
             entering = oblique * flatness(layer, p, n) * clearance(layer, p, n) * power;
             add_lobe(upright, n, -entering);
+            sharpness = free_sharpness(n);
             coordinates = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
         }
     }
