@@ -9,8 +9,9 @@ import pytest
 
 from airlight.gpu.memory import Buffer
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
-from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, InjectionTarget
+from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, SHAPED_LOBE, InjectionTarget
 from airlight.lattice.placement import Placement
+from airlight.maths.flat_surfaces import free_sharpness
 from airlight.scene import DirectionalLight, Material, Mesh, PointLight, SpotLight
 from airlight.scene.shapes import sphere
 from airlight.surface.light_views import LightViewData, light_views
@@ -194,6 +195,23 @@ def test_light_of_a_flat_surface_enters_cells_before_its_plane(injected, on_devi
     middles = np.array(ROOM.origin) + ROOM.cell * (np.stack([x, y, z], -1) + 0.5)
     before = (middles - (0, 0.1, 0)) @ normal / ROOM.cell
     assert power[before < 0.3].sum() < 0.15 * power.sum()
+    # No hop takes less than nothing of it: most of it has lobes as sharp as that allows.
+    lobes = cells[0][power > 1e-3 * power.max()]
+    sharpness = np.linalg.norm(lobes[:, 1:], axis=1) / lobes[:, 0]
+    expected = free_sharpness(normal[None], SHAPED_LOBE)
+    assert np.median(sharpness) == pytest.approx(expected[0], rel=0.01)
+
+
+def test_light_of_a_slanted_square_at_the_border_of_a_lattice_is_all_there(
+    injected, on_device, square
+):
+    # The highest cells are half a cell before it, a whole one is outside. What stays there has a
+    # sharper lobe, whose power is less by what it takes back.
+    along = np.array([0.94, 0.34, 0.0])
+    low = Placement((-2.0, -3.5, -2.0), 0.25, (16, 16, 16))
+    scene = on_device(square((0, 0.1, 0), 0.6 * along, (0, 0, -0.6), PAINT))
+    within, border = (injected(scene, SUN, p, is_shaped=True)[0] for p in (ROOM, low))
+    assert border[0, ..., 0].sum() > 0.97 * within[0, ..., 0].sum()
 
 
 @pytest.mark.parametrize("grazing_deg", [20.0, 40.0])

@@ -51,7 +51,7 @@ fn add_seen(seen: Seen, layer: u32) {
         let upright = warped + 0.5 * n;
         let power = share * light_arriving(layer, p) * seen.power;
         let oblique = select(0.0, obliqueness(n, OBLIQUE), lobes.is_raised != 0u);
-        // A share of it moves, not where it enters: that would jump from cell to cell.
+        // A share of it moves, not where it enters: that would jump from cell to cell. Nor does it leave the lattice.
         var coordinates = upright;
         var entering = power;
         var sharpness = lobes.lobe;
@@ -60,10 +60,12 @@ fn add_seen(seen: Seen, layer: u32) {
             add_sharp_lobe(coordinates, n, sharpness, entering);
             if (is_moved) { break; }
             is_moved = true;
-            entering = oblique * flatness(layer, p, n) * clearance(layer, p, n) * power;
-            add_lobe(upright, n, -entering);
-            sharpness = free_sharpness(n);
             coordinates = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
+            let is_inside = all(coordinates >= vec3f(0.0)) && all(coordinates < vec3f(lattice.count));
+            let moving = oblique * flatness(layer, p, n) * clearance(layer, p, n);
+            entering = select(0.0, moving, is_inside) * power;
+            sharpness = free_sharpness(n);
+            add_lobe(upright, n, -entering);
         }
     }
 }

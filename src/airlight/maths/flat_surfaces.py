@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .lattice6 import hops
+
 F64 = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
@@ -88,6 +90,16 @@ def clearance(shown: DepthMap, p: F64, n: F64, cell: float) -> F64:
         passes = np.where(depth >= 1.0, 1.0, is_open(height))
         open = np.minimum(open, np.where(is_known, passes, 0.0))
     return open
+
+
+def free_sharpness(n: F64, sharpness: float) -> F64:
+    """(m,): b over P n / 4pi, at most `sharpness`, of lobes along unit vectors n (m, 3) that no hop
+    takes less than nothing of. Twin: free_sharpness of wgsl/lobes.wgsl.
+    """
+    # The hop away from the surface along the axis that it faces most has the least.
+    constant, directional = hops()[0].matrix[0, :2]
+    along = np.abs(n).max(axis=1)
+    return np.asarray(np.minimum(sharpness, constant / np.maximum(directional * along, 1e-6)))
 
 
 def _smoothstep(low: float, high: float, x: F64) -> F64:
