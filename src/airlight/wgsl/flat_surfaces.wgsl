@@ -1,5 +1,5 @@
 // Flat surfaces in the maps of lights, where nothing is close before them. The including pass binds the uniforms `lattice`
-// and `params` (of which `resolution` is the maps'), and `views` and `depth` of reflective shadow maps.
+// and `params` (of which `resolution` is the maps'), and `depth` of reflective shadow maps; it declares LightViewData.
 // Twins: maths.flat_surfaces.
 //! use lattice_axes
 //! use light_texel
@@ -28,48 +28,56 @@ fn is_open(height: f32) -> f32 {
     return 1.0 - smoothstep(OFF_PLANE, WALL, height);
 }
 
-// What a view shows on its line through a world point, if that is in its map: depth and world point.
-struct Shown { is_known: bool, depth: f32, point: vec3f }
+// A plane through p across n (along the lattice's axes) in a view: p in clip coordinates, and what makes of the clip
+// coordinates of a shown point its height above the plane, cells, times w, and w.
+struct Sight { clip_from_world: mat4x4f, clip: vec4f, height: vec4f, w: vec4f }
 
-fn shown_on_line(layer: u32, p: vec3f) -> Shown {
-    let view = views[layer];
-    let clip = view.clip_from_world * vec4f(p, 1.0);
+fn sight_of(view: LightViewData, p: vec3f, n: vec3f) -> Sight {
+    let up = world_from_lattice(lattice, n) / lattice.cell;
+    let rows = transpose(view.world_from_clip);
+    return Sight(view.clip_from_world, view.clip_from_world * vec4f(p, 1.0), rows * vec4f(up, -dot(up, p)), rows[3]);
+}
+
+// What the view shows on its line through the point so far (m, world) from p, if that is in its map.
+struct Shown { is_known: bool, depth: f32, height: f32 }
+
+fn shown_on_line(sight: Sight, layer: u32, away: vec3f) -> Shown {
+    let clip = sight.clip + sight.clip_from_world * vec4f(away, 0.0);
     let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
     let is_known = clip.w > 0.0 && all(uv >= vec2f(0.0)) && all(uv < vec2f(1.0));
     let texel = vec2u(saturate(uv) * (f32(params.resolution) - 1e-3));
     let d = textureLoad(depth, texel, layer, 0);
-    return Shown(is_known, d, texel_point(view, texel_centre(texel, params.resolution), d));
+    let point = vec4f(texel_centre(texel, params.resolution), d, 1.0);
+    return Shown(is_known, d, dot(sight.height, point) / dot(sight.w, point));
 }
 
-// How flat what a view shows around p is, 0 to 1: the share of six points, half a cell away across the normal n
-// (along the lattice's axes), that it shows near the plane. A ball smaller than a cell is not, nor is what is not in
-// the map.
-fn flatness(layer: u32, p: vec3f, n: vec3f) -> f32 {
+// How flat a view shows what is around a plane's point, 0 to 1: the share of six points, half a cell away across n, that
+// it shows near the plane. A ball smaller than a cell is not, nor is what is not in the map.
+fn flatness(sight: Sight, layer: u32, n: vec3f) -> f32 {
     var near = 0.0;
     var k = 0u;
     loop {
         let axis = axis_across(n, k >> 1u);
         let away = select(0.5, -0.5, (k & 1u) != 0u) * lattice.cell * axis.xyz;
-        let shown = shown_on_line(layer, p + world_from_lattice(lattice, away));
-        let off = dot(lattice_from_world(lattice, shown.point - p), n) / lattice.cell;
-        near += select(0.0, axis.w * is_on_plane(off), shown.is_known && shown.depth < 1.0);
+        let shown = shown_on_line(sight, layer, world_from_lattice(lattice, away));
+        near += select(0.0, axis.w * is_on_plane(shown.height), shown.is_known && shown.depth < 1.0);
         k++;
         if (k >= 6u) { break; }
     }
     return 0.25 * near;
 }
 
-// How far a view shows nothing else between the plane through p across n and BEFORE_FLAT before it, 0 to 1. Seen past
-// points there it shows the plane, or what is behind it, but a wall that is nearer, or that hides them from the light,
-// before it. What is not in its map is not known to be open.
-fn clearance(layer: u32, p: vec3f, n: vec3f) -> f32 {
+// How far a view shows nothing else between a plane and BEFORE_FLAT before it, 0 to 1. Seen past points there it shows
+// the plane, or what is behind it, but a wall that is nearer, or that hides them from the light, before it. What is not
+// in its map is not known to be open.
+fn clearance(sight: Sight, layer: u32, n: vec3f) -> f32 {
     let up = lattice.cell * world_from_lattice(lattice, n);
     var open = 1.0;
     var k = 0u;
     loop {
-        let shown = shown_on_line(layer, p + mix(0.5, BEFORE_FLAT, 0.5 * f32(k)) * up);
-        let height = dot(lattice_from_world(lattice, shown.point - p), n) / lattice.cell;
-        open = min(open, select(0.0, select(is_open(height), 1.0, shown.depth >= 1.0), shown.is_known));
+        let shown = shown_on_line(sight, layer, mix(0.5, BEFORE_FLAT, 0.5 * f32(k)) * up);
+        let passes = select(is_open(shown.height), 1.0, shown.depth >= 1.0);
+        open = min(open, select(0.0, passes, shown.is_known));
         k++;
         if (k >= 3u) { break; }
     }
