@@ -52,21 +52,22 @@ fn add_seen(seen: Seen, view: LightViewData, layer: u32) {
         let power = share * light_arriving(layer, p) * seen.power;
         let oblique = select(0.0, obliqueness(n, OBLIQUE), lobes.is_raised != 0u);
         // A share of it moves, not where it enters: that would jump from cell to cell. Nor does it leave the lattice.
+        var is_oblique = oblique > 0.0;
         var coordinates = upright;
-        var entering = power;
+        var entering = select(power, vec3f(0.0), is_oblique);
         var sharpness = lobes.lobe;
-        var is_moved = oblique <= 0.0;
         loop {
             add_sharp_lobe(coordinates, n, sharpness, entering);
-            if (is_moved) { break; }
-            is_moved = true;
+            if (!is_oblique) { break; }
+            is_oblique = false;
             coordinates = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
             let is_inside = all(coordinates >= vec3f(0.0)) && all(coordinates < vec3f(lattice.count));
             let sight = sight_of(view, p, n);
             let moving = oblique * flatness(sight, layer, n) * clearance(sight, layer, n);
-            entering = select(0.0, moving, is_inside) * power;
+            let moved = select(0.0, moving, is_inside);
+            add_lobe(upright, n, (1.0 - moved) * power);
+            entering = moved * power;
             sharpness = free_sharpness(n);
-            add_lobe(upright, n, -entering);
         }
     }
 }

@@ -38,11 +38,16 @@ fn sight_of(view: LightViewData, p: vec3f, n: vec3f) -> Sight {
     return Sight(view.clip_from_world, view.clip_from_world * vec4f(p, 1.0), rows * vec4f(up, -dot(up, p)), rows[3]);
 }
 
-// What the view shows on its line through the point so far (m, world) from p, if that is in its map.
+// A direction along the lattice's axes, a cell long, in clip coordinates.
+fn clip_cell(sight: Sight, direction: vec3f) -> vec4f {
+    return sight.clip_from_world * vec4f(lattice.cell * world_from_lattice(lattice, direction), 0.0);
+}
+
+// What the view shows on its line through the point so far, in clip coordinates, from p, if that is in its map.
 struct Shown { is_known: bool, depth: f32, height: f32 }
 
-fn shown_on_line(sight: Sight, layer: u32, away: vec3f) -> Shown {
-    let clip = sight.clip + sight.clip_from_world * vec4f(away, 0.0);
+fn shown_on_line(sight: Sight, layer: u32, away: vec4f) -> Shown {
+    let clip = sight.clip + away;
     let uv = vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5;
     let is_known = clip.w > 0.0 && all(uv >= vec2f(0.0)) && all(uv < vec2f(1.0));
     let texel = vec2u(saturate(uv) * (f32(params.resolution) - 1e-3));
@@ -51,18 +56,23 @@ fn shown_on_line(sight: Sight, layer: u32, away: vec3f) -> Shown {
     return Shown(is_known, d, dot(sight.height, point) / dot(sight.w, point));
 }
 
+// 1 where a view shows the plane so far from p, less where that is off it.
+fn shown_flat(sight: Sight, layer: u32, away: vec4f) -> f32 {
+    let shown = shown_on_line(sight, layer, away);
+    return select(0.0, is_on_plane(shown.height), shown.is_known && shown.depth < 1.0);
+}
+
 // How flat a view shows what is around a plane's point, 0 to 1: the share of six points, half a cell away across n, that
 // it shows near the plane. A ball smaller than a cell is not, nor is what is not in the map.
 fn flatness(sight: Sight, layer: u32, n: vec3f) -> f32 {
     var near = 0.0;
     var k = 0u;
     loop {
-        let axis = axis_across(n, k >> 1u);
-        let away = select(0.5, -0.5, (k & 1u) != 0u) * lattice.cell * axis.xyz;
-        let shown = shown_on_line(sight, layer, world_from_lattice(lattice, away));
-        near += select(0.0, axis.w * is_on_plane(shown.height), shown.is_known && shown.depth < 1.0);
+        let axis = axis_across(n, k);
+        let away = 0.5 * clip_cell(sight, axis.xyz);
+        near += axis.w * (shown_flat(sight, layer, away) + shown_flat(sight, layer, -away));
         k++;
-        if (k >= 6u) { break; }
+        if (k >= 3u) { break; }
     }
     return 0.25 * near;
 }
@@ -71,7 +81,7 @@ fn flatness(sight: Sight, layer: u32, n: vec3f) -> f32 {
 // the plane, or what is behind it, but a wall that is nearer, or that hides them from the light, before it. What is not
 // in its map is not known to be open.
 fn clearance(sight: Sight, layer: u32, n: vec3f) -> f32 {
-    let up = lattice.cell * world_from_lattice(lattice, n);
+    let up = clip_cell(sight, n);
     var open = 1.0;
     var k = 0u;
     loop {
