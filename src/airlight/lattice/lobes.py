@@ -29,6 +29,8 @@ class Lobe:
     sharpness: float
     is_shaped: bool = False
     is_raised: bool = False
+    free: float = 1.0
+    """Of lobes that are not shaped: the sharpest of which no hop takes less than nothing."""
 
 
 COSINE = Lobe(COSINE_LOBE)
@@ -43,6 +45,7 @@ class LobeParams(Struct):
     hop_constant = f32("share of an isotropic cell's power on one hop")
     hop_directional = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
     is_shaped = u32("1: the surface blocks what goes backwards")
+    free = f32("the sharpest lobe of which no hop takes less than nothing, if not shaped")
     is_raised = u32("1: of flat surfaces oblique to the cells it enters a whole cell before them")
 
 
@@ -87,5 +90,6 @@ def lobe_params(scale: float, lobe: Lobe) -> LobeParams:
         hop_constant=float(hop[0, 0]),
         hop_directional=float(hop[0, 1]),
         is_shaped=int(lobe.is_shaped),
+        free=lobe.free,
         is_raised=int(lobe.is_raised),
     )

@@ -15,7 +15,7 @@ from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux
 from ..lattice.lobes import InjectionTarget, Lobe
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
-from ..maths.lattice26_walls import returned_sharpness
+from ..maths.lattice26_walls import free_sharpness, returned_sharpness
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..surface.light_maps import BLOCK, LightMaps
@@ -43,7 +43,7 @@ class EnteringLight:
         gpu, self.keeps_light = kit.gpu, keeps_light
         self.kit, self.settings, self.media = kit, settings, media
         is_ours = not settings.scheme.startswith("paper")
-        self._returned = Lobe(returned_sharpness(), is_raised=is_ours)
+        self._returned = Lobe(returned_sharpness(), is_raised=is_ours, free=free_sharpness())
         # Reflective shadow maps of the lights, and whose each layer is.
         # Random points of rays are drawn for every texel.
         self._has_rays = settings.single in ("random", "stratified")

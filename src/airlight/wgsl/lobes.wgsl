@@ -23,7 +23,7 @@ fn add_coefficients(index: u32, value: vec4f) {
 fn free_sharpness(n: vec3f) -> f32 {
     let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
     let free = lobes.hop_constant / max(lobes.hop_directional * along, 1e-6);
-    return select(lobes.lobe, min(lobes.lobe, free), lobes.is_shaped != 0u);
+    return min(lobes.lobe, select(lobes.free, free, lobes.is_shaped != 0u));
 }
 
 // A lobe of `power` (W, rgb) along n into the cell at lattice coordinates.
