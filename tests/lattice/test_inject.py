@@ -9,9 +9,11 @@ import pytest
 
 from airlight.gpu.memory import Buffer
 from airlight.lattice.inject import Inject, Resolve, fixed_point_scale, flux_bound, new_sums
-from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, InjectionTarget
+from airlight.lattice.lobes import COSINE, COSINE_LOBE, SHAPED, SHAPED_LOBE, InjectionTarget
 from airlight.lattice.placement import Placement
-from airlight.scene import DirectionalLight, Material, PointLight, SpotLight
+from airlight.maths.flat_surfaces import free_sharpness
+from airlight.scene import DirectionalLight, Material, Mesh, PointLight, SpotLight
+from airlight.scene.shapes import sphere
 from airlight.surface.light_views import LightViewData, light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
 
@@ -178,3 +180,68 @@ def test_the_scale_is_a_power_of_two_below_the_limit():
         scale = fixed_point_scale(flux)
         assert math.log2(scale) == int(math.log2(scale))
         assert 2**28 < scale * flux * 2.7 / (4.0 * math.pi) <= 2**30
+
+
+def test_light_of_a_flat_surface_enters_cells_before_its_plane(injected, on_device, square):
+    # 15 degrees off the lattice's axes and three metres wide. A third of its light would be in
+    # cells with middles less than .3 cells before its plane, or behind it, half a cell before it.
+    turn = math.radians(15.0)
+    along = np.array([math.cos(turn), math.sin(turn), 0.0])
+    normal = np.array([-math.sin(turn), math.cos(turn), 0.0])
+    scene = on_device(square((0, 0.1, 0), 1.5 * along, (0, 0, -1.5), PAINT))
+    cells, _ = injected(scene, SUN, is_shaped=True)
+    power = cells[0, ..., 0]
+    z, y, x = np.indices(power.shape)
+    middles = np.array(ROOM.origin) + ROOM.cell * (np.stack([x, y, z], -1) + 0.5)
+    before = (middles - (0, 0.1, 0)) @ normal / ROOM.cell
+    assert power[before < 0.3].sum() < 0.15 * power.sum()
+    # No hop takes less than nothing of it: most of it has lobes as sharp as that allows.
+    lobes = cells[0][power > 1e-3 * power.max()]
+    sharpness = np.linalg.norm(lobes[:, 1:], axis=1) / lobes[:, 0]
+    expected = free_sharpness(normal[None], SHAPED_LOBE)
+    assert np.median(sharpness) == pytest.approx(expected[0], rel=0.01)
+
+
+def test_light_of_a_slanted_square_at_the_border_of_a_lattice_is_all_there(
+    injected, on_device, square
+):
+    # The highest cells are half a cell before it, a whole one is outside. What stays there has a
+    # sharper lobe, whose power is less by what it takes back.
+    along = np.array([0.94, 0.34, 0.0])
+    low = Placement((-2.0, -3.5, -2.0), 0.25, (16, 16, 16))
+    scene = on_device(square((0, 0.1, 0), 0.6 * along, (0, 0, -0.6), PAINT))
+    within, border = (injected(scene, SUN, p, is_shaped=True)[0] for p in (ROOM, low))
+    assert border[0, ..., 0].sum() > 0.97 * within[0, ..., 0].sum()
+
+
+@pytest.mark.parametrize("grazing_deg", [20.0, 40.0])
+def test_light_between_parallel_boards_stays_between_them(injected, on_device, square, grazing_deg):
+    # Boards .7 cells apart, 15 degrees off the lattice's axes; the sun shines in between them. No
+    # cell wholly on the other board's far side has any of it: .15 and .23 where nobody asks.
+    turn, grazing = math.radians(15.0), math.radians(grazing_deg)
+    along = np.array([math.cos(turn), math.sin(turn), 0.0])
+    normal = np.array([-math.sin(turn), math.cos(turn), 0.0])
+    black = Material(base_color=(0, 0, 0), specular=0.0)
+    sides, middle = (along, (0, 0, -1.5)), np.array([-0.5, -0.2, 0.0])
+    facing = square(middle + 0.7 * ROOM.cell * normal, *sides, black)
+    scene = on_device(square(middle, *sides, PAINT), facing)
+    sun = DirectionalLight(-math.cos(grazing) * along - math.sin(grazing) * normal, (1, 1, 1))
+    cells, _ = injected(scene, sun, is_shaped=True)
+    power = cells[0, ..., 0]
+    z, y, x = np.indices(power.shape)
+    middles = np.array(ROOM.origin) + ROOM.cell * (np.stack([x, y, z], -1) + 0.5)
+    nearest = (middles - middle) @ normal / ROOM.cell - 0.5 * np.abs(normal).sum()
+    assert power.sum() > 0.0
+    assert power[nearest > 0.7].sum() < 0.02 * power.sum()
+
+
+def test_light_of_a_small_ball_stays_close_to_it(injected, on_device):
+    # Its radius is .4 cells; its light enters cells 1.1 from its middle, 1.5 if taken for planes.
+    matrix = np.diag([0.2, 0.2, 0.2, 1.0])  # m
+    scene = on_device(Mesh(sphere(), PAINT, matrix))
+    cells, _ = injected(scene, SUN, is_shaped=True)
+    power = cells[0, ..., 0]
+    z, y, x = np.indices(power.shape)
+    middles = np.array(ROOM.origin) + ROOM.cell * (np.stack([x, y, z], -1) + 0.5)
+    away = np.linalg.norm(middles, axis=-1) / ROOM.cell
+    assert (power * away).sum() / power.sum() < 1.2

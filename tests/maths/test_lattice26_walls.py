@@ -46,6 +46,13 @@ def test_returned_light_sends_no_net_power_into_a_flat_wall():
     assert sum(lattice26.leaving_power(state, j)[0, 0, 0, 0] for j in into) == pytest.approx(0.0)
 
 
+def test_no_hop_takes_less_than_nothing_of_a_free_lobe():
+    state = np.array([1.0, 0.0, 0.0, lattice26_walls.free_sharpness()]).reshape(1, 1, 1, 1, 4)
+    powers = [lattice26.leaving_power(state, j)[0, 0, 0, 0] for j in range(26)]
+    assert min(powers) == pytest.approx(0.0, abs=1e-12)
+    assert sum(powers) == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("sigma_t", [0.0, 0.4, 6.0])
 def test_a_white_wall_in_white_air_keeps_all_power(sigma_t: float):
     state = np.random.default_rng(2).normal(size=(1, *SHAPE, 4))

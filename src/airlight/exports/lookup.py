@@ -24,6 +24,12 @@ BEFORE_OBLIQUE = 0.75
 BEHIND_PLANE, BEFORE_PLANE = -0.1, 0.3
 """As in wgsl/lattice.wgsl: how far from an oblique surface's plane, cells, others lie behind it and
 before it."""
+OBLIQUE, CUT = (0.9903, 0.9986), (0.05, 0.14)
+"""As in wgsl/lattice_space.wgsl: cosines between which surfaces along an axis become oblique to it;
+sines from which on their planes cut others."""
+OWN_STEPS = (0.2, 0.4)
+"""As in wgsl/lattice.wgsl: sines between a plane and an axis from which on closed faces across it
+are the plane's own steps."""
 
 
 class Lookup:
@@ -46,25 +52,36 @@ class Lookup:
             return upright
 
         # Surfaces that lie along no axis are looked up between cells before their plane.
-        oblique = 1.0 - _smoothstep(0.9, 0.97, np.abs(n).max(axis=1, keepdims=True))
-        return upright + oblique * (self._oblique_coordinates(warped, n) - upright)
+        oblique = 1.0 - _smoothstep(*OBLIQUE, np.abs(n).max(axis=1, keepdims=True))
+        plane = self._plane_coordinates(p, warped, n)
+        return np.asarray(upright + oblique * (self._oblique_coordinates(plane, n) - upright))
 
     def _cells(self, coordinates: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
         """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
         cell = np.clip(np.floor(coordinates), 0, np.array(self.count) - 1).astype(np.intp)
         return cell, (cell[:, 2], cell[:, 1], cell[:, 0])
 
-    def _oblique_coordinates(self, warped: F64, n: F64) -> F64:
+    def _plane_coordinates(self, p: F64, warped: F64, n: F64) -> F64:
+        """Twin: plane_coordinates in wgsl/lattice_space.wgsl."""
+        # As it is where the plane cuts the axis, else between walls.
+        coordinates = (p - np.array(self.origin)) / self.cell
+        return np.asarray(warped + _smoothstep(*CUT, np.abs(n)) * (coordinates - warped))
+
+    def _oblique_coordinates(self, plane: F64, n: F64) -> F64:
         """Twin: oblique_coordinates in wgsl/lattice.wgsl."""
         # From a point before the surface, no nearer to closed faces than they allow.
         count = np.array(self.count)
-        at = np.clip(self._lifted(warped, n) + BEFORE_OBLIQUE * n, 0.5, count - 0.5)
+        coordinates = self._lifted(plane, n)
+        raised = coordinates + BEFORE_OBLIQUE * n
+        is_own = _smoothstep(*OWN_STEPS, np.abs(n))
+        walled = self._before_walls(coordinates, raised, n)
+        at = np.clip(walled + is_own * (raised - walled), 0.5, count - 0.5)
         cell = np.floor(at)
         t = at - cell - 0.5
         eased = self._open_offset(cell, t, np.zeros_like(t))
-        offset = eased + _smoothstep(0.2, 0.4, np.abs(n)) * (t - eased)
+        offset = eased + is_own * (t - eased)
         # The shares of the cell and of its neighbour on each axis.
-        distance = ((cell + 0.5 - warped) * n).sum(axis=1, keepdims=True)
+        distance = ((cell + 0.5 - plane) * n).sum(axis=1, keepdims=True)
         own = _before_plane(distance) * (1.0 - np.abs(offset))
         beside = _before_plane(distance + np.sign(offset) * n) * np.abs(offset)
         middle = cell + 0.5 + np.sign(offset) * beside / (own + beside)
@@ -76,6 +93,10 @@ class Lookup:
         # enclosed.
         coordinates = self._lifted(coordinates, n)
         wanted = coordinates + _raised(coordinates, n)
+        return self._before_walls(coordinates, wanted, n)
+
+    def _before_walls(self, coordinates: F64, wanted: F64, n: F64) -> F64:
+        """Twin: before_walls in wgsl/lattice.wgsl."""
         cell = np.floor(coordinates + BEFORE * n)
         within = np.where(n < 0.0, np.maximum(wanted, cell + 0.5), np.minimum(wanted, cell + 0.5))
         return np.where(self._ends(cell, n), within, wanted)

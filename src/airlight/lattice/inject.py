@@ -103,7 +103,11 @@ fn light_arriving(layer: u32, p: vec3f) -> vec3f {
 
 
 class Inject(ComputePass):
-    """Each texel of a reflective shadow map, moved half a cell along its normal, adds its lobe."""
+    """Each texel of a reflective shadow map, moved along its normal, adds its lobe.
+
+    It moves by half a cell, or up to a whole one where a flat surface is oblique to the cells and
+    no wall is before it.
+    """
 
     slots: tuple[Slot, ...] = (  # type: ignore[misc]
         uniform("params", InjectParams),

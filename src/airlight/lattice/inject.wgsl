@@ -1,10 +1,11 @@
 // Every texel of a reflective shadow map, or every block of texels, is a virtual point light, whose
 // cosine lobe enters the cell half a cell in front of it (Kaplanyan2010 section 3.1; twin of the lobe:
-// maths.sh.cosine_lobe).
+// maths.sh.cosine_lobe), or farther where it is flat and oblique to the cells.
 // The including pass says what of a layer's light arrives at a point: light_arriving(layer, p).
 //! use lattice_space
 //! use lobes
 //! use light_texel
+//! use flat_surfaces
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
@@ -35,8 +36,10 @@ fn is_of(seen: Seen, p: vec3f, n: vec3f, size: f32) -> bool {
         && abs(dot(p - seen.place / seen.texels, along)) < PLANE * lattice.cell;
 }
 
-// Its flux, half a cell before it, where it is not in the cell of the wall itself.
-fn add_seen(seen: Seen, layer: u32) {
+// Its flux: half a cell before it, where it is not in the cell of the wall itself. Cells that a flat surface oblique to
+// them cuts hold the light of both its sides, and the steps of faces that it closes let it through: farther before that,
+// unless another wall is so close.
+fn add_seen(seen: Seen, view: LightViewData, layer: u32) {
     if (seen.texels <= 0.0) {
         return;
     }
@@ -44,8 +47,28 @@ fn add_seen(seen: Seen, layer: u32) {
     let share = object_share(seen.size, p);
     if (share > 0.0) {
         let n = lattice_from_world(lattice, normalize(seen.normal));
-        let coordinates = warped_surface_coordinates(lattice, p, n) + 0.5 * n;
-        add_lobe(coordinates, n, share * light_arriving(layer, p) * seen.power);
+        let warped = warped_surface_coordinates(lattice, p, n);
+        let upright = warped + 0.5 * n;
+        let power = share * light_arriving(layer, p) * seen.power;
+        let oblique = select(0.0, obliqueness(n, OBLIQUE), lobes.is_raised != 0u);
+        // A share of it moves, not where it enters: that would jump from cell to cell. Nor does it leave the lattice.
+        var is_oblique = oblique > 0.0;
+        var coordinates = upright;
+        var entering = select(power, vec3f(0.0), is_oblique);
+        var sharpness = lobes.lobe;
+        loop {
+            add_sharp_lobe(coordinates, n, sharpness, entering);
+            if (!is_oblique) { break; }
+            is_oblique = false;
+            coordinates = plane_coordinates(lattice, p, warped, n) + BEFORE_FLAT * n;
+            let is_inside = all(coordinates >= vec3f(0.0)) && all(coordinates < vec3f(lattice.count));
+            let sight = sight_of(view, p, n);
+            let moving = oblique * flatness(sight, layer, n) * clearance(sight, layer, n);
+            let moved = select(0.0, moving, is_inside);
+            add_lobe(upright, n, (1.0 - moved) * power);
+            entering = moved * power;
+            sharpness = free_sharpness(n);
+        }
     }
 }
 
@@ -85,7 +108,7 @@ fn add_seen(seen: Seen, layer: u32) {
     }
     // A loop, because a CPU adapter leaves a loop where none of its lanes goes on, and no branch.
     loop {
-        add_seen(first, id.z);
+        add_seen(first, view, id.z);
         if (other.texels <= 0.0) { break; }
         first = other;
         other.texels = 0.0;

@@ -22,15 +22,19 @@ measured on a floor beside a wall, both blocking (relative L2 error 0.05; 0.12 a
 class Lobe:
     """The shape of a virtual point light's lobe: b = `sharpness` P n / 4pi.
 
-    `is_shaped`: the surface blocks what goes backwards, and all power goes forward.
+    `is_shaped`: the surface blocks what goes backwards, and all power goes forward. `is_raised`:
+    light of flat surfaces oblique to the cells enters a whole cell before them.
     """
 
     sharpness: float
     is_shaped: bool = False
+    is_raised: bool = False
+    free: float = 1.0
+    """Of lobes that are not shaped: the sharpest of which no hop takes less than nothing."""
 
 
 COSINE = Lobe(COSINE_LOBE)
-SHAPED = Lobe(SHAPED_LOBE, is_shaped=True)
+SHAPED = Lobe(SHAPED_LOBE, is_shaped=True, is_raised=True)
 
 
 class LobeParams(Struct):
@@ -41,6 +45,8 @@ class LobeParams(Struct):
     hop_constant = f32("share of an isotropic cell's power on one hop")
     hop_directional = f32("share of P b.n/|b| more on the hop along n, per unit of lobe")
     is_shaped = u32("1: the surface blocks what goes backwards")
+    free = f32("the sharpest lobe of which no hop takes less than nothing, if not shaped")
+    is_raised = u32("1: of flat surfaces oblique to the cells it enters a whole cell before them")
 
 
 TARGET_SLOTS = (
@@ -84,4 +90,6 @@ def lobe_params(scale: float, lobe: Lobe) -> LobeParams:
         hop_constant=float(hop[0, 0]),
         hop_directional=float(hop[0, 1]),
         is_shaped=int(lobe.is_shaped),
+        free=lobe.free,
+        is_raised=int(lobe.is_raised),
     )

@@ -54,6 +54,12 @@ def returned_sharpness() -> float:
     return float(table.weights[into].sum() / (RHO * (table.weights[into] @ along)))
 
 
+def free_sharpness() -> float:
+    """B / (A n) of the sharpest lobe of which no hop takes less than nothing."""
+    # A hop straight back takes 1 - RHO B/A of what an isotropic cell gives it.
+    return 1.0 / RHO
+
+
 def open_hops(faces: ArrayLike) -> F64:
     """Open share (26, Z, Y, X) of each cell's outgoing hops.
 

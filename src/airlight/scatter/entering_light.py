@@ -15,7 +15,7 @@ from ..lattice.inject import Inject, MapLights, Resolve, fixed_point_scale, flux
 from ..lattice.lobes import InjectionTarget, Lobe
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
-from ..maths.lattice26_walls import returned_sharpness
+from ..maths.lattice26_walls import free_sharpness, returned_sharpness
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from ..surface.light_maps import BLOCK, LightMaps
@@ -25,8 +25,6 @@ from .inject_single import InjectSingle
 from .reduced_media import ReducedMedia
 from .settings import ScatterSettings
 from .sky_table import SkyTable
-
-_RETURNED = Lobe(returned_sharpness())
 
 
 class EnteringLight:
@@ -44,6 +42,8 @@ class EnteringLight:
         """`keeps_light`: each lattice keeps the fluence of unscattered light in its cells."""
         gpu, self.keeps_light = kit.gpu, keeps_light
         self.kit, self.settings, self.media = kit, settings, media
+        is_ours = not settings.scheme.startswith("paper")
+        self._returned = Lobe(returned_sharpness(), is_raised=is_ours, free=free_sharpness())
         # Reflective shadow maps of the lights, and whose each layer is.
         # Random points of rays are drawn for every texel.
         self._has_rays = settings.single in ("random", "stratified")
@@ -98,7 +98,7 @@ class EnteringLight:
     def inject_sky(self, commands: Commands, target: InjectionTarget) -> None:
         """Add what surfaces reflect of the sky to a lattice's sums."""
         maps = self.kit.sky.maps
-        self._sky_reflected.encode(commands, maps, target, _RETURNED, lights=self._sky_lights)
+        self._sky_reflected.encode(commands, maps, target, self._returned, lights=self._sky_lights)
 
     def inject_reflected(self, commands: Commands, target: InjectionTarget) -> None:
         """Add virtual point lights, and random points of rays where settings ask for them."""
@@ -109,6 +109,6 @@ class EnteringLight:
         for maps, lights in zip(self.maps.groups, self._map_lights, strict=True):
             if not maps.layers:
                 continue
-            self._reflected.encode(commands, maps, target, _RETURNED, lights=lights)
+            self._reflected.encode(commands, maps, target, self._returned, lights=lights)
             if self._has_rays:
                 self._rays.encode(commands, maps, target, lights=lights, sampling=sampling)

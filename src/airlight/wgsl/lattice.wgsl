@@ -52,16 +52,22 @@ fn lifted(lattice: LatticeParams, coordinates: vec3f, n: vec3f) -> vec3f {
     return select(coordinates, face + up, (is_above | is_below) & (down != vec3f(0.0)));
 }
 
+// Where it is wanted to look, but on no axis past the middle of a cell that a surface at `coordinates` faces, where
+// a wall on that axis encloses the cell.
+fn before_walls(lattice: LatticeParams, coordinates: vec3f, wanted: vec3f, n: vec3f) -> vec3f {
+    let cell = floor(coordinates + BEFORE * n);
+    let centre = cell + 0.5;
+    let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
+    return select(wanted, within, ends(lattice, cell, n));
+}
+
 // Where to look for the light on a surface, in warped coordinates as `warped` itself. Not behind a wall that the
 // surface faces: the underside of a ball would be looked up beneath the floor that it lies on.
 fn lookup_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
     let coordinates = lifted(lattice, warped, n);
     let wanted = coordinates + vec3f(lookup_offset(coordinates.x, n.x), lookup_offset(coordinates.y, n.y),
         lookup_offset(coordinates.z, n.z));
-    let cell = floor(coordinates + BEFORE * n);
-    let centre = cell + 0.5;
-    let within = select(min(wanted, centre), max(wanted, centre), n < vec3f(0.0));
-    return select(wanted, within, ends(lattice, cell, n));
+    return before_walls(lattice, coordinates, wanted, n);
 }
 
 // Texture coordinates of lattice coordinates; none between two lattices that share textures.
@@ -97,13 +103,9 @@ fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3
     return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
-// How oblique a surface of normal n is to the faces of cells: 0 along them, 1 from some 25 degrees on. A point
-// of a medium (n = 0) is not.
-fn obliqueness(n: vec3f) -> f32 {
-    let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
-    return select(0.0, 1.0 - smoothstep(0.9, 0.97, along), along > 0.0);
-}
-
+// Sines between an oblique plane and an axis: closed faces across it are other walls' up to the first, the plane's
+// own steps from the second on.
+const OWN_STEPS = vec2f(0.2, 0.4);
 // How far from its plane an oblique surface is looked up, cells along its normal.
 const BEFORE_OBLIQUE = 0.75;
 // Cells whose middles are so far from its plane lie behind it, and before it.
@@ -114,19 +116,22 @@ fn before_plane(distance: vec3f) -> vec3f {
     return smoothstep(vec3f(BEHIND_PLANE), vec3f(BEFORE_PLANE), distance) + 1e-3;
 }
 
-// Texture coordinates for a surface oblique to the cells, at warped coordinates. The faces that it closes are steps
+// Texture coordinates for a surface oblique to the cells, at plane_coordinates. The faces that it closes are steps
 // before and behind it, which would show as plates. So cells count by how far their middles lie before its plane,
 // which leaves out those that hold the light of its other side; closed faces end interpolation only across
 // its normal, where they are another wall's.
-fn oblique_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f {
-    let raised = lifted(lattice, warped, n) + BEFORE_OBLIQUE * n;
-    let at = clamp(raised, vec3f(0.5), vec3f(lattice.count) - 0.5);
+fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f {
+    // Its own steps enclose cells across axes that it faces more, other walls across the others.
+    let is_own = smoothstep(vec3f(OWN_STEPS.x), vec3f(OWN_STEPS.y), abs(n));
+    let coordinates = lifted(lattice, plane, n);
+    let raised = coordinates + BEFORE_OBLIQUE * n;
+    let before = mix(before_walls(lattice, coordinates, raised, n), raised, is_own);
+    let at = clamp(before, vec3f(0.5), vec3f(lattice.count) - 0.5);
     let cell = floor(at);
     let t = at - cell - 0.5;
-    let is_own = smoothstep(vec3f(0.2), vec3f(0.4), abs(n));
     let offset = mix(open_offset(lattice, cell, t, vec3f(0.0)), t, is_own);
     // The shares of the cell and of its neighbour on each axis.
-    let distance = dot(cell + 0.5 - warped, n);
+    let distance = dot(cell + 0.5 - plane, n);
     let own = before_plane(vec3f(distance)) * (1.0 - abs(offset));
     let beside = before_plane(distance + sign(offset) * n) * abs(offset);
     return lattice_uvw(lattice, cell + 0.5 + sign(offset) * beside / (own + beside));
@@ -135,13 +140,14 @@ fn oblique_coordinates(lattice: LatticeParams, warped: vec3f, n: vec3f) -> vec3f
 // The same for a surface point of the world, m, and its normal along the lattice's axes.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
     let warped = warped_surface_coordinates(lattice, position, n);
-    let oblique = select(obliqueness(n), 0.0, lattice.is_paper != 0u);
+    let oblique = select(obliqueness(n, OBLIQUE), 0.0, lattice.is_paper != 0u);
     var uvw = vec3f(0.0);
     if (oblique < 1.0) {
         uvw = lattice_eased(lattice, lookup_coordinates(lattice, warped, n), rim_shares(n));
     }
     if (oblique > 0.0) {
-        uvw = mix(uvw, oblique_coordinates(lattice, warped, n), oblique);
+        let plane = plane_coordinates(lattice, position, warped, n);
+        uvw = mix(uvw, oblique_coordinates(lattice, plane, n), oblique);
     }
     return uvw;
 }

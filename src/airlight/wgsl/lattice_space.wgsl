@@ -67,6 +67,24 @@ fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) ->
         warped_axis(coordinates.y, y.y, low.y, high.y), warped_axis(coordinates.z, z.z, low.z, high.z));
 }
 
+// From where on a surface is oblique to an axis of the cells: cosines of 8 and 3 degrees between its normal and that.
+const OBLIQUE = vec2f(0.9903, 0.9986);
+// And from where on its plane cuts an axis: the sines of 3 and 8 degrees.
+const CUT = vec2f(0.05, 0.14);
+
+// How oblique a surface of normal n is to the faces of cells: 1 up to the first of two cosines to the nearest axis,
+// 0 from the second on. A point of a medium (n = 0) is not.
+fn obliqueness(n: vec3f, cosines: vec2f) -> f32 {
+    let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
+    return select(0.0, 1.0 - smoothstep(cosines.x, cosines.y, along), along > 0.0);
+}
+
+// Where an oblique surface of normal n at a world point is: as it is on axes that its plane cuts, since the faces
+// that it closes there are steps, and warped along the others, to the walls that it stands between.
+fn plane_coordinates(lattice: LatticeParams, world: vec3f, warped: vec3f, n: vec3f) -> vec3f {
+    return mix(warped, cells_from_world(lattice, world), smoothstep(vec3f(CUT.x), vec3f(CUT.y), abs(n)));
+}
+
 // The same for a point in space.
 fn warped_coordinates(lattice: LatticeParams, world: vec3f) -> vec3f {
     return warped_in_cells(lattice, cells_from_world(lattice, world));

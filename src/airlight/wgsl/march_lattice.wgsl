@@ -41,9 +41,13 @@ fn lattice_begin() {
         rise, -lattice.fade_low * rise, fall, lattice.fade_high * fall);
 }
 
+// From where on fog is read before an oblique plane: cosines of 25 and 15 degrees. Light is read farther before it
+// than surfaces are looked up, which planes closer to an axis need not.
+const OBLIQUE_TO_FOG = vec2f(0.9, 0.97);
+
 // How oblique a surface of normal n, of the world, is to the cells, 0 to 1.
 fn lattice_obliqueness(n: vec3f) -> f32 {
-    return obliqueness(lattice_axes * n);
+    return obliqueness(lattice_axes * n, OBLIQUE_TO_FOG);
 }
 
 // lattice_weight of the only lattice, at p along its axes.
