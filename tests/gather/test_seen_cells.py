@@ -7,7 +7,7 @@ import pytest
 from tests.gather.test_solver import LPV, X, Z, rectangle
 
 from airlight.gather import batches
-from airlight.gather.seen_cells import NO_POINT, SeenCells, seen_cells
+from airlight.gather.seen_cells import NO_POINT, TURNS, SeenCells, seen_cells
 from airlight.lattice.placement import Fade, Placement
 from airlight.rendering import render
 from airlight.scene import Camera, DirectionalLight, Material, Medium, Scene
@@ -40,7 +40,7 @@ def points_in_view(camera, count):
 
 def test_all_cells_that_rays_of_the_view_read_are_among_them():
     """Rays read the eight cells around a point of every lattice that counts there."""
-    seen = seen_cells((FINE, COARSE), CAMERA, 2.0)
+    seen = seen_cells((FINE, COARSE), CAMERA, 2.0, 0)
     is_seen = np.zeros(FINE.cells + COARSE.cells, bool)
     is_seen[seen.cells] = True
     points = points_in_view(CAMERA, 20_000) @ np.array(TURNED).T
@@ -55,12 +55,12 @@ def test_all_cells_that_rays_of_the_view_read_are_among_them():
             x, y, z = np.clip(lower + step, 0, np.array(placement.count) - 1).T
             number = (z * placement.count[1] + y) * placement.count[0] + x
             assert is_seen[first + number].all()
-    # What lies READ cells around those is much of so few; behind the eye are none.
+    # READ cells around those and turns are much of so few.
     assert is_seen.mean() < 0.7
 
 
 def test_points_are_the_places_in_the_list():
-    seen = seen_cells((FINE, COARSE), CAMERA, 2.0)
+    seen = seen_cells((FINE, COARSE), CAMERA, 2.0, 0)
     count = FINE.cells + COARSE.cells
     points = seen.points(count)
     np.testing.assert_array_equal(points[seen.cells], np.arange(seen.cells.size))
@@ -71,12 +71,30 @@ def test_points_are_the_places_in_the_list():
     assert (seen.cells[middle:] >= FINE.cells).all()
 
 
-def test_a_view_that_sees_nothing_has_no_cells():
+def test_cells_out_of_sight_have_their_turn():
+    """All of them within TURNS samples, as many in each; those in sight keep their points."""
+    turns = [seen_cells((FINE, COARSE), CAMERA, 2.0, turn) for turn in range(TURNS)]
+    assert len({turn.cells.size for turn in turns}) == len({turn.firsts for turn in turns}) == 1
+    every = np.unique(np.concatenate([turn.cells for turn in turns]))
+    # All but those of the coarser lattice that are read where the finer one has all light.
+    side = COARSE.origin[0] + COARSE.cell * (np.arange(16) + 0.5)
+    is_between = (side > -3.5 + 2.0) & (side < 3.5 - 2.0)
+    covered = is_between.sum() ** 2 * is_between[4:12].sum()
+    assert every.size == FINE.cells + COARSE.cells - covered
+    # Each has rays in a part of the samples, or in all: those hold on to their places.
+    is_same = turns[0].cells == turns[1].cells
+    seen = turns[0].cells[is_same]
+    for turn in turns[2:]:
+        np.testing.assert_array_equal(turn.cells[is_same], seen)
+    assert turns[0].cells.size < 0.7 * every.size
+
+
+def test_a_view_that_sees_nothing_has_turns_alone():
     away = Camera((0.0, 0.0, 20.0), (0.0, 0.0, 40.0), fov_y_deg=40.0)
-    assert seen_cells((COARSE,), away, 1.0).cells.size == 0
+    assert seen_cells((COARSE,), away, 1.0, 3).cells.size == COARSE.cells / TURNS
 
 
-def every_cell(placements, camera, aspect):
+def every_cell(placements, camera, aspect, turn):
     counts = [placement.cells for placement in placements]
     firsts = [sum(counts[:k]) for k in range(len(counts))]
     return SeenCells(
@@ -103,5 +121,5 @@ def test_the_image_is_as_if_all_cells_sent_rays(monkeypatch, away):
     monkeypatch.setattr(batches, "seen_cells", every_cell)
     all_of_them = scattered()
     np.testing.assert_allclose(few.mean(), all_of_them.mean(), rtol=0.02)
-    # 64 rays of each cell: what is left is their noise.
+    # 64 rays of each cell in sight: their noise.
     assert np.linalg.norm(few - all_of_them) <= 0.05 * np.linalg.norm(all_of_them)

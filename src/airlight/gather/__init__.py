@@ -4,7 +4,7 @@ settings   what can be told of it
 points     G-buffer -> places and normals at reduced resolution; point_params: their camera
 orphans    more of them, on what no point of a block lies on
 trace      cosine-distributed rays from each, and the surfaces that they meet; albedo: of those
-cells      the same from the cells of media, for what they scatter
+cells      the same from the cells of media, for what they scatter; seen_cells: from which
 batches    as many rays as the device holds, and what they need
 segments   their segments, traced and lit one after the other
 paths      what their segments found; air: media along them; beams: light that goes forwards alone

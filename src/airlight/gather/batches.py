@@ -22,7 +22,7 @@ from .guided import GuidedRays
 from .history import History
 from .paths import Paths
 from .points import Points
-from .seen_cells import SeenCells, seen_cells
+from .seen_cells import TURNS, SeenCells, seen_cells
 from .settings import GatherSettings
 from .sky_cells import SkyCells
 from .sums import Sums
@@ -67,7 +67,7 @@ class ViewBatches:
 
 
 class CellBatches:
-    """Of the cells of lattices that a view reads; what samples before found in all of them."""
+    """Of the cells of lattices that send rays; what samples before found in all of them."""
 
     def __init__(
         self, scope: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells, media: GpuMedia
@@ -84,15 +84,15 @@ class CellBatches:
         # Buffers are made once it is known how many cells are seen.
         self._scope = scope.scope()
         self._rows = 0
-        self._looked: tuple[Camera, float, tuple[Placement, ...]] | None = None
+        self._looked: tuple[tuple[Placement, ...], Camera, float, int] | None = None
         self._seen: SeenCells | None = None
 
     def look(self, view: View, placements: tuple[Placement, ...]) -> SeenCells:
-        """The cells of these lattices that the view reads; all is made for them."""
+        """The cells of these lattices that send rays in this sample; all is made for them."""
         aspect = view.size[0] / view.size[1]
-        looked = (view.camera, aspect, placements)
+        looked = (placements, view.camera, aspect, view.sample % TURNS)
         if self._seen is None or looked != self._looked:
-            seen = seen_cells(placements, view.camera, aspect)
+            seen = seen_cells(*looked)
             self._fit(rows_of(seen.cells.size))
             self.points.write(seen)
             self.sums.write(seen)

@@ -1,6 +1,6 @@
 // The radiance along the rays of each cell: its mean, and what of it media there scatter towards the eye.
+// Cells that sent no rays keep what they had: what the lattice solved, if they never did.
 //! use gather
-// Cells that the view does not read sent no rays, and keep what the lattice solved.
 //! use cell_order
 
 const NO_POINT = 0xffffffffu;
@@ -14,10 +14,12 @@ const LARGEST_HALF = 65504.0;
     let texel = id + vec3u(0u, lattice.first_row, 0u);
     let point = points_of_cells[cell];
     if (point == NO_POINT) {
-        let scattered = textureLoad(solved, texel, 0).rgb - textureLoad(unscattered, texel, 0).rgb;
-        let mean = params.solved_scale * max(scattered, vec3f(0.0));
-        before[cell] = vec4f(mean, 0.0);
-        textureStore(inscattered, texel, vec4f(min(params.scale * mean, vec3f(LARGEST_HALF)), 1.0));
+        if (params.number == 0u) {
+            let scattered = textureLoad(solved, texel, 0).rgb - textureLoad(unscattered, texel, 0).rgb;
+            let mean = params.solved_scale * max(scattered, vec3f(0.0));
+            before[cell] = vec4f(mean, 0.0);
+            textureStore(inscattered, texel, vec4f(min(params.scale * mean, vec3f(LARGEST_HALF)), 1.0));
+        }
         return;
     }
     // The gather point of the cell, as cell_points.wgsl laid it.
@@ -38,9 +40,10 @@ const LARGEST_HALF = 65504.0;
         towards_eye += scattering_phase(cosine, g) * found;
         k++;
     }
-    // What rays of the next sample meet in the air: the mean of this and earlier samples, the later ones more.
-    let kept = mix(before[cell].rgb, mean_radiance / f32(params.rays), params.weight);
-    before[cell] = vec4f(kept, 0.0);
+    // What rays of the next sample meet in the air: the mean of all samples in which it sent rays, the later ones more.
+    let earlier = select(before[cell], vec4f(0.0), params.number == 0u);
+    let weight = 2.0 / (earlier.a + 2.0);
+    before[cell] = vec4f(mix(earlier.rgb, mean_radiance / f32(params.rays), weight), earlier.a + 1.0);
     // The sum as marching reads it, scaled to half floats.
     let seen = params.scale / f32(params.rays) * towards_eye;
     textureStore(inscattered, texel, vec4f(min(seen, vec3f(LARGEST_HALF)), 1.0));

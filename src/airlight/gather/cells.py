@@ -6,7 +6,8 @@ middles of the cells find instead what surfaces and the air beyond send there, a
 do. Half of them go into all directions alike, half where the media's phase function towards the eye
 is large; what it scatters of their radiance is kept, and the mean for the rays of the next sample.
 The first sample's rays meet the light in air that the lattice solved, later ones' what earlier
-samples found. Cells that the view does not read send none, and keep what the lattice solved.
+samples found. Cells that the view does not read send rays in some of the samples; until then they
+have what the lattice solved.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ class CellSumParams(Struct):
     first_ray = u32()
     scale = f32("stored units per W m^-2 sr^-1")
     solved_scale = f32("W m^-2 sr^-1 per stored unit of what the lattice solved")
-    weight = f32("of this sample in what the next one's rays meet")
+    number = u32("how many samples of the same light there were before")
 
 
 class CellAirParams(Struct):
@@ -114,7 +115,7 @@ class _CellAir(ComputePass):
 
 
 class CellPoints:
-    """The middles of cells that a view reads, as `points.Points` has those of an image.
+    """The middles of cells that send rays, as `points.Points` has those of an image.
 
     `normals`: in place of a surface's the direction to the eye, with the mean of the three
     `cosines`, by which the media of the cell scatter.
@@ -203,7 +204,7 @@ class CellSums:
         self._cells, self._pass, self._next = cells, _CellSums(gpu), _CellAir(gpu)
 
     def write(self, seen: SeenCells) -> None:
-        """Take these cells as those that have points."""
+        """Take these cells as those that send rays."""
         self._points_of_cells.write(seen.points(self._cells))
 
     def encode(
@@ -236,7 +237,7 @@ class CellSums:
                     first_ray=numbers.start,
                     scale=share / scattered.scale,
                     solved_scale=air.mean.scale / share,
-                    weight=2.0 / (number + 2.0),
+                    number=number,
                 ),
                 lattice=placement.params(),
                 points_of_cells=self._points_of_cells,
@@ -248,7 +249,17 @@ class CellSums:
                 inscattered=self._inscattered,
                 before=self._before,
             )
-            # What rays of the next sample meet in the air: this, and the unscattered light.
+        met = self._met(commands, air, scattered.levels)
+        seen = replace(scattered, mean=self._inscattered, is_inscattered=True)
+        return seen, met
+
+    def _met(
+        self, commands: Commands, air: AirLight, placements: tuple[Placement, ...]
+    ) -> AirLight:
+        """What rays of the next sample meet in the air: this light, and `air` unscattered."""
+        largest = placements[-1].cell
+        for first, placement in _numbered(placements):
+            share = (placement.cell / largest) ** 2
             self._next.dispatch(
                 commands,
                 placement.count,
@@ -261,8 +272,7 @@ class CellSums:
         # The fields of before, with these textures in place of theirs.
         in_air: dict[str, Any] = {f"lattice_{name}": self._air for name in ("red", "green", "blue")}
         met = replace(air.mean, bound=air.mean.bound | in_air, mean=self._air)
-        seen = replace(scattered, mean=self._inscattered, is_inscattered=True)
-        return seen, replace(air, mean=met)
+        return replace(air, mean=met)
 
 
 def _numbered(placements: tuple[Placement, ...]) -> list[tuple[int, Placement]]:

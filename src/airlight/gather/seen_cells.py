@@ -1,6 +1,7 @@
-"""Which cells of lattices the rays of a view read, in a list.
+"""Which cells of lattices send rays in a sample: those that the rays of a view read, and others.
 
-Only their light is seen; what other cells scatter towards the eye nobody asks for.
+Only what seen cells scatter towards the eye is asked for; rays of theirs meet the light of all. So
+cells out of sight send rays in turn, a part of them in each sample.
 """
 
 from __future__ import annotations
@@ -17,13 +18,15 @@ from ..scene.camera import Camera
 U32 = NDArray[np.uint32]
 NO_POINT = 0xFFFFFFFF
 """Of a cell that the view does not read, as in `cell_sums.wgsl`."""
+TURNS = 8
+"""Samples in which each cell out of sight sends rays once."""
 READ = 2.0
 """From a cell's middle to where its light is read, on each axis, in cells: to the middle of its
 neighbour, and as far as walls move that."""
 
 
 class SeenCells(NamedTuple):
-    """The cells (n,) uint32 that are seen, numbered over all lattices, the finest first.
+    """The cells (n,) uint32 that send rays, numbered over all lattices, the finest first.
 
     `firsts`: of each lattice the number of its first cell, and where its cells begin in the list.
     """
@@ -38,16 +41,26 @@ class SeenCells(NamedTuple):
         return places
 
 
-def seen_cells(placements: tuple[Placement, ...], camera: Camera, aspect: float) -> SeenCells:
-    """Those of nested lattices, the finest first, that an image of this aspect ratio reads."""
+def seen_cells(
+    placements: tuple[Placement, ...], camera: Camera, aspect: float, turn: int
+) -> SeenCells:
+    """Those of nested lattices, the finest first, that an image of this aspect ratio reads.
+
+    After those of each lattice come others whose `turn` it is, as many in each one.
+    """
     planes = _planes(camera, aspect)
-    found, firsts, first, begin = [], [], 0, 0
+    found, firsts, first = [], [], 0
     finer: Placement | None = None
     for placement in placements:
-        seen = np.flatnonzero(_are_before(placement, planes) & ~_are_covered(placement, finer))
-        found.append((first + seen).astype(np.uint32))
-        firsts.append((first, begin))
-        first, begin, finer = first + placement.cells, begin + seen.size, placement
+        firsts.append((first, sum(cells.size for cells in found)))
+        # Where a finer lattice has all light nobody reads this one.
+        is_read, is_seen = ~_are_covered(placement, finer), _are_before(placement, planes)
+        hidden = np.flatnonzero(is_read & ~is_seen)
+        size = -(-hidden.size // TURNS)
+        begin = min(turn % TURNS * size, hidden.size - size)
+        for cells in (np.flatnonzero(is_read & is_seen), hidden[begin : begin + size]):
+            found.append((first + cells).astype(np.uint32))
+        first, finer = first + placement.cells, placement
     return SeenCells(np.concatenate(found), tuple(firsts))
 
 

@@ -170,7 +170,7 @@ class GatherSolver(Solver):
     def _gathered_air(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """`fields` with the light in media of lattices found by rays of their cells."""
         rays, source = self.settings.gather_air, fields.scattered
-        # In lattices of media that are marched, if their cells send rays; those that are seen do.
+        # In lattices of media that are marched, if their cells send rays.
         if not rays or self._air is None or source is None or fields.air is None:
             return fields
         # Buffers are for so many cells: only lattices of other sizes need new ones.
