@@ -35,7 +35,7 @@ def box(material=PAINT, size=2.0, missing=0) -> Mesh:
     return Mesh(Geometry(g.positions, g.indices[missing:]), material, matrix)
 
 
-def lamp(position) -> PointLight:
+def bulb(position) -> PointLight:
     return PointLight(position, (1.0, 1.0, 1.0))
 
 
@@ -51,7 +51,7 @@ def seen(scene: Scene) -> list[bool]:
 
 
 def test_what_a_closed_box_parts_from_the_eye_is_dark():
-    lights = (lamp(INSIDE), SUN, lamp(OUTSIDE))
+    lights = (bulb(INSIDE), SUN, bulb(OUTSIDE))
     scene = Scene((box(),), lights, Environment())
     eye = Camera((4.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert seen(replace(scene, camera=eye)) == [False, True, True, True]
@@ -72,7 +72,7 @@ def test_what_a_closed_box_parts_from_the_eye_is_dark():
 )
 def test_what_is_seen_through_hides_nothing(mesh):
     eye = Camera((4.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    scene = Scene((mesh,), (lamp(INSIDE),), camera=eye)
+    scene = Scene((mesh,), (bulb(INSIDE),), camera=eye)
     assert shown(scene) is scene
 
 
@@ -97,17 +97,17 @@ def test_an_edge_that_runs_twice_one_way_is_no_seal():
     assert not is_sealed([replace(whole, geometry=Geometry(g.positions, double))])
 
 
-def test_a_renderer_s_eye_and_lamp_go_in_and_out():
+def test_a_renderer_s_eye_and_light_go_in_and_out():
     """The image is that of a renderer made there; dark where the wall is between them."""
     paint = Material(base_color=(0.7, 0.7, 0.7), specular=0.0)
     out, into = Camera((2.5, 0.3, 1.0), (0.0, 0.0, 0.0)), Camera((0.5, 0.1, 0.6), (0.0, 0.0, 0.0))
-    scene = Scene((box(paint),), (lamp(INSIDE),), camera=out)
+    scene = Scene((box(paint),), (bulb(INSIDE),), camera=out)
     settings = {"resolution": 8, "surfels": 2000, "lamp_resolution": 64}
     with Renderer(scene, "lpv", (16, 9), settings=settings) as renderer:
         assert renderer.frame().radiance.max() == 0.0
         lit = renderer.frame(camera=into).radiance
         assert lit.mean() > 0.1
-        assert renderer.frame(lights=(lamp(OUTSIDE),)).radiance.max() == 0.0
+        assert renderer.frame(lights=(bulb(OUTSIDE),)).radiance.max() == 0.0
         assert renderer.frame(camera=out).radiance.mean() > 0.01
-        again = renderer.frame(lights=(lamp(INSIDE),), camera=into).radiance
+        again = renderer.frame(lights=(bulb(INSIDE),), camera=into).radiance
         np.testing.assert_array_equal(lit, again)

@@ -8,7 +8,7 @@ from airlight.gpu.memory import Buffer, buffer_of
 from airlight.lpv.less import Less
 
 
-def test_what_is_left_is_the_difference(gpu, owned, commands):
+def test_the_remainder_is_the_difference(gpu, owned, commands):
     one, other = np.random.default_rng(1).random((2, 300, 4)).astype(np.float32)
     rest = owned(Buffer(gpu, "rest", one.nbytes))
     buffers = (owned(buffer_of(gpu, "light", values)) for values in (one, other))

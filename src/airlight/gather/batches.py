@@ -22,7 +22,7 @@ from .guided import GuidedRays
 from .history import History
 from .paths import Paths
 from .points import Points
-from .seen_cells import TURNS, SeenCells, seen_cells
+from .seen_cells import FIRST, TURNS, SeenCells, seen_cells
 from .settings import GatherSettings
 from .sky_cells import SkyCells
 from .sums import Sums
@@ -84,13 +84,14 @@ class CellBatches:
         # Buffers are made once it is known how many cells are seen.
         self._scope = scope.scope()
         self._rows = 0
-        self._looked: tuple[tuple[Placement, ...], Camera, float, int] | None = None
+        self._looked: tuple[tuple[Placement, ...], Camera, float, int | None] | None = None
         self._seen: SeenCells | None = None
 
     def look(self, view: View, placements: tuple[Placement, ...]) -> SeenCells:
         """The cells of these lattices that send rays in this sample; all is made for them."""
         aspect = view.size[0] / view.size[1]
-        looked = (placements, view.camera, aspect, view.sample % TURNS)
+        turn = view.sample % TURNS if view.sample >= FIRST else None
+        looked = (placements, view.camera, aspect, turn)
         if self._seen is None or looked != self._looked:
             seen = seen_cells(*looked)
             self._fit(rows_of(seen.cells.size))

@@ -1,7 +1,7 @@
 """Which cells of lattices send rays in a sample: those that the rays of a view read, and others.
 
 Only what seen cells scatter towards the eye is asked for; rays of theirs meet the light of all. So
-cells out of sight send rays in turn, a part of them in each sample.
+cells out of sight send rays in the first samples, and then in turn.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ U32 = NDArray[np.uint32]
 NO_POINT = 0xFFFFFFFF
 """Of a cell that the view does not read, as in `cell_sums.wgsl`."""
 TURNS = 8
-"""Samples in which each cell out of sight sends rays once."""
+"""Samples in which each cell out of sight sends rays once, after the first."""
+FIRST = 4
+"""Samples in which all cells send rays: each brings light that was scattered once more."""
 READ = 2.0
 """From a cell's middle to where its light is read, on each axis, in cells: to the middle of its
 neighbour, and as far as walls move that."""
@@ -42,23 +44,25 @@ class SeenCells(NamedTuple):
 
 
 def seen_cells(
-    placements: tuple[Placement, ...], camera: Camera, aspect: float, turn: int
+    placements: tuple[Placement, ...], camera: Camera, aspect: float, turn: int | None
 ) -> SeenCells:
     """Those of nested lattices, the finest first, that an image of this aspect ratio reads.
 
-    After those of each lattice come others whose `turn` it is, as many in each one.
+    After those of each lattice come others whose `turn` it is, as many in each one; without a
+    turn all others. Where a finer lattice has all light nobody reads a cell.
     """
     planes = _planes(camera, aspect)
     found, firsts, first = [], [], 0
     finer: Placement | None = None
     for placement in placements:
         firsts.append((first, sum(cells.size for cells in found)))
-        # Where a finer lattice has all light nobody reads this one.
         is_read, is_seen = ~_are_covered(placement, finer), _are_before(placement, planes)
         hidden = np.flatnonzero(is_read & ~is_seen)
-        size = -(-hidden.size // TURNS)
-        begin = min(turn % TURNS * size, hidden.size - size)
-        for cells in (np.flatnonzero(is_read & is_seen), hidden[begin : begin + size]):
+        if turn is not None:
+            size = -(-hidden.size // TURNS)
+            begin = min(turn % TURNS * size, hidden.size - size)
+            hidden = hidden[begin : begin + size]
+        for cells in (np.flatnonzero(is_read & is_seen), hidden):
             found.append((first + cells).astype(np.uint32))
         first, finer = first + placement.cells, placement
     return SeenCells(np.concatenate(found), tuple(firsts))

@@ -1,6 +1,6 @@
 """Light that no path leads from to the eye: what closed opaque walls part from it.
 
-A lamp in a cupboard, the sun outside a room without windows: lattices and shadow maps would let
+A light in a cupboard, the sun outside a room without windows: lattices and shadow maps would let
 some of it through walls that are thinner than their cells and texels. Which side of a closed
 surface a point is on is known exactly, so such light is left out, in every layer.
 """
@@ -60,7 +60,7 @@ class Hidden:
         return replace(scene, lights=lights, environment=sky)
 
     def _dark(self, sky: Environment | None) -> Environment | None:
-        """A sky that gives nothing, the same one for the same sky: another is lit anew."""
+        """A sky that gives nothing, the same one for the same sky, so that it is lit once."""
         if sky is None:
             return None
         if self._sky is None or self._sky[0] is not sky:

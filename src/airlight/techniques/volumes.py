@@ -135,7 +135,7 @@ class LatticeVolumes:
     def send(self, commands: Commands, level: int, scale: float) -> None:
         """Propagate the light of surfaces and of volumes for surfaces, and less of it for volumes.
 
-        Surfaces read all of it, volumes what is left without what their own solvers know.
+        Surfaces read all of it, volumes all but what their own solvers know.
         Volumes send what they scatter once; the faces that they block reflect the rest back into
         the lattice. The coarser lattices come first: at its border a finer one takes in the next
         one's light with the volumes', in place of that without what volumes know.
