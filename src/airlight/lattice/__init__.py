@@ -4,8 +4,7 @@
    facing               the axes along which cells are laid: those of the scene's walls
    gaps                 how far apart surfaces are, and how many lattices that asks for
    bodies, rooms        closed bodies, which side of them blocks, which hold the eye or a light
-   surfels -> blockers  samples of all surfaces -> visibility and reflectance of cell faces, which
-                        are closed wholly where they part cells with no way around (parted.wgsl)
+   surfels -> blockers  samples of all surfaces -> visibility and reflectance of cell faces
    inject, emission, point_lights   virtual point lights (lobes) -> fixed-point sums -> cells
    skylight             the sky's direct light: an ambient cube per cell
    lookup -> irradiance cells -> filtered textures -> what surfaces read

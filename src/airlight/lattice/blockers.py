@@ -56,29 +56,16 @@ class _SumSurfels(ComputePass):
         storage("surfels", SurfelData),
         storage("instances", InstanceData),
         storage("sums", "atomic<i32>", "read_write"),
-        storage("crossed", "atomic<u32>", "read_write"),
     )
     workgroup = (256, 1, 1)
     in_bands = True
     file = "blockers.wgsl"
 
 
-class _Parted(ComputePass):
-    slots = (
-        uniform("params", BlockerParams),
-        storage("crossed", "u32"),
-        storage("parted", "u32", "read_write"),
-    )
-    workgroup = (32, 8, 1)
-    in_bands = True
-    file = "parted.wgsl"
-
-
 class _FaceVisibility(ComputePass):
     slots = (
         uniform("params", BlockerParams),
         storage("sums", "i32", "read"),
-        storage("parted", "u32", "read"),
         storage("faces", "vec4u", "read_write"),
         storage("face_visibility", "vec2u", "read_write"),
         image("visibility_a", "rgba8unorm", "3d"),
@@ -137,12 +124,10 @@ class Blockers:
         # Sums stand around corners, one more than cells on each axis; faces belong to cells.
         self.corners = int(np.prod([n + 1 for n in placement.count]))
         self.sums = Buffer(gpu, "blocker sums", self.corners * _CORNER_VALUES * 4)
-        self.crossed = Buffer(gpu, "crossed faces", placement.cells * 4)
-        self.parted = Buffer(gpu, "parted cells", placement.cells * 4)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
         self.face_visibility = Buffer(gpu, "face_visibility", placement.cells * 8)
         self._sum = _SumSurfels(gpu)
-        self._part, self._open = _Parted(gpu), _FaceVisibility(gpu)
+        self._open = _FaceVisibility(gpu)
         self._made: tuple[int, int, Placement] | None = None
 
     @property
@@ -213,7 +198,6 @@ class Blockers:
     def clear(self, commands: Commands) -> None:
         """Remove all blockers."""
         commands.encoder.clear_buffer(self.sums.handle)
-        commands.encoder.clear_buffer(self.crossed.handle)
 
     def sum_meshes(self, commands: Commands) -> None:
         """Add the surfels of all meshes to the sums around the corners."""
@@ -226,22 +210,16 @@ class Blockers:
             surfels=self.surfels,
             instances=self.meshes.instances,
             sums=self.sums,
-            crossed=self.crossed,
         )
 
     def open(self, commands: Commands) -> None:
         """Compute visibility, reflectance and wall offsets of all faces from the sums."""
         self.note_change()
-        count, params = self.placement.count, self._params()
-        self._part.dispatch(
-            commands, count, params=params, crossed=self.crossed, parted=self.parted
-        )
         self._open.dispatch(
             commands,
-            count,
-            params=params,
+            self.placement.count,
+            params=self._params(),
             sums=self.sums,
-            parted=self.parted,
             faces=self.faces,
             face_visibility=self.face_visibility,
             visibility_a=self.visibility_a,

@@ -1,15 +1,11 @@
 // Surfels of the meshes, summed around the corners of the lattice: how much of a cell face each side of each
 // axis covers (Kaplanyan2010 section 3.2).
 //! use blocker_side
-//! use crossed_cells
 //! use lattice_axes
 //! use nearest_corner
 
 // Rooms let nothing through: where their walls meet, the faces that they cover in part are closed, too.
 const SEALED_GAIN = 4.0;
-// Bits of SurfelData.closing.
-const BOTH_SIDES = 2u;
-const SEALING = 4u;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.surfel_count) {
@@ -21,9 +17,6 @@ const SEALING = 4u;
     // The cofactor matrix takes area vectors to area vectors.
     let area = lattice_from_world(lattice,
         (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
-    if (surfel.closing != 0u) {
-        add_crossings(world, area, (surfel.closing & BOTH_SIDES) != 0u);
-    }
     // The corner nearest to it.
     let corner = nearest_corner(world);
     if (corner.index == NO_CORNER) {
@@ -31,7 +24,7 @@ const SEALING = 4u;
     }
     let first = CORNER_VALUES * corner.index;
     // Its area across each axis, on the side that it faces, or on both.
-    let gain = select(1.0, SEALED_GAIN, (surfel.closing & SEALING) != 0u);
+    let gain = select(1.0, SEALED_GAIN, surfel.is_sealing != 0u);
     let covered = area * (gain * params.units / (lattice.cell * lattice.cell));
     for (var axis = 0u; axis < 3u; axis++) {
         let units = i32(round(abs(covered[axis])));

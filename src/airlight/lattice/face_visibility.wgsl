@@ -9,7 +9,6 @@ const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of
 const LARGEST_SHIFT = 0.45;
 const ENCLOSED_COVER = 0.5;
 const SEPARATE = 0.02;     // cells
-const LEAST_COVER = 0.02;  // of a face, from which on the colour of what covers it is known
 
 struct CellFace {
     corner: vec3u,
@@ -42,13 +41,6 @@ fn face_of(cell: vec3u, hop: u32) -> CellFace {
     }
 }
 
-// Whether a wall stops light along `hop` through the face on this `side` of a cell, see parted.wgsl.
-fn is_stopped(cell: vec3u, side: u32, hop: u32) -> bool {
-    var low = vec3i(cell);
-    low[side / 2u] -= i32(side & 1u);
-    return all(low >= vec3i(0)) && ((parted[cell_in(params.count, vec3u(max(low, vec3i(0))))] >> hop) & 1u) != 0u;
-}
-
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
 fn closed_share(f: CellFace, hop: u32) -> f32 {
     return saturate(OCCLUSION_GAIN * on_face(f, hop ^ 1u));
@@ -62,18 +54,6 @@ fn reflected_share(f: CellFace, hop: u32) -> vec4f {
         on_face(f, SIDE_REFLECTED + 3u * side + 1u), on_face(f, SIDE_REFLECTED + 3u * side + 2u));
     let closed = closed_share(f, hop);
     return vec4f(rgb / covered * closed, closed);
-}
-
-// The same of a hop from a cell, whose face walls may close wholly.
-fn leaving_share(cell: vec3u, hop: u32) -> vec4f {
-    let reflected = reflected_share(face_of(cell, hop), hop);
-    let whole = vec4f(reflected.rgb / max(reflected.a, LEAST_COVER), 1.0);
-    return select(reflected, whole, is_stopped(cell, hop, hop));
-}
-
-// How open the face on this `side` of a cell is for light along `hop`.
-fn open_share(cell: vec3u, side: u32, hop: u32) -> f32 {
-    return select(1.0 - closed_share(face_of(cell, side), hop), 0.0, is_stopped(cell, side, hop));
 }
 
 // Where the backmost of a side's surfaces around a face is, along that side's outward axis; 1: there is none.
@@ -141,11 +121,12 @@ fn enclosed_faces(cell: vec3u) -> f32 {
     var entering = array<f32, 6>();
     var between = array<f32, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
-        leaving[hop] = pack4x8unorm(leaving_share(id, hop));
+        leaving[hop] = pack4x8unorm(reflected_share(face_of(id, hop), hop));
         // A hop enters through the face that the opposite hop leaves by.
-        entering[hop] = open_share(id, hop ^ 1u, hop);
+        let face = face_of(id, hop ^ 1u);
+        entering[hop] = 1.0 - closed_share(face, hop);
         // Light on both sides of a wall is apart, though light from inside the wall could come out.
-        between[hop] = min(entering[hop], open_share(id, hop ^ 1u, hop ^ 1u));
+        between[hop] = min(entering[hop], 1.0 - closed_share(face, hop ^ 1u));
     }
     // Packed for propagation, and as textures for lookups and rays.
     let xy = vec4f(entering[0], entering[1], entering[2], entering[3]);

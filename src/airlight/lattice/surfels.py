@@ -28,10 +28,6 @@ _LIGHTS = 0.125
 """Of the surfels of all other surfaces: what the surfaces of all area lights have together."""
 
 
-OPAQUE, BOTH_SIDES, SEALING = 1, 2, 4
-"""Of `SurfelData.closing`: no light passes; nor from behind; the wall of a room, see `sealed`."""
-
-
 class SurfelData(Struct):
     """A piece of surface in its object's space."""
 
@@ -40,7 +36,7 @@ class SurfelData(Struct):
     area_normal = vec3f("m^2, object space")
     is_two_sided = u32()
     reflectance = vec3f("bihemispherical albedo, linear")
-    closing = u32("bits: OPAQUE, BOTH_SIDES and SEALING, none where light may pass its material")
+    is_sealing = u32("1: of the opaque wall of a room, see `sealed`")
 
 
 def surfels(
@@ -126,15 +122,7 @@ def _mesh_surfels(mesh: Mesh, areas: F64, instance: int, count: int, side: int) 
     made["area_normal"] = area_normal * (cover * (side or 1))[:, None]
     made["reflectance"] = albedo
     made["is_two_sided"] = int(side == 0 and mesh.material.two_sided)
-    made["closing"] = _closing(mesh.material)
     return made
-
-
-def _closing(material: Material) -> int:
-    """Whether no light passes its surface anywhere, and from which sides."""
-    if material.is_translucent or material.alpha_cutoff > 0.0:
-        return 0
-    return OPAQUE | BOTH_SIDES if material.two_sided else OPAQUE
 
 
 def turned(
@@ -163,10 +151,9 @@ def sealed(
     found = made.copy()
 
     # Cut-out and translucent materials let some light pass even in a wall.
-    closing = [_closing(meshes[index].material) for index in order]
-    is_wall = [index in walls for index in order]
-    found_of = [c | SEALING if c and wall else c for c, wall in zip(closing, is_wall, strict=True)]
-    found["closing"] = np.array(found_of, np.uint32)[made["instance"]] if order else 0
+    is_opaque = [not (m.material.is_translucent or m.material.alpha_cutoff > 0.0) for m in meshes]
+    is_wall = [index in walls and is_opaque[index] for index in order]
+    found["is_sealing"] = np.array(is_wall, np.uint32)[made["instance"]] if order else 0
     return found
 
 

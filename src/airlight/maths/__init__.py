@@ -5,7 +5,7 @@
                cosines_fit (of area_light's table)
    sky         sun_position, sunlight, atmosphere; blackbody, observer: spectra as colours
    lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels
-               (Billeter2012); parted_cells; flat_surfaces: before which light enters farther
+               (Billeter2012); flat_surfaces: before which light enters farther
    ordinates   ordinates, view_ordinates, view_importance: which; ordinate_grid, ordinate_hops,
                radial_grid: propagation; delta_beam, outgoing_light, point_light_beam, diffusion:
                beams (Elek2014); nested_diffusion: on finer grids; halved_cells: light between cells
