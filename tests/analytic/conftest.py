@@ -95,20 +95,11 @@ class Judged:
         """
         if self.name in BASELINES:
             pytest.skip(f"{self.name} is a baseline: {BASELINES[self.name]}")
-        kind = (self.name, scene.medium is not None, bool(scene.volumes))
-        asked = {"transmittance", *needs}
-        # What was not in an image of such air is not drawn for the sake of another skip.
-        if not asked & _MISSING.get(kind, set()):
-            image = self.image(scene, size, **settings)
-            if not (missing := asked - image.layers.keys()):
-                return image
-            _MISSING.setdefault(kind, set()).update(missing)
-        names = ", ".join(sorted(asked & _MISSING[kind]))
-        pytest.skip(f"{self.name} draws no layer {names}")
-
-
-_MISSING: dict[tuple[str, bool, bool], set[str]] = {}
-"""Layers that a technique was found not to draw, in a medium or not, in volumes or not."""
+        image = self.image(scene, size, **settings)
+        for layer in ("transmittance", *needs):
+            if layer not in image.layers:
+                pytest.skip(f"{self.name} draws no layer '{layer}'")
+        return image
 
 
 def _known(technique: str) -> set[str]:

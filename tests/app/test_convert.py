@@ -155,6 +155,26 @@ def test_no_mesh_is_lost_in_a_scene_file(tmp_path, capsys):
             )
 
 
+def test_lights_are_not_lost_where_media_are_the_only_shapes(tmp_path):
+    """A scene without visible meshes has no file that would bring its lights."""
+    (tmp_path / "tetrahedron.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+    )
+    source, target = tmp_path / "a.xml", tmp_path / "b.toml"
+    source.write_text(
+        """<scene version="3.0.0"><shape type="obj">
+<string name="filename" value="tetrahedron.obj"/>
+<bsdf type="null"/><medium type="homogeneous" name="interior"><rgb name="sigma_t" value="2"/>
+</medium></shape><emitter type="point"><point name="position" x="0" y="5" z="0"/>
+<rgb name="intensity" value="7"/></emitter></scene>"""
+    )
+    assert cli.run(["convert", str(source), str(target)]) == 0
+    before, after = load(source), load(target)
+    assert before.lights and after.lights == before.lights
+    assert (after.environment is None) == (before.environment is None)
+    assert len(after.volumes) == len(before.volumes) == 1
+
+
 def test_meshes_take_no_other_file_s_place(tmp_path, capsys):
     source, taken = tmp_path / "a.xml", tmp_path / "b_meshes.glb"
     source.write_text(XML)

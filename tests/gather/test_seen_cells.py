@@ -40,7 +40,7 @@ def points_in_view(camera, count):
 
 def test_all_cells_that_rays_of_the_view_read_are_among_them():
     """Rays read the eight cells around a point of every lattice that counts there."""
-    seen = seen_cells((FINE, COARSE), CAMERA, 2.0, 0)
+    seen = seen_cells((FINE, COARSE), CAMERA, (20, 10), (0.0, 0.0), 0)
     is_seen = np.zeros(FINE.cells + COARSE.cells, bool)
     is_seen[seen.cells] = True
     points = points_in_view(CAMERA, 20_000) @ np.array(TURNED).T
@@ -60,7 +60,7 @@ def test_all_cells_that_rays_of_the_view_read_are_among_them():
 
 
 def test_points_are_the_places_in_the_list():
-    seen = seen_cells((FINE, COARSE), CAMERA, 2.0, 0)
+    seen = seen_cells((FINE, COARSE), CAMERA, (20, 10), (0.0, 0.0), 0)
     count = FINE.cells + COARSE.cells
     points = seen.points(count)
     np.testing.assert_array_equal(points[seen.cells], np.arange(seen.cells.size))
@@ -73,7 +73,9 @@ def test_points_are_the_places_in_the_list():
 
 def test_cells_out_of_sight_have_their_turn():
     """All of them within TURNS samples, as many in each; those in sight keep their points."""
-    turns = [seen_cells((FINE, COARSE), CAMERA, 2.0, turn) for turn in range(TURNS)]
+    turns = [
+        seen_cells((FINE, COARSE), CAMERA, (20, 10), (0.0, 0.0), turn) for turn in range(TURNS)
+    ]
     assert len({turn.cells.size for turn in turns}) == len({turn.firsts for turn in turns}) == 1
     every = np.unique(np.concatenate([turn.cells for turn in turns]))
     # All but those of the coarser lattice that are read where the finer one has all light.
@@ -91,10 +93,10 @@ def test_cells_out_of_sight_have_their_turn():
 
 def test_a_view_that_sees_nothing_has_turns_alone():
     away = Camera((0.0, 0.0, 20.0), (0.0, 0.0, 40.0), fov_y_deg=40.0)
-    assert seen_cells((COARSE,), away, 1.0, 3).cells.size == COARSE.cells / TURNS
+    assert seen_cells((COARSE,), away, (8, 8), (0.0, 0.0), 3).cells.size == COARSE.cells / TURNS
 
 
-def every_cell(placements, camera, aspect, turn):
+def every_cell(placements, camera, size, shift_px, turn):
     counts = [placement.cells for placement in placements]
     firsts = [sum(counts[:k]) for k in range(len(counts))]
     return SeenCells(

@@ -77,15 +77,17 @@ def test_what_is_seen_through_hides_nothing(mesh):
 
 
 def test_what_reaches_through_the_wall_is_not_hidden():
-    sample = LightSample((0.9, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 1.0), extent=0.05)
-    scene = Scene((box(),), (sample,), camera=Camera((4.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    light = bulb((0.9, 0.0, 0.0))
+    scene = Scene((box(),), (light,), camera=Camera((4.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
     assert seen(scene) == [False]
-    assert seen(replace(scene, lights=(replace(sample, extent=0.2),))) == [True]
+    # What stands for parts of lights with extent may have some on either side.
+    sample = LightSample((0.9, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 1.0), extent=0.01)
+    assert seen(replace(scene, lights=(sample,))) == [True]
     # nor of a lens that does
     near = replace(scene.camera, position=(1.2, 0.0, 0.0), aperture_m=0.5)
     assert seen(replace(scene, camera=near)) == [True]
     # nor what lies in the wall itself
-    on_wall = replace(sample, position=(1.0, 0.0, 0.0), extent=0.0)
+    on_wall = bulb((1.0, 0.0, 0.0))
     assert seen(replace(scene, lights=(on_wall,))) == [True]
 
 
@@ -111,3 +113,35 @@ def test_a_renderer_s_eye_and_light_go_in_and_out():
         assert renderer.frame(camera=out).radiance.mean() > 0.01
         again = renderer.frame(lights=(bulb(INSIDE),), camera=into).radiance
         np.testing.assert_array_equal(lit, again)
+
+
+def test_what_is_hidden_is_the_same_object_in_each_frame():
+    """So that a camera alone that moves is no light that changes."""
+    scene = Scene(
+        (box(),), (bulb(INSIDE), bulb(OUTSIDE)), camera=Camera((4.0, 0.0, 0.0), (0, 0, 0))
+    )
+    hidden = Hidden(Rooms(scene.meshes, np.zeros((0, 3))))
+    first = hidden.without(scene, scene.meshes)
+    moved = replace(scene, camera=replace(scene.camera, position=(4.0, 0.5, 0.0)))
+    assert hidden.without(moved, scene.meshes).lights is first.lights
+
+
+def test_a_lid_that_opens_shows_what_was_hidden():
+    """And shut again it hides it: whatever was asked before."""
+    g = shapes.box()
+    matrix = np.diag([2.0, 2.0, 2.0, 1.0])
+    chest, lid = (
+        Mesh(Geometry(g.positions, part), PAINT, matrix) for part in (g.indices[2:], g.indices[:2])
+    )
+    eye = Camera((4.0, 3.0, 2.0), (0.0, 0.0, 0.0))
+    scene = Scene((chest, lid), (bulb(INSIDE),), camera=eye)
+    hidden = Hidden(Rooms(scene.meshes, np.zeros((0, 3))))
+    up = matrix.copy()
+    up[:3, 3] = 0.3
+    opened = (chest, replace(lid, world_from_object=up))
+    for meshes, flags in (
+        (scene.meshes, (True, False)),
+        (opened, (False, False)),
+        (scene.meshes, (True, False)),
+    ):
+        assert hidden.flags(replace(scene, meshes=meshes), meshes) == flags

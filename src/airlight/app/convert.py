@@ -168,9 +168,10 @@ def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any
     original = scene
     # Meshes that no file holds get one beside the scene file, and so do those around media.
     scene = _with_body_files(scene, target)
-    if scene.meshes and not (source.startswith(BUILTIN_PREFIX) or _is_nameable(source)):
-        source = str(_write_meshes(scene, target))
-        # Of that file nothing else comes, so that the scene file says all the rest.
+    if not (source.startswith(BUILTIN_PREFIX) or _is_nameable(source)):
+        if scene.meshes:
+            source = str(_write_meshes(scene, target))
+        # Of the source nothing else comes, so that the scene file says all the rest.
         original = replace(scene, lights=(), environment=None)
     text = scene_text(scene, original, source, target.parent, model=model)
     with whole_file(target) as part:

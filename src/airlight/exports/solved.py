@@ -56,8 +56,9 @@ def light_field(renderer: Renderer, technique: str = "") -> LightField:
 
     For light that changes: move something with `renderer.frame(lights=..., read=False)` and ask
     again; nothing is loaded or compiled a second time. `technique` is the name that the arrays'
-    header has, the renderer's own by default. Raises SettingsError where the technique stores no
-    light.
+    header has, the renderer's own by default. Lights that closed walls part from the renderer's
+    camera are dark there, unless its settings have `hidden_lights`. Raises SettingsError where the
+    technique stores no light.
     """
     used = renderer.technique
     volumes = _volume_lights(used, renderer)

@@ -6,6 +6,8 @@ what becomes of their sums, differs.
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..fields import AirLight
 from ..gpu.device import Gpu
 from ..lattice.placement import Placement
@@ -13,7 +15,6 @@ from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
-from ..scene.camera import Camera
 from ..surface.hits import Hits
 from .calibration import RAYS
 from .cells import CellPoints, CellSums, rows_of
@@ -84,14 +85,15 @@ class CellBatches:
         # Buffers are made once it is known how many cells are seen.
         self._scope = scope.scope()
         self._rows = 0
-        self._looked: tuple[tuple[Placement, ...], Camera, float, int | None] | None = None
+        self._looked: tuple[Any, ...] | None = None
         self._seen: SeenCells | None = None
 
     def look(self, view: View, placements: tuple[Placement, ...]) -> SeenCells:
         """The cells of these lattices that send rays in this sample; all is made for them."""
-        aspect = view.size[0] / view.size[1]
-        turn = view.sample % TURNS if view.sample >= FIRST else None
-        looked = (placements, view.camera, aspect, turn)
+        turn = (view.sample - FIRST) % TURNS if view.sample >= FIRST else None
+        # Jitter within a pixel does not count, what a lens moves the image by does.
+        x, y = view.jitter_px
+        looked = (placements, view.camera, view.size, (float(round(x)), float(round(y))), turn)
         if self._seen is None or looked != self._looked:
             seen = seen_cells(*looked)
             self._fit(rows_of(seen.cells.size))

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..lattice.placement import Placement
-from ..maths.transforms import F64, clip_from_view_infinite, view_from_world
+from ..maths.transforms import F64, clip_from_view_infinite, jittered, view_from_world
 from ..scene.camera import Camera
 
 U32 = NDArray[np.uint32]
 NO_POINT = 0xFFFFFFFF
-"""Of a cell that the view does not read, as in `cell_sums.wgsl`."""
+"""Of a cell that sends no rays in a sample, as in `cell_sums.wgsl`."""
 TURNS = 8
 """Samples in which each cell out of sight sends rays once, after the first."""
 FIRST = 4
@@ -44,14 +44,19 @@ class SeenCells(NamedTuple):
 
 
 def seen_cells(
-    placements: tuple[Placement, ...], camera: Camera, aspect: float, turn: int | None
+    placements: tuple[Placement, ...],
+    camera: Camera,
+    size: tuple[int, int],
+    shift_px: tuple[float, float],
+    turn: int | None,
 ) -> SeenCells:
-    """Those of nested lattices, the finest first, that an image of this aspect ratio reads.
+    """Those of nested lattices, the finest first, that an image of this `size` in pixels reads.
 
+    `shift_px`: how far a lens moves the image; less than a pixel may be left out.
     After those of each lattice come others whose `turn` it is, as many in each one; without a
     turn all others. Where a finer lattice has all light nobody reads a cell.
     """
-    planes = _planes(camera, aspect)
+    planes = _planes(camera, size, shift_px)
     found, firsts, first = [], [], 0
     finer: Placement | None = None
     for placement in placements:
@@ -59,20 +64,20 @@ def seen_cells(
         is_read, is_seen = ~_are_covered(placement, finer), _are_before(placement, planes)
         hidden = np.flatnonzero(is_read & ~is_seen)
         if turn is not None:
-            size = -(-hidden.size // TURNS)
-            begin = min(turn % TURNS * size, hidden.size - size)
-            hidden = hidden[begin : begin + size]
+            every = turn + TURNS * np.arange(-(-hidden.size // TURNS))
+            hidden = hidden[every % max(hidden.size, 1)]
         for cells in (np.flatnonzero(is_read & is_seen), hidden):
             found.append((first + cells).astype(np.uint32))
         first, finer = first + placement.cells, placement
     return SeenCells(np.concatenate(found), tuple(firsts))
 
 
-def _planes(camera: Camera, aspect: float) -> F64:
+def _planes(camera: Camera, size: tuple[int, int], shift_px: tuple[float, float]) -> F64:
     """(5, 4): n and d of the planes that bound a view; n p + d >= 0 within."""
     look = np.subtract(camera.target, camera.position)
     view = view_from_world(camera.position, look, camera.up)
-    x, y, _, w = clip_from_view_infinite(np.radians(camera.fov_y_deg), aspect, 1.0) @ view
+    clip = clip_from_view_infinite(np.radians(camera.fov_y_deg), size[0] / size[1], 1.0)
+    x, y, _, w = jittered(clip, shift_px, size) @ view
     return np.array([w, w + x, w - x, w + y, w - y])
 
 

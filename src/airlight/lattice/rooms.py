@@ -44,7 +44,7 @@ class Rooms:
         # Bodies are found once: a mesh that moves or bends closes what it closed.
         self._outer, self._bodies = closed_bodies(meshes)
         self._known: list[list[_Known]] = [[] for _ in self._bodies]
-        self._parting: dict[int, bool] = {}
+        self._parting: dict[int, tuple[list[Mesh], bool]] = {}
         self._placed: Sequence[Mesh] | None = None
         self._boxes = np.zeros((2, 0, 3))
         self._always = self._around(meshes, points)
@@ -98,11 +98,13 @@ class Rooms:
         return found
 
     def _parts(self, number: int, meshes: Sequence[Mesh]) -> bool:
-        """Whether no light and no camera sees through a body: asked of its first shape alone."""
-        if number not in self._parting:
-            body = [meshes[index] for index in self._bodies[number]]
-            self._parting[number] = all(map(_is_opaque, body)) and is_sealed(body)
-        return self._parting[number]
+        """Whether no light and no camera sees through a body as it is; a lid may have opened."""
+        body = [meshes[index] for index in self._bodies[number]]
+        known, parts = self._parting.get(number, ([], False))
+        if len(known) != len(body) or any(a is not b for a, b in zip(known, body, strict=True)):
+            parts = all(map(_is_opaque, body)) and is_sealed(body)
+            self._parting[number] = body, parts
+        return parts
 
     def _walls(
         self, holding: frozenset[int], meshes: Sequence[Mesh], points: F64

@@ -2,7 +2,8 @@
 
 A light in a cupboard, the sun outside a room without windows: lattices and shadow maps would let
 some of it through walls that are thinner than their cells and texels. Which side of a closed
-surface a point is on is known exactly, so such light is left out, in every layer.
+surface a point is on is known exactly, so such light is left out, in every layer. Lights with
+extent stay: what stands for parts of them may have parts on both sides of a wall.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..area.sources import has_extent
 from ..lattice.rooms import Rooms
 from ..maths.transforms import F64
 from ..scene.environment import Environment
-from ..scene.lights import DirectionalLight, Light
+from ..scene.lights import Light, LightSample
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 
@@ -25,39 +27,51 @@ class Hidden:
     def __init__(self, rooms: Rooms) -> None:
         self._rooms = rooms
         # What was asked last with its answer, and the last sky with the dark one in its place.
-        self._asked: tuple[Scene, tuple[Mesh, ...], Scene] | None = None
+        self._asked: tuple[Scene, tuple[Mesh, ...], tuple[bool, ...]] | None = None
         self._sky: tuple[Environment, Environment] | None = None
+        # Lights with their dark ones, and the lights of a scene: the same objects in each frame.
+        self._darkened: list[tuple[Light, Light]] = []
+        self._lights: tuple[Light, ...] = ()
 
-    def without(self, scene: Scene, meshes: tuple[Mesh, ...]) -> Scene:
-        """The scene whose hidden lights, and sky, give nothing; the same where none is hidden.
-
-        `meshes`: as they are. Lights with extent are samples already, each on a side of its own.
-        """
+    def flags(self, scene: Scene, meshes: tuple[Mesh, ...]) -> tuple[bool, ...]:
+        """Of each light whether it is hidden, last whether the sky is; `meshes` as they are."""
         last = self._asked
         if last is None or not (meshes is last[1] and _looks_alike(scene, last[0])):
             self._asked = last = scene, meshes, self._found(scene, meshes)
-        seen = last[2]
-        if seen.lights is scene.lights and seen.environment is scene.environment:
-            return scene
-        return replace(scene, lights=seen.lights, environment=seen.environment)
+        return last[2]
 
-    def _found(self, scene: Scene, meshes: tuple[Mesh, ...]) -> Scene:
-        # The eye, the lights, and far away all light that has no place.
-        camera = scene.camera
-        places = [_position(light) for light in scene.lights]
-        points = np.array([*places, (np.inf,) * 3])
-        extents = [getattr(light, "extent", 0.0) for light in scene.lights]
-        reaches = np.array([0.5 * camera.aperture_m, *extents, 0.0])
-        eye = np.array(camera.position, np.float64)
-        is_hidden = self._rooms.parted(meshes, eye, points, reaches)
-        if not is_hidden.any():
+    def without(self, scene: Scene, meshes: tuple[Mesh, ...]) -> Scene:
+        """The scene whose hidden lights, and sky, give nothing; the same where none is hidden."""
+        flags = self.flags(scene, meshes)
+        if not any(flags):
             return scene
 
         # As many lights as before, since the device has a place for each.
-        pairs = zip(scene.lights, is_hidden, strict=False)
-        lights: tuple[Light, ...] = tuple(x.darkened() if hidden else x for x, hidden in pairs)
-        sky = self._dark(scene.environment) if is_hidden[-1] else scene.environment
-        return replace(scene, lights=lights, environment=sky)
+        pairs = zip(scene.lights, flags, strict=False)
+        lights = tuple(self._dark_light(x) if hidden else x for x, hidden in pairs)
+        self._darkened = [pair for pair in self._darkened if any(pair[1] is x for x in lights)]
+        is_same = len(lights) == len(self._lights)
+        if not (is_same and all(a is b for a, b in zip(lights, self._lights, strict=True))):
+            self._lights = lights
+        sky = self._dark(scene.environment) if flags[-1] else scene.environment
+        return replace(scene, lights=self._lights, environment=sky)
+
+    def _found(self, scene: Scene, meshes: tuple[Mesh, ...]) -> tuple[bool, ...]:
+        # The eye, the lights, and far away all light that has no place.
+        camera = scene.camera
+        points = np.array([*map(_position, scene.lights), (np.inf,) * 3])
+        reaches = [np.inf if _has_parts(light) else 0.0 for light in scene.lights]
+        eye = np.array(camera.position, np.float64)
+        clear_m = np.array([0.5 * camera.aperture_m, *reaches, 0.0])
+        return tuple(self._rooms.parted(meshes, eye, points, clear_m).tolist())
+
+    def _dark_light(self, light: Light) -> Light:
+        """One that gives nothing, the same one for the same light."""
+        found = next((dark for known, dark in self._darkened if known is light), None)
+        if found is None:
+            found = light.darkened()
+            self._darkened.append((light, found))
+        return found
 
     def _dark(self, sky: Environment | None) -> Environment | None:
         """A sky that gives nothing, the same one for the same sky, so that it is lit once."""
@@ -77,5 +91,9 @@ def _looks_alike(scene: Scene, other: Scene) -> bool:
 
 def _position(light: Light) -> F64:
     """Where it is, metres: a distant light is outside of everything."""
-    place = (np.inf,) * 3 if isinstance(light, DirectionalLight) else light.position
-    return np.array(place, np.float64)
+    return np.array(getattr(light, "position", (np.inf,) * 3), np.float64)
+
+
+def _has_parts(light: Light) -> bool:
+    """Whether it has extent, or stands for a part of a light that has."""
+    return isinstance(light, LightSample) or has_extent(light)

@@ -215,6 +215,12 @@ class Kit:
             return scene
         return self._hidden.without(scene, self.meshes.current)
 
+    def hidden(self, scene: Scene) -> tuple[bool, ...]:
+        """Which lights, and last whether the sky, are dark for the scene's camera."""
+        if self.settings.hidden_lights:
+            return ()
+        return self._hidden.flags(scene, self.meshes.current)
+
     def encode(self, commands: Commands, scene: Scene, low: F64, high: F64) -> None:
         """Update all that is shared to `scene`; low..high as from `bounds`."""
         # What light must reach, and lattices ahead of the camera; then maps, blockers and the sky.

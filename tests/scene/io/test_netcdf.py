@@ -316,6 +316,9 @@ def test_what_cannot_be_read_is_one_message(tmp_path):
         file.create_dataset("ql", (2, 3, 4), "f4", external=external)
     (tmp_path / "f.zarr").mkdir()
     (tmp_path / "f.zarr" / "secret").symlink_to("/etc/hosts")
+    (tmp_path / "i.zarr").mkdir()
+    (tmp_path / "i.zarr" / "ql").symlink_to(tmp_path / "f.zarr")
+    written(dataset().expand_dims(time=1).isel(time=slice(0)), tmp_path / "j.nc")
     two = dataset(name="a").assign(b=dataset()["ql"])
     written(two, tmp_path / "g.nc")
     written(dataset().isel(z=0), tmp_path / "h.nc")
@@ -326,6 +329,8 @@ def test_what_cannot_be_read_is_one_message(tmp_path):
         "d.nc": "has data in other files",
         "e.nc": "has data in other files",
         "f.zarr": "outside its folder",
+        "i.zarr": "a link to a folder",
+        "j.nc": "no times",
         "g.nc": "has no grid 'density'. Known: a, b",
         "h.nc": "holds no grid of three dimensions",
     }.items():

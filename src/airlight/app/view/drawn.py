@@ -126,8 +126,10 @@ def solved_by(r: Renderer) -> tuple[Any, ...]:
         place = None if np.all(place >= low) and np.all(place <= high) else place
     # Nested lattices follow the camera.
     nested = scene.camera if "cascades" in r.technique.stats else None
+    # What closed walls hide from the eye is dark.
+    hidden = r.technique.kit.hidden(scene)
     # After an error the renderer recreates its resources, with nothing solved.
-    return (r.technique, *parts, place, nested)
+    return (r.technique, *parts, place, nested, hidden)
 
 
 def _are_lights(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import OrderedDict
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -256,15 +257,24 @@ class _RecentFiles:
 
     def __init__(self) -> None:
         self._found: OrderedDict[tuple[Any, ...], FileGrids] = OrderedDict()
+        self._lock = threading.Lock()  # renderers of several threads may show one sequence
 
     def of(self, key: tuple[Any, ...]) -> FileGrids:
         """What `_file_grids` gives for these arguments."""
-        found = self._found.pop(key, None) or _file_grids(*key)
-        self._found[key] = found
-        # The oldest go, as long as there is too much.
+        with self._lock:
+            found = self._found.get(key)
+        # Files are read outside of the lock: another thread may want another one.
+        found = found or _file_grids(*key)
+        with self._lock:
+            self._found[key] = found
+            self._found.move_to_end(key)
+            self._drop_oldest()
+        return found
+
+    def _drop_oldest(self) -> None:
+        """As long as there is too much."""
         while len(self._found) > _FEWEST and sum(map(_nbytes, self._found.values())) > _MOST_BYTES:
             self._found.popitem(last=False)
-        return found
 
 
 def _nbytes(read: FileGrids) -> int:

@@ -78,7 +78,13 @@ def _check_folder(path: Path) -> None:
         raise SceneError("is no zarr folder", remedy="Unpack it: a zarr store is a folder here.")
     count = 0
     # Reading a store opens any of its files, so none of them may lead out of it.
-    for folder, _, files in os.walk(path):
+    for folder, folders, files in os.walk(path):
+        # Folders that are links are not walked, so that nothing in them would be looked at.
+        for name in folders:
+            if Path(folder, name).is_symlink():
+                raise SceneError(
+                    f"holds '{name}', a link to a folder", remedy="Copy what it holds."
+                )
         count += len(files)
         if count > _MOST_PARTS:
             raise SceneError(f"has over {_MOST_PARTS:,} files", remedy="Write larger chunks.")

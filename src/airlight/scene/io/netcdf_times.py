@@ -39,6 +39,8 @@ def at_one_time(
     and for more values than can be used.
     """
     count = 1 if axis is None else int(variable.sizes[axis])
+    if count == 0:
+        raise SceneError(f"has no times of '{variable.name}' yet")
     if number is not None and not -count <= number < count:
         have = "one time" if count == 1 else f"{count} times, 0 to {count - 1}"
         raise SceneError(f"has no '{variable.name}[{number}]': it has {have}")

@@ -134,7 +134,8 @@ def _first_filled(
         if grid.density.any():
             more = tuple(text for text in first.warnings if text not in grid.warnings)
             return k, replace(grid, warnings=(*more, *grid.warnings))
-    assert first is not None
+    if first is None:
+        raise SceneError(f"has no times of '{name}' yet")
     return 0, first
 
 
