@@ -57,7 +57,9 @@ def seen_cells(
     turn all others. Where a finer lattice has all light nobody reads a cell.
     """
     planes = _planes(camera, size, shift_px)
-    found, firsts, first = [], [], 0
+    found: list[U32] = []
+    firsts: list[tuple[int, int]] = []
+    first = 0
     finer: Placement | None = None
     for placement in placements:
         firsts.append((first, sum(cells.size for cells in found)))
