@@ -10,7 +10,9 @@ from airlight.app.view.drawn import QUICK_COARSENESS, QUICK_STEPS, Drawn, is_sam
 from airlight.errors import DeviceError
 from airlight.lpv.solver import LpvSolver
 from airlight.rendering import Renderer
+from airlight.scene import Camera, Mesh, PointLight, Scene
 from airlight.scene.io import load
+from airlight.scene.shapes import box
 from small_viewer import SETTINGS
 
 SMALL = {**SETTINGS, "map_resolution": 32}
@@ -49,6 +51,23 @@ def test_a_camera_needs_no_solution_and_other_meshes_do():
     assert drawn.solve_ms == 0.0
     other = (replace(scene.meshes[0], name="other"), *scene.meshes[1:])
     assert solved(drawn, replace(scene, meshes=other)) == 1
+    drawn.close()
+
+
+def test_a_camera_that_goes_through_a_closed_wall_sees_what_it_hid():
+    """A light in a closed box is dark for an eye outside, and is lit when the eye goes in."""
+    light = PointLight((0.2, 0.1, 0.0), (1.0, 1.0, 1.0))
+    outside = Camera((1.2, 0.3, 0.9), (0.0, 0.0, 0.0))
+    scene = Scene((Mesh(box()),), (light,), camera=outside)
+    try:
+        drawn = Drawn(Renderer(scene, "lpv", (16, 9), settings=SMALL))
+    except DeviceError as error:
+        pytest.skip(str(error))
+    assert solved(drawn, scene) == 1
+    assert solved(drawn, replace(scene, camera=replace(outside, position=(1.3, 0.3, 0.9)))) == 0
+    inside = replace(scene, camera=replace(outside, position=(-0.2, 0.1, 0.3)))
+    assert solved(drawn, inside) == 1
+    assert solved(drawn, moved(inside)) == 0
     drawn.close()
 
 

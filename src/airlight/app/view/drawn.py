@@ -42,7 +42,7 @@ class Drawn:
         self.renderer.show(scene)
 
     def solve(self, commands: Commands, *, is_quick: bool = False, is_still: bool = False) -> None:
-        """All that the camera does not matter for, unless nothing else has changed.
+        """All that is not drawn for the view, unless nothing has changed that it depends on.
 
         `is_quick`: a hand moves what shines, and fewer steps of propagation and coarser shadows
         will do for now on a CPU adapter, and lattices lag: direct light follows the hand at once,
