@@ -101,6 +101,20 @@ def test_a_scene_file_places_what_moves(tmp_path):
     np.testing.assert_allclose(mesh.world_from_object[:3, 3], (10, 3, 0), atol=1e-9)
 
 
+def test_a_light_that_is_scaled_from_nothing_stays(tmp_path):
+    body = """
+    float3 xformOp:scale.timeSamples = { 1: (0, 0, 0), 10: (1, 1, 1) }
+    uniform token[] xformOpOrder = ["xformOp:scale"]
+    def SphereLight "light"
+    {
+        float inputs:intensity = 3
+    }
+    """
+    scene = load_meshes(stage(tmp_path, xform("a", body) + QUAD % ""))
+    assert len(scene.lights) == 1
+    assert any("scaled to nothing" in text for text in scene.warnings)
+
+
 def test_what_cannot_move_is_told(tmp_path):
     dome = 'def DomeLight "d"\n{\n}\n'
     scene = load_meshes(stage(tmp_path, xform("a", TURNING + dome) + QUAD % ""))

@@ -73,7 +73,7 @@ class UsdMotion:
         parts = tuple(Part(p.node, local=p.world if p.node == STILL else None) for p in meshes)
         hung = tuple((self._from_now(place), light) for place, light in lights)
         seen = (self._from_now(camera[0]), camera[1]) if camera else None
-        if camera and camera[0].node == STILL:
+        if seen and seen[0] == STILL:
             seen = None
         return Rig(self._skeleton(), parts, hung, seen, (self._clip(),))
 
@@ -84,10 +84,20 @@ class UsdMotion:
         path = str(prim.GetPath())
         if path not in self._moving:
             own = UsdGeom.Xformable(prim) if prim.IsA(UsdGeom.Xformable) else None
-            is_varying = own is not None and own.TransformMightBeTimeVarying()
+            is_varying = self._has_samples(own, path)
             is_apart = own is not None and own.GetResetXformStack()
             self._moving[path] = is_varying or (not is_apart and self._moves(prim.GetParent()))
         return self._moving[path]
+
+    def _has_samples(self, own: Any, path: str) -> bool:
+        """Whether an Xformable, or None, has samples of its own place over time."""
+        if own is None or not own.TransformMightBeTimeVarying():
+            return False
+        is_sampled = len(own.GetTimeSamples()) > 0
+        told = f"'{path}': its motion is no time samples (splines are left out)"
+        if not is_sampled and told not in self.warnings:
+            self.warnings.append(told)
+        return is_sampled
 
     def _node(self, prim: Any) -> int:
         """The number of a prim's node; its parents have theirs before."""
@@ -103,7 +113,7 @@ class UsdMotion:
         parent = _ROOT if is_apart else self._node(prim.GetParent())
         number = self._add(parent, _local(own, self._time))
         self._nodes[path] = number
-        if own is not None and own.TransformMightBeTimeVarying():
+        if self._has_samples(own, path):
             codes = self._codes(own)
             self._samples[number] = codes, np.array([_local(own, code) for code in codes])
             if _shears(self._samples[number][1]):
@@ -119,6 +129,10 @@ class UsdMotion:
     def _from_now(self, place: Place) -> int:
         """A node by which what is in the world now moves with the place."""
         if place.node == STILL:
+            return STILL
+        # What is scaled to nothing now has no place to go on from.
+        if np.linalg.matrix_rank(place.world) < 4:
+            self.warnings.append("a light or camera is scaled to nothing at first: it stays there")
             return STILL
         return self._add(place.node, np.asarray(np.linalg.inv(place.world), np.float64))
 
