@@ -16,7 +16,7 @@ from ..area.sources import has_extent
 from ..lattice.rooms import Rooms
 from ..maths.transforms import F64
 from ..scene.environment import Environment
-from ..scene.lights import Light, LightSample
+from ..scene.lights import Light
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 
@@ -96,4 +96,4 @@ def _position(light: Light) -> F64:
 
 def _has_parts(light: Light) -> bool:
     """Whether it has extent, or stands for a part of a light that has."""
-    return isinstance(light, LightSample) or has_extent(light)
+    return light.has_size or has_extent(light)

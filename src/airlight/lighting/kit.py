@@ -210,10 +210,8 @@ class Kit:
 
     def lit(self, scene: Scene) -> Scene:
         """The scene as solvers are given it: lights with extent are samples, hidden ones dark."""
-        scene = self.emitters.of(scene)
-        if self.settings.hidden_lights:
-            return scene
-        return self._hidden.without(scene, self.meshes.current)
+        scene, computes_all = self.emitters.of(scene), self.settings.hidden_lights
+        return scene if computes_all else self._hidden.without(scene, self.meshes.current)
 
     def hidden(self, scene: Scene) -> tuple[bool, ...]:
         """Which lights, and last whether the sky, are dark for the scene's camera."""
