@@ -119,6 +119,8 @@ def test_the_image_is_as_if_all_cells_sent_rays(monkeypatch, away):
             "multiple_scatter"
         ]
 
+    # Turns begin in the middle of the image's samples.
+    monkeypatch.setattr(batches, "FIRST", 4)
     few = scattered()
     monkeypatch.setattr(batches, "seen_cells", every_cell)
     all_of_them = scattered()

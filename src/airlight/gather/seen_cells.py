@@ -20,7 +20,7 @@ NO_POINT = 0xFFFFFFFF
 """Of a cell that sends no rays in a sample, as in `cell_sums.wgsl`."""
 TURNS = 8
 """Samples in which each cell out of sight sends rays once, after the first."""
-FIRST = 4
+FIRST = 8
 """Samples in which all cells send rays: each brings light that was scattered once more."""
 READ = 2.0
 """From a cell's middle to where its light is read, on each axis, in cells: to the middle of its
