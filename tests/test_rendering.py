@@ -88,7 +88,11 @@ def test_depth_is_metres_along_the_ray(lit, camera_rays):
     on_either &= points[..., 1] < 3.9
     assert on_either.sum() > 300
     depth = lit.layers["depth"]
-    np.testing.assert_allclose(depth[on_either], distance[on_either], rtol=1e-4)
+    # Drivers may place vertices on 1/256 of a pixel: half of that on either axis is so far.
+    off = sum(np.abs(d) for d in np.gradient(np.where(on_either, distance, np.nan))) / 512.0
+    off = np.where(np.isfinite(off), off, np.nanmax(off))
+    found, truth = depth[on_either], distance[on_either]
+    assert (np.abs(found - truth) <= off[on_either] + 1e-5 * truth).all()
     assert np.isinf(depth[0, 0])
     assert not lit.radiance[0, 0].any()
 
@@ -106,18 +110,20 @@ def test_normals_and_albedo_are_the_surfaces(lit):
         np.testing.assert_allclose(albedo[mask], np.tile(color, (mask.sum(), 1)), rtol=1e-3)
 
 
-def test_the_walls_colour_bleeds_onto_the_floor(gpu, corner, lit):
-    # What the red wall adds to a black one's image has the wall's colour: 8 to 1. Measured 10.2:
-    # surfaces read two-band light by a rule that is not linear, and the floor's own is in it too
-    # (9.3); what near surfaces hide of it is taken away by a linear one.
+def test_the_walls_colour_bleeds_onto_the_floor(gpu, corner):
+    # What the red wall adds to a black one's image has the wall's colour: 8 to 1. Measured 9.4:
+    # surfaces read two-band light by a rule that is not linear, and the floor's own is in it too.
     black = dataclasses.replace(RED, base_color=(0.0, 0.0, 0.0))
     floor, wall = corner.meshes
     without = dataclasses.replace(corner, meshes=(floor, dataclasses.replace(wall, material=black)))
-    dark = render(without, "lpv", SIZE, settings=LPV, samples=1)
-    on_floor = lit.layers["normal"][..., 1] > 0.5
-    added = (lit.layers["indirect"] - dark.layers["indirect"])[on_floor].mean(axis=0)
+    settings = {**LPV, "ambient_occlusion": False}
+    red, dark = (
+        render(scene, "lpv", SIZE, settings=settings, samples=1) for scene in (corner, without)
+    )
+    on_floor = red.layers["normal"][..., 1] > 0.5
+    added = (red.layers["indirect"] - dark.layers["indirect"])[on_floor].mean(axis=0)
     assert added[1] > 0.0
-    assert added[0] / added[1] == pytest.approx(8.0, rel=0.3)
+    assert added[0] / added[1] == pytest.approx(8.0, rel=0.2)
     assert added[2] / added[1] == pytest.approx(1.0, rel=1e-3)
 
 
@@ -407,8 +413,9 @@ def test_the_image_of_a_scene_does_not_depend_on_its_size(gpu, scale, technique)
         )
         settings = DIRECT if technique == "direct" else {**LPV, "resolution": 8, "iterations": 8}
         images.append(render(scene, technique, (32, 18), settings=settings, samples=1).radiance)
-    # Blue light of the sky reaches the shadow, and what is farthest is the sky itself. Measured:
-    # 2e-5 (`direct`), .0022 (`lpv`).
+    # Blue light of the sky reaches the shadow, and what is farthest is the sky itself. The floor
+    # is half way between two faces of cells, and which of them closes must not follow from
+    # rounding: up to .07 did. Measured: 2e-5 (`direct`), 1.3e-4 (`lpv`).
     off = np.linalg.norm(images[1] - images[0]) / np.linalg.norm(images[0])
-    assert off < (1e-4 if technique == "direct" else 0.005)
+    assert off < (1e-4 if technique == "direct" else 1e-3)
     assert images[0][12, 16].max() > 0.1

@@ -113,7 +113,10 @@ def loaded(): return sorted({line.split("/")[-1].split(".")[0]
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="libraries are not listed")
 def test_opengl_is_not_loaded_to_find_adapters(child):
-    assert child(f"{LOADED}\nprint(len(adapters()) > 0, loaded())") == ["True []"]
+    (said,) = child(f"{LOADED}\nprint(len(adapters()) > 0, loaded())")
+    if "libEGL_nvidia" in said:
+        pytest.skip("NVIDIA's Vulkan driver loads libEGL itself")
+    assert said == "True []"
 
 
 def test_an_instance_of_another_user_of_wgpu_is_shared(child):

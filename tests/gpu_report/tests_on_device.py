@@ -27,6 +27,11 @@ FOLDERS = (
     "gather",
     "area",
     "analytic",
+    "maths",
+    "app/view",
+    "test_rendering.py",
+    "test_renderers.py",
+    "test_moving.py",
 )
 QUICK = ("gpu/test_compute.py",)
 _COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")

@@ -87,6 +87,17 @@ def test_a_light_far_beside_is_not_one_in_the_medium():
     assert inner_share((2.0, 5.5, 2.0), size, 2.0) == 0.0
 
 
+def test_the_shader_knows_how_far_a_light_is_in_a_medium(wgsl):
+    rng = np.random.default_rng(4)
+    position = rng.uniform(-4.0, 8.0, (200, 3)).astype(np.float32)
+    extent, radius = rng.uniform(1.0, 5.0, (200, 3)), rng.uniform(0.5, 3.0, 200)
+    found = wgsl("inner_share", "inner_share", position, extent, radius)
+    rows = zip(position, extent, radius, strict=True)
+    expected = np.array([inner_share(p, e, float(r)) for p, e, r in rows])
+    assert 20 < (expected == 0.0).sum() < 180 and (expected == 1.0).any()
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+
+
 # Scattered fluence, W m^-2, of 1 W sr^-1 at the middle of the ball at sigma_s .8 and 1.3, by
 # airlight.reference.tracer with 400,000 photons: means over the cells at
 # r < .8, .8 to 1.6 and 1.6 to 2.3 m.

@@ -31,6 +31,7 @@ def shop_window(square) -> Scene:
     )
 
 
+@pytest.mark.needs("mitsuba")
 @pytest.mark.parametrize(
     "variant", ["scalar_rgb", pytest.param("auto", marks=pytest.mark.needs("libLLVM"))]
 )

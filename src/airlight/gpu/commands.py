@@ -173,6 +173,9 @@ class Commands:
         # What came before must not be counted: passes end, and on a wall clock the device is idle.
         if self.is_timed:
             self._close_compute()
+        # A stage whose passes have nothing to do took no time.
+        if self.is_timed and not on_wall:
+            self.stage_ms.setdefault(name, 0.0)
         if on_wall and not outer:
             self.submit()
             self.gpu.wait()

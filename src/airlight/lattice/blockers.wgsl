@@ -18,7 +18,7 @@ const SEALED_GAIN = 4.0;
     let area = lattice_from_world(lattice,
         (instance.normal_from_object * vec4f(surfel.area_normal, 0.0)).xyz);
     // The corner nearest to it.
-    let corner = nearest_corner(world);
+    let corner = nearest_corner(world, area / max(length(area), 1e-30));
     if (corner.index == NO_CORNER) {
         return;
     }

@@ -15,12 +15,14 @@
     // The corner nearest to what the texel sees.
     let view = views[id.z];
     let world = texel_point(view, texel_centre(id.xy, params.resolution), d);
-    let corner = nearest_corner(world);
+    let axis = id.z / 2u;
+    var n = vec3f(0.0);
+    n[axis] = select(1.0, -1.0, (id.z & 1u) == 1u);
+    let corner = nearest_corner(world, n);
     if (corner.index == NO_CORNER) {
         return;
     }
     // Its area along the map's axis covers a share of a face; walls block on both sides.
-    let axis = id.z / 2u;
     let offset = corner.offset[axis];
     let area = view.texel.x * view.texel.y / (lattice.cell * lattice.cell);
     let units = i32(round(area * params.units));

@@ -1,6 +1,7 @@
 //! use arriving_light
 //! use beam_light
 //! use delta_beam
+//! use inner_share
 //! use phase
 //! needs fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f
 //! needs fn reduced_depth(n: u32, cell: u32) -> vec3f
@@ -22,13 +23,11 @@ struct BeamEmission {
     inner: vec3f,          // both, of local lights in the medium or near it
 }
 
-// How far a local light counts as one in the medium, whose light does not enter at the border; see
-// maths/point_light_beam.py, inner_share.
-fn inner_share(n: u32) -> f32 {
-    let o = ordinates[n];
-    let outside = max(max(-o.position.xyz, o.position.xyz - params.extent), vec3f(0.0));
-    let inner = saturate(1.0 - length(outside) / (3.0 * params.largest_diffusivity));
-    return select(0.0, inner, o.position.w == LOCAL);
+// How far an ordinate is a local light in the medium or near it.
+fn local_share(n: u32) -> f32 {
+    let position = ordinates[n].position;
+    return select(0.0, inner_share(position.xyz, params.extent, 3.0 * params.largest_diffusivity),
+        position.w == LOCAL);
 }
 
 fn beam_phase(n: u32, mu: f32) -> vec3f {
@@ -61,7 +60,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         let quasi = select(exp(-reduced_depth(n, cell)) - direct, vec3f(0.0),
             ordinates[n].position.w == VIRTUAL_GRID);
         sum.quasi_fluence += light.irradiance * quasi;
-        sum.inner += inner_share(n) * light.irradiance * (direct + quasi);
+        sum.inner += local_share(n) * light.irradiance * (direct + quasi);
         let a = quasi_forward_cosine(n, cell);
         let sharpest = resolved_by(ordinates[n].direction.w);
         let lobe = params.g * a * ordinates[n].direction.w;

@@ -3,16 +3,20 @@
 //! use lattice_axes
 
 const NO_CORNER = 0xffffffffu;
+// Cells: how far behind a surface its nearest corner is looked for. Walls half way between two corners are common, and
+// rounding must not choose.
+const BEHIND_TIES = 1e-3;
 
 struct NearestCorner {
     index: u32,             // of all corners, or NO_CORNER
     offset: vec3f,          // cells from there to the point
 }
 
-// Of a point of the world, m; none more than half a cell beside the lattice.
-fn nearest_corner(world: vec3f) -> NearestCorner {
+// Of a world point, m, of a surface whose normal is n along the lattice's axes; none more than half a cell beside the
+// lattice.
+fn nearest_corner(world: vec3f, n: vec3f) -> NearestCorner {
     let coordinates = cells_from_world(lattice, world);
-    let corner = vec3i(floor(coordinates + 0.5));
+    let corner = vec3i(floor(coordinates - BEHIND_TIES * n + 0.5));
     if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
         return NearestCorner(NO_CORNER, vec3f(0.0));
     }

@@ -53,15 +53,15 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
     let centre = texel_centre(id.xy, params.resolution);
     let world = texel_point(view, centre, d);
     // The lattice's corner nearest to it.
-    let corner = nearest_corner(world);
+    let n = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
+    seen.normal = lattice_from_world(lattice, n);
+    let corner = nearest_corner(world, seen.normal);
     if (corner.index == NO_CORNER) {
         return seen;
     }
     seen.corner = corner.index;
     seen.offset = corner.offset;
     // Its area over a cell face's, and what it reflects.
-    let n = normalize(textureLoad(normal, vec2i(id.xy), layer, 0).xyz);
-    seen.normal = lattice_from_world(lattice, n);
     seen.area = surfel_area(view, world, n, centre) / (lattice.cell * lattice.cell);
     seen.reflectance = textureLoad(reflectance, vec2i(id.xy), layer, 0).rgb;
     return seen;

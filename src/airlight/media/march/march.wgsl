@@ -3,6 +3,7 @@
 // reduced media (similarity theory), that light is marched through the reduced media: their
 // transmittance stands for light that is scattered forwards on its way to the eye.
 //! use media_here
+//! use end_plane
 //! use eye_ray
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> ForwardLight
@@ -68,16 +69,7 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
     return select(surface, sky, ray.distance >= EYE_RAY_FAR) / max(lit_scattering_here(), least);
 }
 
-// How far before a surface oblique to the cells light is read, cells: farther than any of the eight that are read
-// there can lie behind it.
-const CELLS_BEFORE = 1.5;
-// Cosines to the ray from which on a plane through neighbouring rays' ends is a surface: at an edge it is not.
-const EDGE = vec2f(0.1, 0.25);
 const LEAST_JUMP = 1e-3;  // of the distance: smaller differences of neighbours are one
-
-// A plane at the ends of this ray and its neighbours: its normal, towards the eye, and how far before it light is
-// to be read, m.
-struct EndPlane { point: vec3f, normal: vec3f, before: f32 }
 
 // From the end of a ray to those of its neighbours along `axis`: more to the one that ends at the more similar
 // distance, alike where they are, so that an image does not depend on how it is turned.
@@ -94,21 +86,6 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
     return select(mix(back, forth, shares.y), back + forth, all(below == texel) || all(above == texel));
 }
 
-fn end_plane(eye: vec3f, texel: vec2i, ray: EyeRay, step: f32) -> EndPlane {
-    let end = ray.distance * ray.direction;
-    let across = cross(to_neighbours(texel, vec2i(1, 0), ray), to_neighbours(texel, vec2i(0, 1), ray));
-    let length_across = length(across);
-    let facing = dot(across, ray.direction) / max(length_across, 1e-20);
-    let n = across * (-sign(facing) / max(length_across, 1e-20));
-    let is_surface = select(0.0, smoothstep(EDGE.x, EDGE.y, abs(facing)), ray.distance < EYE_RAY_FAR);
-    return EndPlane(eye + end, n, CELLS_BEFORE * step * is_surface);
-}
-
-// Where light is read for a point of the ray: no nearer to an oblique plane than its cells reach.
-fn moved_before(plane: EndPlane, p: vec3f) -> vec3f {
-    return p + max(plane.before - dot(p - plane.point, plane.normal), 0.0) * plane.normal;
-}
-
 @fragment fn fragment(@builtin(position) position: vec4f) -> Marched {
     // The ray, and where it is in media.
     let texel = vec2u(position.xy);
@@ -117,8 +94,10 @@ fn moved_before(plane: EndPlane, p: vec3f) -> vec3f {
     media_copied();
     lattice_begin();
     let eye = rays.eye;
-    var plane = end_plane(eye, vec2i(texel), ray, own.step);
-    plane.before *= lattice_obliqueness(plane.normal);
+    let facing = end_normal(ray.direction, ray.distance, EYE_RAY_FAR, to_neighbours(vec2i(texel), vec2i(1, 0), ray),
+        to_neighbours(vec2i(texel), vec2i(0, 1), ray));
+    let plane = EndPlane(eye + ray.distance * ray.direction, facing.xyz,
+        CELLS_BEFORE * own.step * facing.w * lattice_obliqueness(facing.xyz));
     let hull = media_enter(eye, ray.direction, ray.distance);
     // Radiance and transmittance so far; of reduced media: their transmittance, the light of
     // lattices that they transmit, and what the media themselves transmit of its two bands.
