@@ -106,7 +106,7 @@ def test_the_first_of_several_times_is_read_and_missing_values_are_none(tmp_path
     assert grid.density.max() == 23 and grid.density[2, 0, 1] == 0
     told = 'a.nc has 2 times, the first is read (grid = "ql[-1]" takes the last)'
     assert told in grid.warnings
-    assert "a.nc has 1 missing values, taken as 0" in grid.warnings
+    assert "a.nc: 'ql' has 1 missing values, taken as 0" in grid.warnings
 
 
 def test_a_simulation_that_begins_in_clear_air_is_shown_with_its_first_cloud(tmp_path):
