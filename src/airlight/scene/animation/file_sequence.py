@@ -18,6 +18,7 @@ from .boxes import mixed
 from .density import changed_grids, with_grid
 
 if TYPE_CHECKING:
+    from ..io.ledger import Stamp
     from ..volume import Volume
 
 _FEWEST, _MOST_BYTES = 3, 1 << 28  # files whose grids are cached, and up to which size more are
@@ -99,9 +100,11 @@ class FileSequence:
 
     def _read(self, k: int) -> FileGrids:
         """The grids of file number `k` as it is now."""
+        from ..io.ledger import stamp_of
+
         path = self.files[k]
         try:
-            stamp = path.stat().st_mtime_ns
+            path.stat()
         except OSError as error:
             raise SceneError(
                 f"cannot be read ({error.strerror or error})",
@@ -111,7 +114,7 @@ class FileSequence:
         # The file's time of change is part of the key, so that a file written again is read again.
         time = self.times[k] if self.times else None
         wanted = _Wanted(self.grid, self.channels, time, self.emission_grid, self.colours)
-        return _RECENT.of((path, stamp, wanted, _Turn(self.turn.tobytes())))
+        return _RECENT.of((path, stamp_of(path), wanted, _Turn(self.turn.tobytes())))
 
     def _fitting(self, read: FileGrids, path: Path) -> FileGrids:
         """What was read, in this sequence's box where its own does not count."""
@@ -211,8 +214,8 @@ class _Wanted:
     colours: tuple[tuple[str, str], ...]
 
 
-def _file_grids(path: Path, stamp_ns: int, wanted: _Wanted, turn: _Turn) -> FileGrids:
-    """The grids of a file as it was at `stamp_ns`."""
+def _file_grids(path: Path, stamp: Stamp | None, wanted: _Wanted, turn: _Turn) -> FileGrids:
+    """The grids of a file as it was at `stamp`."""
     from ..io.coefficient_files import read_coefficients
     from ..io.emission_files import on_one_grid
     from ..io.volumes import NOWHERE, read_values, read_volume
