@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
+from airlight.app.cli import run
 from airlight.errors import SceneError
 from airlight.scene.io import load, netcdf
 from airlight.scene.io.toml_text import scene_text
@@ -130,6 +133,19 @@ def test_a_bare_file_with_flames_and_colours_moves_and_is_written(tmp_path):
             volume = shown.at(k / FPS).volumes[0]
             assert peaks(volume) == pytest.approx(values)
             assert volume.emission.radiance == scene.volumes[0].emission.radiance
+
+
+def test_info_names_the_grids_of_a_file_and_their_times(tmp_path, capsys):
+    path = written(tmp_path / "a.nc", smoke=by_time(1, 2, 3), hot=by_time(1, 2), tint=RAMP)
+    assert run(["info", str(path), "--grid", "smoke", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert sorted(facts["grids"]) == ["hot", "smoke", "tint"]
+    assert facts["times"] == {"smoke": 3, "hot": 2}
+    assert facts["animation"]["frames"] == round(3 / FPS * 24)
+    np.savez(tmp_path / "a.npz", smoke=RAMP)
+    assert run(["info", str(tmp_path / "a.npz"), "--grid", "smoke", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["grids"] == ["smoke"] and "times" not in facts and facts["animation"] is None
 
 
 @pytest.mark.parametrize(

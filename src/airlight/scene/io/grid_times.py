@@ -10,7 +10,7 @@ from .coefficient_files import main_grid
 from .files import naming
 from .netcdf import likeliest, time_counts
 from .netcdf_times import name_and_number
-from .volumes import UPRIGHT_SUFFIXES
+from .volumes import UPRIGHT_SUFFIXES, grid_names
 
 Times = tuple[int | None, ...]
 """Of each frame which of its file's times it is, None where that has but one."""
@@ -32,12 +32,23 @@ def frames_of(
     return tuple(path for path, _ in frames), tuple(time for _, time in frames)
 
 
+def counted_grids(path: Path) -> dict[str, int]:
+    """The named grids of a file, and how many times each has: 1 where it is static.
+
+    Raises SceneError.
+    """
+    if path.suffix.lower() not in UPRIGHT_SUFFIXES:
+        return dict.fromkeys(grid_names(path), 1)
+    with naming(path):
+        return time_counts(path)
+
+
 def _count(path: Path, grid: str, grids: Mapping[str, str], glowing: str | None) -> int:
     # Only files of simulations hold times.
     if path.suffix.lower() not in UPRIGHT_SUFFIXES:
         return 1
+    held = counted_grids(path)
     with naming(path):
-        held = time_counts(path)
         names = [main_grid(list(held), grid, grids), *grids.values()]
         names += [] if glowing is None else [glowing]
         # Grids that are static, or of a time that is chosen, are the same in all frames.
