@@ -88,6 +88,18 @@ def test_units_say_how_dense_it_is(tmp_path, units, sigma_t):
     assert volume.g[0] > 0.8 and volume.albedo[0] > 0.99
 
 
+@pytest.mark.parametrize("units", ["degC", "Celsius", "degrees_Celsius", "K"])
+def test_temperatures_are_kelvin(tmp_path, units):
+    data = dataset("1", name="smoke").assign(temperature=dataset("K", 50 * VALUES)["ql"])
+    data["temperature"].attrs["units"] = units
+    path = written(data, tmp_path / "a.nc")
+    by = 0.0 if units == "K" else 273.15
+    scene = load(path)
+    assert scene.volumes[0].emission.temperature.max() == pytest.approx(50 * 23 + by)
+    said = [text for text in scene.warnings if "read in kelvin" in text]
+    assert said == ([f"a.nc: 'temperature' is in {units}, and read in kelvin"] if by else [])
+
+
 def test_mixing_ratios_are_weighed_with_the_air(tmp_path):
     volume = load(written(dataset("g kg-1"), tmp_path / "cloud.nc")).volumes[0]
     by_height = volume.density[0, :, 0] / VALUES[:, 2, 0]

@@ -34,6 +34,8 @@ _LIKELY: tuple[str, ...] = (
     "LWC",
     "q_liquid",
 )
+_CELSIUS: tuple[str, ...] = ("degc", "deg_c", "celsius", "°c", "degree_c", "degrees_c")
+_CELSIUS += ("degree_celsius", "degrees_celsius", "degrees celsius")
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
 
 
@@ -54,10 +56,11 @@ def read_xarray(path: Path, wanted: str, shown: int | None = None) -> DenseGrid:
         variable, number, timed = at_one_time(dataset[name], time, number, shown, path.name)
         lines = wrf_lines(dataset, time, number)
         values, axes, told = _along_axes(variable, lines, path.name)
+        values, told_k = _kelvin(values, dataset[name], path.name)
         values, sized, radius = _sized(dataset, dataset[name], time, number, values, path.name)
         made = placed(values, axes, path.name)
         units = str(dataset[name].attrs.get("units", "")).strip()
-        told = (*warned, *timed, *told, *sized, *made.warnings)
+        told = (*warned, *timed, *told, *told_k, *sized, *made.warnings)
     # The units decide how values become extinction: mixing ratios need the air's density at their
     # height.
     density, optics = optical(made.values, made.heights_m, units, radius)
@@ -147,6 +150,15 @@ def _along_axes(
     order = [next(a for a in kept if a.letter == letter) for letter in "ZYX"]
     values = variable.transpose(*(axis.name for axis in order)).values
     return values, order, tuple(told)
+
+
+def _kelvin(values: NDArray[Any], variable: Any, file: str) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """Temperatures in kelvin, where their units are degrees Celsius; and what to tell."""
+    units = str(variable.attrs.get("units", "")).strip()
+    if units.lower() not in _CELSIUS:
+        return values, ()
+    text = f"{file}: '{variable.name}' is in {units}, and read in kelvin"
+    return np.asarray(values, np.float32) + np.float32(273.15), (text,)
 
 
 def _sized(
