@@ -96,6 +96,14 @@ def test_what_moves_and_is_static_is_told(tmp_path, capsys, gpu):
     out[1] = str(tmp_path / "more")
     assert run(["turntable", scene, *out, "--play"]) == 0
     assert "--play" not in capsys.readouterr().err
+    # A camera's own motion is no motion of the scene.
+    still = (tmp_path / "a.toml").read_text().replace('[[volume]]\nsequence = "s.*.npz"', "#")
+    still = still.replace("sequence_fps = 1\n", "").replace("sigma_t = 1\n", "")
+    (tmp_path / "b.toml").write_text(still)
+    out[1] = str(tmp_path / "other")
+    assert load(tmp_path / "b.toml").animation is not None
+    assert run(["turntable", str(tmp_path / "b.toml"), *out]) == 0
+    assert "--play" not in capsys.readouterr().err
 
 
 def test_frames_are_graded_and_written_as_those_of_sequences(model, tmp_path, gpu):

@@ -58,7 +58,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     check_sequence(output, {**options, "farm": None})
     read = with_exposure(load_scene(scene, options["model"]), options["exposure"])
     warn(display_doubts(FORMATS[options["kind"] or "png"], options))
-    if read.animation is not None and not options["play"]:
+    if any(_playing(read.animation)) and not options["play"]:
         warn(("what moves in the scene is static: --play lets it move",))
     loaded = around(read, options["seconds"], options["fps"], plays=options["play"])
     # The last frame stands one step before the first, so that a video loops.
@@ -111,7 +111,8 @@ def _playing(animation: Animation | None) -> Iterator[Any]:
 
     for track in animation.tracks if animation else ():
         if isinstance(track, Rig):
-            yield replace(track, camera=None)
+            if track.parts or track.lights:
+                yield replace(track, camera=None)
         elif not isinstance(track, CameraTrack):
             yield track
 

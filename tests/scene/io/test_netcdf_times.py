@@ -135,6 +135,13 @@ def test_a_bare_file_with_flames_and_colours_moves_and_is_written(tmp_path):
             assert volume.emission.radiance == scene.volumes[0].emission.radiance
 
 
+def test_a_number_asks_for_one_time_of_a_bare_fire(tmp_path):
+    hot = by_time(500, 1500, 1000)
+    path = written(tmp_path / "a.nc", smoke=by_time(1, 2, 3), temperature=hot)
+    scene = load(path, grid="smoke[2]")
+    assert scene.animation is None and peaks(scene.volumes[0])[:2] == pytest.approx((3, 1000))
+
+
 def test_info_names_the_grids_of_a_file_and_their_times(tmp_path, capsys):
     path = written(tmp_path / "a.nc", smoke=by_time(1, 2, 3), hot=by_time(1, 2), tint=RAMP)
     assert run(["info", str(path), "--grid", "smoke", "--json"]) == 0

@@ -19,6 +19,7 @@ from ..volume import IDENTITY, Volume
 from .coefficient_files import colours_of
 from .dense_grid import Optics
 from .emission_files import on_one_grid, told_beside
+from .netcdf_times import name_and_number
 from .volumes import NOWHERE, GridValues, VolumeGrid, grid_names, read_values, read_volume
 
 DEPTH = 6.0
@@ -80,6 +81,9 @@ def _with_times(scene: Scene, file: Path, grid: VolumeGrid, name: str, channels:
     """The scene as a sequence of its file's times, if it has several; 0 s is the one it shows."""
     from .grid_times import frames_of
 
+    # A number behind the name asks for one time, of what lies beside the density, too.
+    if name_and_number(name, [])[1] is not None and name not in grid_names(file):
+        return scene
     (volume,) = scene.volumes
     keys = keys_of(volume, file)
     glowing = keys.get("emission_grid", keys.get("temperature_grid"))
