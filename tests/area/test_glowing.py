@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from airlight.area.emissive_blocks import emissive_blocks
 from airlight.area.emitters import Emitters
-from airlight.area.glowing import EACH, MOST, emissive_blocks
+from airlight.area.glowing import EACH, MOST
 from airlight.area.grouping import MOST_LAYERS
 from airlight.errors import SettingsError
 from airlight.scene import Camera, Emission, Material, Medium, Mesh, PointLight, Scene, Volume
@@ -72,7 +73,7 @@ def test_a_grid_gives_all_its_power_where_it_glows() -> None:
 
 
 def test_dense_media_are_cut_into_more_groups() -> None:
-    """What is near the border counts for most of what leaves; forward scattering does not keep it in."""
+    """What is near the border counts for most of what leaves; forward scattering keeps none in."""
     counts = [len(made(fire(per_m=x))[0].list) for x in (0.1, 0.7, 20.0)]
     assert counts[0] == EACH < counts[1] < counts[2] == MOST
     assert len(made(fire(per_m=0.7, g=0.9))[0].list) == EACH
