@@ -76,7 +76,8 @@ def extinction_at(points: F64, scene: Scene) -> F64:
         found += _beam_extinction(medium)
     for volume in scene.volumes:
         low, high = np.array(volume.bounds)
-        inside = transformed(points, np.linalg.inv(volume.world_from_volume))
+        inverse: F64 = np.linalg.inv(volume.world_from_volume)
+        inside = transformed(points, inverse)
         place = (inside - low) / np.maximum(high - low, 1e-30)
         is_in = ((place >= 0.0) & (place <= 1.0)).all(axis=1)
         density = np.where(is_in, 1.0, 0.0)
@@ -118,7 +119,7 @@ def light_of(blocks: Blocks, rows: I64, chosen: int | None = None) -> LightSampl
 
 
 def _extent(blocks: Blocks, rows: I64, weight: F64) -> float:
-    """Of light around its middle, the root mean square, m; `weight` (n,) of each row adds up to 1."""
+    """Of light around its middle, the root mean square, m; `weight` (n,) adds up to 1."""
     # Of blocks around the middle, and of the light within each of them.
     middle = weight @ blocks.positions[rows]
     apart = ((blocks.positions[rows] - middle) ** 2).sum(axis=1)
@@ -186,7 +187,9 @@ class GlowingMedia:
         self._blocks = blocks
         # The groups stay; how bright they are and where their middle is follows.
         found = [light_of(blocks, group.rows) for group in self.groups]
-        self.lights = tuple(replace(light, extent=_CORE * light.extent) for light in found)
+        self.lights = tuple(
+            replace(light, extent=_CORE * light.extent, spread=light.extent) for light in found
+        )
         return True
 
     def emitters(self, first_row: int, index: int) -> tuple[Emitter, ...]:
