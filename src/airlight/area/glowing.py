@@ -76,7 +76,7 @@ def extinction_at(points: F64, scene: Scene) -> F64:
         found += _beam_extinction(medium)
     for volume in scene.volumes:
         low, high = np.array(volume.bounds)
-        inverse: F64 = np.linalg.inv(volume.world_from_volume)
+        inverse = np.asarray(np.linalg.inv(volume.world_from_volume), np.float64)
         inside = transformed(points, inverse)
         place = (inside - low) / np.maximum(high - low, 1e-30)
         is_in = ((place >= 0.0) & (place <= 1.0)).all(axis=1)
