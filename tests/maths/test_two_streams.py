@@ -16,7 +16,7 @@ def test_white_layers_keep_all_light() -> None:
     np.testing.assert_allclose(transmitted, 1.0 / (1.0 + 0.5 * depth), rtol=1e-9)
 
 
-def test_black_layers_let_through_what_does_not_collide() -> None:
+def test_black_layers_transmit_what_does_not_collide() -> None:
     depth = np.array([0.2, 3.0])
     reflected, transmitted = layer(depth, 0.0)
     np.testing.assert_allclose(reflected, 0.0)

@@ -1,4 +1,4 @@
-"""Layers of a medium as two streams see them: what they reflect and let through.
+"""Layers of a medium as two streams see them: what they reflect and transmit.
 
 Light that collides is absorbed, or scattered to both sides alike, where it may collide again.
 """
