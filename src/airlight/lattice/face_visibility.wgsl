@@ -9,6 +9,8 @@ const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of
 const LARGEST_SHIFT = 0.45;
 const ENCLOSED_COVER = 0.5;
 const SEPARATE = 0.02;     // cells
+const FLAT = vec2f(0.05, 0.15);    // cells from where a wall's area is in the mean to where it is
+const ENDS = vec2f(0.1, 0.25);     // of a face: in corners of rooms a quarter is a wall, at which others end
 
 struct CellFace {
     corner: vec3u,
@@ -41,18 +43,28 @@ fn face_of(cell: vec3u, hop: u32) -> CellFace {
     }
 }
 
+// The share that one of a face's values has of what can count around its four corners, at most. `most`: of one and of the
+// other cell that it lies between; where a wall ends at another one, the corners there have a part of it.
+fn share_between(f: CellFace, index: u32, most: array<vec4f, 2>) -> f32 {
+    let values = vec4f(value(f.corner, index), value(f.corner + f.across, index), value(f.corner + f.up, index),
+        value(f.corner + f.across + f.up, index)) / params.units;
+    let one = dot(min(values, most[0]), vec4f(1.0)) / dot(most[0], vec4f(1.0));
+    let other = dot(min(values, most[1]), vec4f(1.0)) / dot(most[1], vec4f(1.0));
+    return max(0.25 * dot(values, vec4f(1.0)), max(one, other));
+}
+
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
-fn closed_share(f: CellFace, hop: u32) -> f32 {
-    return saturate(OCCLUSION_GAIN * on_face(f, hop ^ 1u));
+fn closed_share(f: CellFace, hop: u32, most: array<vec4f, 2>) -> f32 {
+    return saturate(OCCLUSION_GAIN * share_between(f, hop ^ 1u, most));
 }
 
 // The colour of what faces the hop, times its share; and the share.
-fn reflected_share(f: CellFace, hop: u32) -> vec4f {
+fn reflected_share(f: CellFace, hop: u32, most: array<vec4f, 2>) -> vec4f {
     let side = hop ^ 1u;
     let covered = max(on_face(f, side), 1e-6);
     let rgb = vec3f(on_face(f, SIDE_REFLECTED + 3u * side),
         on_face(f, SIDE_REFLECTED + 3u * side + 1u), on_face(f, SIDE_REFLECTED + 3u * side + 2u));
-    let closed = closed_share(f, hop);
+    let closed = closed_share(f, hop, most);
     return vec4f(rgb / covered * closed, closed);
 }
 
@@ -65,10 +77,9 @@ fn backmost(f: CellFace, side: u32) -> f32 {
     return select(1.0, outward_of(code), code > 0.0);
 }
 
-// Where, in cells from a face, the wall counted on it really lies; 0 where little is there. What
-// stands on a floor lies before it: the backmost surface is the wall.
-fn wall_shift(f: CellFace, axis: u32) -> f32 {
-    let cover = on_face(f, AXIS_COVER + axis);
+// Where, in cells from a face, the wall counted on it really lies. What stands on a floor lies before it: the backmost
+// surface is the wall.
+fn wall_place(f: CellFace, axis: u32, cover: f32) -> f32 {
     let plus = backmost(f, 2u * axis);
     let minus = backmost(f, 2u * axis + 1u);
     // Two sides of one wall: between them.
@@ -85,7 +96,47 @@ fn wall_shift(f: CellFace, axis: u32) -> f32 {
     if (minus >= 1.0) { shift = plus; }
     if (plus >= 1.0) { shift = -minus; }
     if (minus >= 1.0 && plus >= 1.0) { shift = 0.0; }
-    return clamp(shift * smoothstep(0.25, 0.6, cover), -LARGEST_SHIFT, LARGEST_SHIFT);
+    return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT);
+}
+
+// The same as coordinates are warped by; 0 where little is there.
+fn wall_shift(f: CellFace, axis: u32, most: array<vec4f, 2>) -> f32 {
+    let cover = on_face(f, AXIS_COVER + axis);
+    let share = share_between(f, AXIS_COVER + axis, most);
+    return wall_place(f, axis, cover) * smoothstep(0.25, 0.6, share);
+}
+
+// Of what counts around the corners at a cell's low end of an axis, and at its high end, the part before the wall there
+// that faces into the cell.
+fn before_ends(cell: vec3u, axis: u32) -> vec2f {
+    var before = vec2f(1.0);
+    for (var side = 0u; side < 2u; side++) {
+        // Hop 2 axis ends at the high one.
+        let hop = 2u * axis + side;
+        let f = face_of(cell, hop);
+        let cover = on_face(f, AXIS_COVER + axis);
+        let place = wall_place(f, axis, cover);
+        // An oblique surface, or several behind one another, end nothing at one place.
+        let off = abs(on_face(f, AXIS_MOMENT + axis) / max(cover, 1e-6) - place);
+        let is_wall = smoothstep(ENDS.x, ENDS.y, on_face(f, hop ^ 1u)) * (1.0 - smoothstep(FLAT.x, FLAT.y, off));
+        before[1u - side] = mix(1.0, 0.5 + select(place, -place, side == 1u), is_wall);
+    }
+    return before;
+}
+
+// The same around the four corners of a cell's face across an axis, in the order of share_between.
+fn most_on_face(cell: vec3u, axis: u32) -> vec4f {
+    let across = before_ends(cell, select(0u, 1u, axis == 0u));
+    let up = before_ends(cell, select(2u, 1u, axis == 2u));
+    return vec4f(across.x * up.x, across.y * up.x, across.x * up.y, across.y * up.y);
+}
+
+// And of both cells that the face of a hop lies between.
+fn most_between(cell: vec3u, hop: u32) -> array<vec4f, 2> {
+    var next = vec3i(cell);
+    next[hop / 2u] += select(1, -1, (hop & 1u) == 1u);
+    let other = vec3u(clamp(next, vec3i(0), vec3i(params.count) - 1));
+    return array<vec4f, 2>(most_on_face(cell, hop / 2u), most_on_face(other, hop / 2u));
 }
 
 // Whether a hop ends at a wall of which it is known on which side a point is: one that faces the hop
@@ -120,13 +171,18 @@ fn enclosed_faces(cell: vec3u) -> f32 {
     var leaving = array<u32, 6>();
     var entering = array<f32, 6>();
     var between = array<f32, 6>();
+    var shifts = array<f32, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
-        leaving[hop] = pack4x8unorm(reflected_share(face_of(id, hop), hop));
-        // A hop enters through the face that the opposite hop leaves by.
-        let face = face_of(id, hop ^ 1u);
-        entering[hop] = 1.0 - closed_share(face, hop);
+        let face = face_of(id, hop);
+        let most = most_between(id, hop);
+        shifts[hop] = wall_shift(face, hop / 2u, most);
+        let reflected = reflected_share(face, hop, most);
+        leaving[hop] = pack4x8unorm(reflected);
+        // The opposite hop enters through the face that this one leaves by.
+        let open = 1.0 - closed_share(face, hop ^ 1u, most);
+        entering[hop ^ 1u] = open;
         // Light on both sides of a wall is apart, though light from inside the wall could come out.
-        between[hop] = min(entering[hop], 1.0 - closed_share(face, hop ^ 1u));
+        between[hop ^ 1u] = min(open, 1.0 - reflected.a);
     }
     // Packed for propagation, and as textures for lookups and rays.
     let xy = vec4f(entering[0], entering[1], entering[2], entering[3]);
@@ -138,6 +194,5 @@ fn enclosed_faces(cell: vec3u) -> f32 {
     textureStore(visibility_a, texel, vec4f(between[0], between[1], between[2], between[3]));
     // And its low faces across x and y once more: rays find all three in one texture.
     textureStore(visibility_b, texel, vec4f(between[4], between[5], between[0], between[2]));
-    textureStore(walls, texel, vec4f(wall_shift(face_of(id, 1u), 0u), wall_shift(face_of(id, 3u), 1u),
-        wall_shift(face_of(id, 5u), 2u), enclosed_faces(id)));
+    textureStore(walls, texel, vec4f(shifts[1], shifts[3], shifts[5], enclosed_faces(id)));
 }
