@@ -64,6 +64,59 @@ def test_within_walls_it_turns_on_the_spot():
     assert float(look[[0, 2]] @ was[[0, 2]]) == pytest.approx(0.0, abs=1e-9)
 
 
+def smoke_scene(folder):
+    """Smoke beside a box, whose density doubles in a second."""
+    for k in (1, 2):
+        density = np.full((2, 2, 2), float(k), np.float32)
+        np.savez(folder / f"s.{k}.npz", density=density, bounds=[[4, 0, 0], [6, 2, 2]])
+    (folder / "a.toml").write_text(
+        '[[mesh]]\nshape = "box"\n[[volume]]\nsequence = "s.*.npz"\nsequence_fps = 1\n'
+        "sigma_t = 1\n[camera]\nposition = [0, 1, 9]\ntarget = [0, 1, 0]\n"
+        "[[camera.key]]\ntime_s = 0\nposition = [0, 1, 9]\n"
+        "[[camera.key]]\ntime_s = 1\nposition = [0, 5, 9]\n"
+    )
+    return folder / "a.toml"
+
+
+def test_what_moves_plays_where_it_is_asked_for(tmp_path):
+    read = load(smoke_scene(tmp_path))
+    for plays, most in ((True, 2.0), (False, 1.0)):
+        later = around(read, 4.0, 10.0, plays=plays).at(1.0)
+        assert later.volumes[0].density.max() == most
+        # A quarter of the turn, at the same height: the camera's own motion is the turn.
+        assert later.camera.position[1] == pytest.approx(read.camera.position[1])
+
+
+def test_what_moves_and_is_static_is_told(tmp_path, capsys, gpu):
+    out = ["-o", str(tmp_path / "out"), "--seconds", "1", "--fps", "1", *SMALL]
+    scene = str(smoke_scene(tmp_path))
+    assert run(["turntable", scene, *out]) == 0
+    assert "what moves in the scene is static: --play" in capsys.readouterr().err
+    (tmp_path / "more").mkdir()
+    out[1] = str(tmp_path / "more")
+    assert run(["turntable", scene, *out, "--play"]) == 0
+    assert "--play" not in capsys.readouterr().err
+    # A camera's own motion is no motion of the scene.
+    still = (tmp_path / "a.toml").read_text().replace('[[volume]]\nsequence = "s.*.npz"', "#")
+    still = still.replace("sequence_fps = 1\n", "").replace("sigma_t = 1\n", "")
+    (tmp_path / "b.toml").write_text(still)
+    out[1] = str(tmp_path / "other")
+    assert load(tmp_path / "b.toml").animation is not None
+    assert run(["turntable", str(tmp_path / "b.toml"), *out]) == 0
+    assert "--play" not in capsys.readouterr().err
+
+
+def test_frames_are_graded_and_written_as_those_of_sequences(model, tmp_path, gpu):
+    grade = tmp_path / "black.cube"
+    grade.write_text("LUT_3D_SIZE 2\n" + "0 0 0\n" * 8)
+    made = ["turntable", str(model), "--seconds", "1", "--fps", "1", *SMALL]
+    assert run([*made, "-o", str(tmp_path / "graded"), "--lut", str(grade)]) == 0
+    (frame,) = (tmp_path / "graded").glob("*.png")
+    assert not np.asarray(PIL.Image.open(frame)).any()
+    assert run([*made, "-o", str(tmp_path / "raw"), "--format", "exr"]) == 0
+    assert len(list((tmp_path / "raw").glob("*.exr"))) == 1
+
+
 def test_frames_show_it_from_all_sides(model, tmp_path):
     out = tmp_path / "spin"
     assert (

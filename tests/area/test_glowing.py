@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from airlight.area.emissive_blocks import emissive_blocks
 from airlight.area.emitters import Emitters
-from airlight.area.glowing import EACH, emissive_blocks
+from airlight.area.glowing import EACH, MOST
 from airlight.area.grouping import MOST_LAYERS
 from airlight.errors import SettingsError
 from airlight.scene import Camera, Emission, Material, Medium, Mesh, PointLight, Scene, Volume
@@ -25,12 +26,19 @@ def made(*volumes: Volume, **more: object) -> tuple[Emitters, Scene]:
     return found, found.of(scene)
 
 
-def fire(shape: tuple[int, int, int] = (20, 30, 21), seed: int = 3) -> Volume:
+def fire(
+    shape: tuple[int, int, int] = (20, 30, 21), seed: int = 3, per_m: float = 0.1, g: float = 0.0
+) -> Volume:
     grid = np.random.default_rng(seed).random((*shape, 3), dtype=np.float32) ** 4
     density = np.ones(shape, np.float32)
     placed = np.array([[0, -2, 0, 1], [1, 0, 0, 5], [0, 0, 1, 0], [0, 0, 0, 1.0]])
     return Volume(
-        (1.0,) * 3, density, bounds=BOX, world_from_volume=placed, emission=Emission(GLOW, grid)
+        (per_m,) * 3,
+        density,
+        bounds=BOX,
+        g=(g,) * 3,
+        world_from_volume=placed,
+        emission=Emission(GLOW, grid),
     )
 
 
@@ -62,6 +70,20 @@ def test_a_grid_gives_all_its_power_where_it_glows() -> None:
         [light.position for light in samples], axis=0, weights=[light.power[0] for light in samples]
     )
     np.testing.assert_allclose(mean, centre, atol=0.06)
+
+
+def test_dense_media_are_cut_into_more_groups() -> None:
+    """What is near the border counts for most of what leaves; forward scattering keeps none in."""
+    counts = [len(made(fire(per_m=x))[0].list) for x in (0.1, 0.7, 20.0)]
+    assert counts[0] == EACH < counts[1] < counts[2] == MOST
+    assert len(made(fire(per_m=0.7, g=0.9))[0].list) == EACH
+    # Smoke around counts as the fire's own, beside it does not.
+    smoke = Volume((20.0,) * 3, shape="box", bounds=((-9.0,) * 3, (9.0,) * 3))
+    assert len(made(fire(), smoke)[0].list) == MOST
+    apart = replace(smoke, world_from_volume=np.eye(4) + 40.0 * np.eye(4, k=3))
+    assert len(made(fire(), apart)[0].list) == EACH
+    fog = Medium((20.0,) * 3, bounds=((-9.0,) * 3, (9.0,) * 3))
+    assert len(made(fire(), medium=fog)[0].list) == MOST
 
 
 @pytest.mark.parametrize(("shape", "volume"), [("box", 12.0), ("sphere", 12.0 * np.pi / 6.0)])

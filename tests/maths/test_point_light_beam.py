@@ -11,6 +11,7 @@ from airlight.maths.point_light_beam import (
     NEAR_TABLE,
     axis_share,
     inner_share,
+    local_sharpness,
     mean_inverse_square,
     near_fluence,
     near_table,
@@ -155,3 +156,17 @@ def test_a_spots_axis_is_as_far_in_the_box_as_it_is():
     # Inside, near a face and towards it: 0.1 m of the 0.5 to the middle.
     inside = axis_share((0.5, 0.1, 0.5), (0.0, -1.0, 0.0), size, np.array([0.5, 0.6, 0.5]))
     assert inside == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(("distance", "spread"), [(0.0, 0.3), (0.2, 0.3), (0.7, 0.1), (2.0, 0.3)])
+def test_directions_in_a_cell_beside_a_light(distance: float, spread: float) -> None:
+    """The mean cosine to the path between the middles, of points of a ball and of a cell."""
+    rng, n = np.random.default_rng(5), 200_000
+    cell = np.array([0.3, 0.2, 0.25])
+    away = rng.normal(size=(n, 3))
+    away *= (np.sqrt(5.0 / 3.0) * spread * np.cbrt(rng.random(n)) / np.linalg.norm(away, axis=1))[
+        :, None
+    ]
+    towards = np.array([0.0, 0.0, distance]) + (rng.random((n, 3)) - 0.5) * cell - away
+    cosine = float((towards[:, 2] / np.linalg.norm(towards, axis=1)).mean())
+    assert local_sharpness(distance, spread, cell) == pytest.approx(cosine, abs=0.06)

@@ -12,6 +12,7 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
+from airlight.maths.two_streams import layer
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.volume_blockers import VolumeBlockers
 from airlight.scene import Scene, Volume
@@ -56,9 +57,8 @@ def test_what_collides_is_absorbed_or_goes_either_way(
     )
     got = faces(gpu, owned, air, closed)["faces"]
     scattering, extinction = sigma * albedo * (1 - g), sigma * (1 - albedo * g)
-    collided = 1.0 - np.exp(-0.5 * extinction.mean())
-    back = 0.5 * collided * scattering / extinction.mean()
-    through = 1.0 - collided + back.mean()
+    back, onwards = layer(0.5 * extinction.mean(), scattering / extinction.mean())
+    through = onwards.mean()
     wall = round(255 * closed) * UNORM
     np.testing.assert_allclose(got[..., 6, :], (1 - wall) * through, atol=1.2 * UNORM)
     np.testing.assert_allclose(got[..., :6, 3], 1 - (1 - wall) * through, atol=1.2 * UNORM)

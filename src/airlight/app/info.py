@@ -35,7 +35,7 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     # The file's ending says which of three kinds of facts it has.
     if ending in VOLUME_SUFFIXES:
         scene = load_scene(file, model)
-        facts = grid_facts(scene)
+        facts = {**grid_facts(scene), **_named_grids(Path(file))}
         if not as_json:
             show_warnings(scene)
     elif ending in IMAGE_SUFFIXES:
@@ -123,8 +123,18 @@ def grid_facts(scene: Scene) -> dict[str, Any]:
             "mean": float(volume.density.mean(dtype=np.float64)),
             "highest": float(volume.density.max()),
         },
+        "animation": _animation_facts(scene),
         "warnings": list(scene.warnings),
     }
+
+
+def _named_grids(path: Path) -> dict[str, Any]:
+    """The grids of a file that has several or names them, and how many times those have."""
+    from ..scene.io.grid_times import counted_grids
+
+    counts = counted_grids(path)
+    times = {name: count for name, count in counts.items() if count > 1}
+    return {"grids": list(counts), **({"times": times} if times else {})} if counts else {}
 
 
 def image_facts(path: Path) -> dict[str, Any]:

@@ -97,8 +97,8 @@ def _grid_options() -> Decorator:
 
 def check_model(file: str, model: Mapping[str, Any]) -> None:
     """Refuse options that a kind of file does not know. Raises SceneError, SettingsError."""
-    from ..scene.io import model_keys
     from ..scene.io.images import IMAGE_SUFFIXES
+    from ..scene.io.model_options import model_keys
 
     lit = {name: model[name] for name in ("sun", "ground") if model.get(name)}
     model_keys(file, **{name: model[name] for name in model if name not in ("sun", "ground")})

@@ -31,7 +31,7 @@ def watched(scene: str, work: Callable[[], None]) -> None:
             except AirlightError as error:
                 say(f"error: {error}")
         # Materials and textures of its models are among what was read.
-        watch.follow(files.read)
+        watch.follow(files.stamps)
         click.echo(f"watching {scene}; Ctrl-C ends it", err=True)
         while not watch.changed():
             time.sleep(INTERVAL_S / 2.0)

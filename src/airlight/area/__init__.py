@@ -1,6 +1,6 @@
 """Lights with extent: area lights and emissive meshes, and their direct light on surfaces.
 
-glowing   media that give off light, as samples alone
+glowing   media that give off light, as samples alone, of emissive_blocks of their voxels
 sources   a scene's area lights and emissive meshes, one side each; touching: those
                that files cut
 -> pieces, threads   small triangles, of smooth parts; tubes of few sides are one

@@ -38,6 +38,7 @@ class AirParams(Struct):
     rays = u32("of a point")
     segment = u32()
     is_reduced = u32("1: of all media; else of those that are not solved as sources")
+    shows_glow = u32("1: rays meet what media emit; else that is left to the lights they are")
 
 
 _FIRST = "fn first_lattices() -> LatticeParams { return lattices[0]; }\n"
@@ -102,6 +103,7 @@ class Air:
                 rays=len(segment.numbers),
                 segment=segment.index,
                 is_reduced=int(met.is_reduced),
+                shows_glow=int(met.shows_glow),
             ),
             march=march_params(light, STEPS, min(cells, default=math.inf)),
             starts=starts,
@@ -113,10 +115,14 @@ class Air:
 
 
 class Met(NamedTuple):
-    """Light that media along rays scatter, and whether all media there count as reduced ones."""
+    """Light that media along rays scatter, and whether all media there count as reduced ones.
+
+    `shows_glow`: whether rays meet what media emit, too.
+    """
 
     light: MarchedLight
     is_reduced: bool
+    shows_glow: bool
 
 
 def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
@@ -129,4 +135,6 @@ def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
         replace(s, texture=(mean if is_reduced else None) or s.whole or s.texture)
         for s, mean in zip(fields.volumes, means, strict=True)
     )
-    return Met(MarchedLight(sources, fields.air.mean if fields.air else None), is_reduced)
+    light = MarchedLight(sources, fields.air.mean if fields.air else None)
+    # What media emit reaches surfaces and cells as light of emitters, which mirrors do not show.
+    return Met(light, is_reduced, shows_glow=is_mirrored)

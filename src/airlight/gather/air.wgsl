@@ -1,6 +1,7 @@
 // What media do to a segment of a path, in the reduced media of similarity theory: the light that they scatter into it,
 // and their transmittance. Where it leaves the scene that is of the media themselves:
-// light of the sky that they only scatter forwards is on surfaces already (beams.wgsl).
+// light of the sky that they only scatter forwards is on surfaces already (beams.wgsl). So is what they emit: media are
+// lights (area/glowing.py), which send to surfaces and cells; mirrored rays alone see them glow.
 //! use media_here
 //! use tone
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
@@ -70,7 +71,8 @@ fn air_along(origin: vec3f, direction: vec3f, reach: f32) -> Air {
         let p = origin + (t + 0.5 * dt) * direction;
         densities_at(p, t + 0.5 * dt);
         let depth = reduced_depth_here(t, dt);
-        let light = emitted_here + emission_at(p, -direction);
+        let glow = select(vec3f(0.0), emitted_here, params.shows_glow != 0u);
+        let light = glow + emission_at(p, -direction);
         let arriving = out.passed * dt * mean_transmittance_rgb(depth) * light;
         out.light += arriving;
         out.inverse_m += luminance(arriving) / (t + 0.5 * dt);

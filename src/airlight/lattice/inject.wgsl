@@ -9,7 +9,7 @@
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be
-const BEFORE_TIES = 1e-3;  // cells: walls half way between two faces are common, and rounding must not choose
+const ENTERS = 0.501;    // cells before a surface: half a one, and by no rounding less
 
 // 0 for objects up to a size, 1 for those half as large again.
 fn large_enough(size: f32, least: f32) -> f32 {
@@ -49,7 +49,7 @@ fn add_seen(seen: Seen, view: LightViewData, layer: u32) {
     if (share > 0.0) {
         let n = lattice_from_world(lattice, normalize(seen.normal));
         let warped = warped_surface_coordinates(lattice, p, n);
-        let upright = warped + (0.5 + BEFORE_TIES) * n;
+        let upright = warped + ENTERS * n;
         let power = share * light_arriving(layer, p) * seen.power;
         let oblique = select(0.0, obliqueness(n, OBLIQUE), lobes.is_raised != 0u);
         // A share of it moves, not where it enters: that would jump from cell to cell. Nor does it leave the lattice.

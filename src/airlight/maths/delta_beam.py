@@ -113,7 +113,8 @@ class Beam:
     Around a point both differ by cell: (z, y, x, 3), (z, y, x, channel); see `point_light_beam`.
     `mean_cosine` is that of its part of the sky; `passed` (z, y, x), m, the density that its light
     has passed on reaching each cell's centre. `missing` (z, y, x, channel), W m^-2, is light beside
-    it that comes from all sides; see `point_light_beam.missing_irradiance`.
+    it that comes from all sides; see `point_light_beam.missing_irradiance`. `sharpness` (z, y, x):
+    mean cosine of the directions in each cell; see `point_light_beam.local_sharpness`.
     """
 
     direction: F64
@@ -121,6 +122,7 @@ class Beam:
     mean_cosine: float
     passed: F64
     missing: F64 | float = 0.0
+    sharpness: F64 | None = None
 
     def optical_depth(self, medium: MediumGrid) -> F64:
         """tau (z, y, x, channel) from the light to every cell's centre."""
@@ -232,8 +234,13 @@ class Solution:
         for one, phase in zip(self.beams, table, strict=True):
             mu = np.clip((towards_eye * one.direction).sum(axis=-1), -1.0, 1.0)
             direct, quasi, a = self.quasi_forward(one)
-            beams += direct * beam_phase(phase, mu)
-            lobe = np.minimum(g * a * one.mean_cosine, resolved_by(one.mean_cosine))
+            once, lobe = beam_phase(phase, mu), g * a * one.mean_cosine
+            # Around a point directions differ within a cell.
+            if one.sharpness is not None:
+                once = henyey_greenstein(mu[..., None], g * one.sharpness[..., None])
+                lobe = lobe * one.sharpness[..., None]
+            beams += direct * once
+            lobe = np.minimum(lobe, resolved_by(one.mean_cosine))
             quasi_forward += quasi * henyey_greenstein(mu[..., None], lobe)
         return beams, quasi_forward
 

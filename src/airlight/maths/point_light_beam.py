@@ -29,11 +29,13 @@ def point_light_beam(
     position: ArrayLike,
     intensity: ArrayLike,
     lit_mean: ArrayLike | None = None,
+    spread_m: float = 0.0,
 ) -> Beam:
     """The beam of a point light at `position` (3,), m in the medium's box; W sr^-1 (channel,).
 
     `intensity` may differ by cell: (z, y, x, channel), for spot lights, of which `lit_mean`
-    (channel,) is the mean over all directions.
+    (channel,) is the mean over all directions. `spread_m`: of light that comes from all around the
+    point, the root mean square distance from it.
     """
     # The light's direction and distance from every cell.
     away = medium.centres - np.asarray(position, dtype=np.float64)
@@ -44,7 +46,9 @@ def point_light_beam(
     )
     irradiance = np.asarray(intensity) * mean_inverse_square(away, medium.cell)[..., None]
     mean = intensity if lit_mean is None else lit_mean
-    return Beam(direction, irradiance, 1.0, passed, missing_irradiance(medium, away, mean))
+    missing = missing_irradiance(medium, away, mean)
+    sharpness = local_sharpness(distance, spread_m, medium.cell)
+    return Beam(direction, irradiance, 1.0, passed, missing, sharpness)
 
 
 def missing_irradiance(medium: MediumGrid, away: F64, intensity: ArrayLike) -> F64:
@@ -89,6 +93,18 @@ def _missing_integral(away: F64, h: F64, loss: F64) -> F64:
             whole += ((solid * r)[:, None] * -np.expm1(-depth) / depth).sum(axis=0)
             directions += float(solid.sum())
     return np.asarray(4.0 * np.pi * whole / directions - cells)
+
+
+def local_sharpness(distance: ArrayLike, spread_m: float, cell: ArrayLike) -> F64:
+    """The mean cosine of a light's directions in a cell of `cell` (3,), m, `distance`, m, away.
+
+    Points of the light and of the cell lie apart by the sum of their mean squares. A phase function
+    of mean cosine g counts as one of g times this: a cell that touches a light is lit from all
+    sides, not from the light's middle to its own.
+    """
+    apart = spread_m**2 + float((np.asarray(cell, np.float64) ** 2).sum()) / 12.0
+    r = np.asarray(distance, np.float64)
+    return np.asarray(r / np.sqrt(r * r + apart))
 
 
 def mean_inverse_square(away: F64, cell: F64) -> F64:

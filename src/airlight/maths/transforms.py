@@ -110,8 +110,11 @@ def rotation_xyz(angles_deg: Vector) -> F64:
 
 
 def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
-    """(4, 4): scale, then rotate by the unit quaternion (x, y, z, w), then translate."""
-    x, y, z, w = rotation
+    """(4, 4): scale, then rotate by the unit quaternion (x, y, z, w), then translate.
+
+    Of K of each, (K, 3), (K, 4) and (K, 3), they are (K, 4, 4).
+    """
+    x, y, z, w = np.asarray(rotation).T
     # The rotation of a unit quaternion (Shoemake1985); its columns are scaled.
     turned = np.array(
         [
@@ -120,9 +123,12 @@ def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    matrix = np.eye(4)
-    matrix[:3, :3] = turned * np.asarray(scale)
-    matrix[:3, 3] = translation
+    # Of several the numbers of each stand last, and belong first.
+    turned = turned.transpose(2, 0, 1) if turned.ndim == 3 else turned
+    matrix = np.zeros((*turned.shape[:-2], 4, 4))
+    matrix[..., :3, :3] = turned * np.asarray(scale)[..., None, :]
+    matrix[..., :3, 3] = translation
+    matrix[..., 3, 3] = 1.0
     return matrix
 
 

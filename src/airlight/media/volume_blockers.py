@@ -1,9 +1,8 @@
 """Volumes as blockers of a lattice that otherwise knows surfaces only.
 
 Light that propagates to the next cell collides with the reduced extinction of both cells. Scattered
-light leaves to both sides alike, so half of it is reflected and half goes on; the rest is absorbed.
-This is the two-stream model (Schuster1905, of light in fog), as shares that a face reflects and
-stops.
+light goes to both sides alike, and collides again. This is the two-stream model (Schuster1905, of
+light in fog), as shares that a face reflects and stops; see `maths.two_streams`.
 """
 
 from __future__ import annotations

@@ -3,15 +3,19 @@
 // solvers know them.
 //! use cell_order
 //! use lattice_axes
+//! use medium
 
-// What a hop between two cells meets: rgb reflected, a blocked.
+// What a hop between two cells meets: rgb reflected, a blocked; see maths/two_streams.py.
 fn met(one: vec4f, other: vec4f) -> vec4f {
-    // What collides is absorbed, or scattered to both sides alike.
     let depth = 0.5 * (one + other) * lattice.cell;
-    let collided = 1.0 - exp(-depth.a);
-    let back = 0.5 * collided * min(depth.rgb / max(depth.a, 1e-12), vec3f(1.0));
-    let onwards = (back.r + back.g + back.b) / 3.0;
-    return vec4f(back, collided - onwards);
+    let albedo = min(depth.rgb / max(depth.a, 1e-12), vec3f(1.0));
+    // What collides is absorbed, or scattered to both sides alike, again and again.
+    let decay = sqrt(1.0 - albedo);
+    let far = exp(-decay * depth.a);
+    let rise = 2.0 * depth.a * mean_transmittance_rgb(2.0 * decay * depth.a);
+    let lost = 1.0 + far * far + (1.0 - 0.5 * albedo) * rise;
+    let onwards = 2.0 * far / lost;
+    return vec4f(0.5 * albedo * rise / lost, 1.0 - (onwards.r + onwards.g + onwards.b) / 3.0);
 }
 
 fn cell_at(cell: vec3i) -> vec4f {

@@ -159,7 +159,7 @@ def at_most(values: NDArray[Any], most: float, name: str) -> None:
 def affine(value: Any, name: str) -> F64:
     """A read-only 4x4 matrix whose last row is 0, 0, 0, 1."""
     matrix = array(value, name, shape=(4, 4), dtype=np.float64)
-    if not np.allclose(matrix[3], (0.0, 0.0, 0.0, 1.0), rtol=0.0, atol=1e-6):
+    if np.abs(matrix[3] - (0.0, 0.0, 0.0, 1.0)).max() > 1e-6:
         row = ", ".join(f"{v:g}" for v in matrix[3])
         raise SceneError(f"{name} is not affine: its last row is {row}, not 0, 0, 0, 1")
     return matrix

@@ -30,6 +30,13 @@ fn local_share(n: u32) -> f32 {
         position.w == LOCAL);
 }
 
+// Mean cosine of the directions from which a local light that is spread over `spread`, m, comes to the points of a cell
+// `distance` away; see maths/point_light_beam.py.
+fn local_sharpness(spread: f32, distance: f32) -> f32 {
+    let apart = spread * spread + dot(params.cell, params.cell) / 12.0;
+    return distance * inverseSqrt(distance * distance + apart);
+}
+
 fn beam_phase(n: u32, mu: f32) -> vec3f {
     let at = sqrt(sqrt(saturate(0.5 - 0.5 * mu))) * f32(PHASE_TABLE - 1u);
     let low = min(u32(at), PHASE_TABLE - 2u);
@@ -50,8 +57,10 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         let direct = exp(-true_depth(n, cell));
         sum.fluence += light.irradiance * direct;
         let once = light.irradiance * direct * beam_phase(n, mu);
+        var sharpness = 1.0;
         if (ordinates[n].position.w == LOCAL) {
-            sum.local += once;
+            sharpness = local_sharpness(ordinates[n].irradiance.w, light.distance);
+            sum.local += light.irradiance * direct * henyey_greenstein_rgb(mu, sharpness * params.g);
         } else if (ordinates[n].spot.w == 0.0) {
             sum.beams += once;
         } else {
@@ -63,7 +72,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         sum.inner += local_share(n) * light.irradiance * (direct + quasi);
         let a = quasi_forward_cosine(n, cell);
         let sharpest = resolved_by(ordinates[n].direction.w);
-        let lobe = params.g * a * ordinates[n].direction.w;
+        let lobe = params.g * a * ordinates[n].direction.w * sharpness;
         sum.quasi_forward += light.irradiance * quasi
             * henyey_greenstein_rgb(mu, min(lobe, vec3f(sharpest)));
     }

@@ -9,9 +9,9 @@ const CORNER_VALUES = 36u;
 
 const BEHIND_UNITS = 4096.0;    // per cell
 
-// An offset -0.5..0.5 (BEHIND_TIES more count as that) along a side's outward axis, in cells, as an integer that grows backwards.
+// An offset -0.5..0.5 along a side's outward axis, in cells, as an integer that grows backwards.
 fn behind_code(outward: f32) -> i32 {
-    return 1 + max(i32(round((0.5 - outward) * BEHIND_UNITS)), 0);
+    return 1 + i32(round((0.5 - outward) * BEHIND_UNITS));
 }
 
 fn outward_of(code: f32) -> f32 {

@@ -3,9 +3,9 @@
 //! use lattice_axes
 
 const NO_CORNER = 0xffffffffu;
-// Cells: how far behind a surface its nearest corner is looked for. Walls half way between two corners are common, and
-// rounding must not choose.
-const BEHIND_TIES = 1e-3;
+// Cells: how far before a surface its nearest corner is looked for. Walls half way between two corners are common, and
+// rounding must not choose. What ends at such a wall reaches no farther than the corners before it.
+const BEFORE_TIES = 1e-3;
 
 struct NearestCorner {
     index: u32,             // of all corners, or NO_CORNER
@@ -16,7 +16,7 @@ struct NearestCorner {
 // lattice.
 fn nearest_corner(world: vec3f, n: vec3f) -> NearestCorner {
     let coordinates = cells_from_world(lattice, world);
-    let corner = vec3i(floor(coordinates - BEHIND_TIES * n + 0.5));
+    let corner = vec3i(floor(coordinates + BEFORE_TIES * n + 0.5));
     if (any(corner < vec3i(0)) || any(corner > vec3i(lattice.count))) {
         return NearestCorner(NO_CORNER, vec3f(0.0));
     }

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from airlight.scene import Emission, Scene, Volume
+from airlight.scene import Emission, Mesh, Scene, Volume
 from airlight.scene.animation import Animation
 from airlight.scene.animation.density import MadeDensity, VolumeTrack
 from airlight.scene.io.defaults import with_default_camera
 from airlight.scene.io.dense_part import dense_box
+from airlight.scene.shapes import box
 
 BOX = ((-10.0, 0.0, 0.0), (10.0, 20.0, 40.0))
 
@@ -70,3 +73,13 @@ def test_a_small_cloud_in_a_large_domain_fills_the_view():
     away = [np.linalg.norm(np.subtract(s.camera.position, s.camera.target)) for s in (whole, small)]
     assert away[1] < 0.3 * away[0]
     assert small.camera.target == pytest.approx((0, 10, 20), abs=1.0)
+
+
+def test_fog_around_a_model_and_shapes_leave_its_view_as_it_is():
+    model = Scene(meshes=(Mesh(box()),))
+    usual = with_default_camera(model).camera
+    fog = Volume(1.0, np.ones((4, 4, 4), np.float32), bounds=((-50, -50, -50), (50, 50, 50)))
+    haze = Volume(1.0, shape="box", bounds=((40, 0, 0), (50, 10, 10)))
+    empty = Volume(1.0, np.zeros((4, 4, 4), np.float32), bounds=((40, 0, 0), (50, 10, 10)))
+    for volume in (fog, haze, empty):
+        assert with_default_camera(replace(model, volumes=(volume,))).camera == usual

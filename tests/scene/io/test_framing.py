@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from airlight.scene.camera import Camera
+from airlight.scene.io.defaults import with_default_camera
+from airlight.scene.io.dense_part import air_beside
 from airlight.scene.io.framing import find_room, framing_camera, view_directions
 from airlight.scene.io.obj import load_obj
+from airlight.scene.io.outline import outline
 from airlight.scene.io.probe import Probe
 from airlight.scene.io.viewpoint import MARGIN, around
 from airlight.scene.mesh import Geometry, Mesh
 from airlight.scene.scene import Scene
+from airlight.scene.shapes import box
+from airlight.scene.volume import Volume
 
 
 def quad(a, b, c, d) -> Mesh:
@@ -166,3 +173,16 @@ def test_flat_things_are_seen_from_higher_and_long_ones_from_their_side():
     assert car[1] > cube[1] + 15.0
     # From the front, and never from below or behind.
     assert 0.0 < cube[0] < 30.0 and 20.0 < cube[1] < 45.0 and car[1] < 70.0
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_smoke_beside_a_model_is_framed_with_it(turned):
+    smoke = Volume(1.0, np.ones((4, 4, 4), np.float32), bounds=((5, 0, -1), (7, 2, 1)))
+    if turned:
+        smoke = replace(smoke, world_from_volume=np.diag([-1.0, 1.0, -1.0, 1.0]))
+    scene = with_default_camera(Scene(meshes=(Mesh(box()),), volumes=(smoke,)))
+    points = np.concatenate([outline(scene), air_beside(scene, outline(scene))])
+    side = np.ptp(points[:, 0])
+    assert side == pytest.approx(7.5, abs=0.1)
+    # All of it is in an image of 4:3.
+    assert in_image(scene.camera, points, 4 / 3).all()

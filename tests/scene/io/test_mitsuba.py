@@ -638,6 +638,20 @@ def test_a_default_may_stand_behind_its_use_in_a_file_that_is_included(tmp_path:
         load(path)
 
 
+def test_values_of_defaults_further_on_hold_values_themselves(tmp_path: Path) -> None:
+    shape = '<shape type="sphere"><float name="radius" value="$radius"/></shape>'
+    path = tmp_path / "a.xml"
+    path.write_text(f'<scene version="3.0.0">{shape}<include filename="b.xml"/></scene>')
+    part = '<scene version="3.0.0"><default name="radius" value="$size.5"/>{}</scene>'
+    (tmp_path / "b.xml").write_text(part.format('<default name="size" value="3"/>'))
+    (mesh,) = load(path).meshes
+    np.testing.assert_allclose(np.array(mesh.world_bounds)[:, 0], [-3.5, 3.5], atol=1e-5)
+    # Values that need themselves, at once or by others, are one message.
+    (tmp_path / "b.xml").write_text(part.format('<default name="size" value="$radius"/>'))
+    with pytest.raises(SceneError, match=r"has no end: \$radius -> \$size -> \$radius"):
+        load(path)
+
+
 def test_a_part_of_a_scene_says_that_it_may_be_one(tmp_path: Path) -> None:
     path, told = tmp_path / "a.xml", "A part of a scene is read by the file that includes it."
     shape = '<shape type="obj"><string name="filename" value="meshes/a.obj"/></shape>'

@@ -88,6 +88,18 @@ def test_units_say_how_dense_it_is(tmp_path, units, sigma_t):
     assert volume.g[0] > 0.8 and volume.albedo[0] > 0.99
 
 
+@pytest.mark.parametrize("units", ["degC", "Celsius", "degrees_Celsius", "K"])
+def test_temperatures_are_kelvin(tmp_path, units):
+    data = dataset("1", name="smoke").assign(temperature=dataset("K", 50 * VALUES)["ql"])
+    data["temperature"].attrs["units"] = units
+    path = written(data, tmp_path / "a.nc")
+    by = 0.0 if units == "K" else 273.15
+    scene = load(path)
+    assert scene.volumes[0].emission.temperature.max() == pytest.approx(50 * 23 + by)
+    said = [text for text in scene.warnings if "read in kelvin" in text]
+    assert said == ([f"a.nc: 'temperature' is in {units}, and read in kelvin"] if by else [])
+
+
 def test_mixing_ratios_are_weighed_with_the_air(tmp_path):
     volume = load(written(dataset("g kg-1"), tmp_path / "cloud.nc")).volumes[0]
     by_height = volume.density[0, :, 0] / VALUES[:, 2, 0]
@@ -106,7 +118,7 @@ def test_the_first_of_several_times_is_read_and_missing_values_are_none(tmp_path
     assert grid.density.max() == 23 and grid.density[2, 0, 1] == 0
     told = 'a.nc has 2 times, the first is read (grid = "ql[-1]" takes the last)'
     assert told in grid.warnings
-    assert "a.nc has 1 missing values, taken as 0" in grid.warnings
+    assert "a.nc: 'ql' has 1 missing values, taken as 0" in grid.warnings
 
 
 def test_a_simulation_that_begins_in_clear_air_is_shown_with_its_first_cloud(tmp_path):

@@ -66,6 +66,14 @@ def test_an_open_mesh_is_closed_and_told(tmp_path):
     assert told in scene.warnings
 
 
+def test_what_the_mesh_file_itself_says_is_told(tmp_path):
+    file = obj(tmp_path / "a.obj")
+    file.write_text(file.read_text() + "curv 0 1 1 2\n")
+    scene, _ = volume_of(tmp_path)
+    (own,) = (text for text in load(file).warnings if "a.obj" in text)
+    assert own in scene.warnings
+
+
 @pytest.mark.parametrize(
     ("shape", "keys", "words"),
     [

@@ -458,6 +458,12 @@ def prim(kind: str, name: str, body: str, more: str = "") -> str:
     return f'\ndef {kind} "{name}" {more}\n{{\n{lines}\n}}\n'
 
 
+def cone(angle: object, softness: object = 0.5) -> str:
+    body = f"float inputs:shaping:cone:angle = {angle}; "
+    body += f"float inputs:shaping:cone:softness = {softness}"
+    return prim("SphereLight", "l", body, '(prepend apiSchemas = ["ShapingAPI"])')
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -505,6 +511,17 @@ def prim(kind: str, name: str, body: str, more: str = "") -> str:
             prim("Sphere", "s", "double radius.timeSamples = {1: 1, 5: 2}"),
             "what moves stands as at the first time: '/World/s' radius",
         ),
+        (
+            prim("Sphere", "s", 'token visibility.timeSamples = {1: "invisible", 5: "inherited"}'),
+            "'/World/s': it is invisible at the first time and appears later, which is left out",
+        ),
+        (cone(120), "cones of 90 degrees and more light all around: it is 120"),
+        (cone(90), "cones of 90 degrees and more light all around: it is 90"),
+        (cone(89.5), "inputs:shaping:cone:angle is 89.5, taken as 89 degrees"),
+        (cone(-3), "inputs:shaping:cone:angle is -3, taken as 0.1 degrees"),
+        (cone("nan"), "light all around: it is nan"),
+        (cone(40, 1.5), "inputs:shaping:cone:softness is 1.5, taken as 1: it is a share"),
+        (cone(40, -1), "inputs:shaping:cone:softness is -1, taken as 0"),
     ],
 )  # fmt: skip
 def test_what_a_stage_asks_for_and_does_not_get_is_named(tmp_path, text, words):
@@ -520,6 +537,10 @@ def test_what_is_as_the_schema_has_it_is_no_warning(tmp_path):
     text = prim(
         "SphereLight", "l", "float inputs:diffuse = 1; float inputs:specular = 1; float a = 2"
     )
+    text += prim("SphereLight", "m", "", '(prepend apiSchemas = ["ShapingAPI"])') + cone(
+        180, 1
+    ).replace('"l"', '"n"')
+    text += prim("Sphere", "s", 'token visibility.timeSamples = {1: "invisible", 5: "invisible"}')
     text += prim("Camera", "c", "double shutter:open = 0; float horizontalApertureOffset = 0")
     text += prim("Xform", "x", 'custom string userProperties:note = "n"')
     head = "metersPerUnit = 1\nstartTimeCode = 1\nendTimeCode = 50"

@@ -50,6 +50,31 @@ FRAME_OPTIONS = together(
 """What every command takes that makes frames or a video of a scene; `plan_of` reads it."""
 
 
+def frame_kind_options() -> Callable[[Any], Any]:
+    """--format, --layers, --keep-frames: what a frame's file is."""
+    return together(
+        click.option(
+            "--format",
+            "kind",
+            type=click.Choice(list(FORMATS)),
+            help="Of frames: png is tone mapped, exr linear.  [default: png]",
+        ),
+        click.option("--layers", is_flag=True, help="Keep every layer in EXR frames."),
+        click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it."),
+    )
+
+
+def shown_by(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of a Plan that say how frames are shown and written, as options have them."""
+    return {
+        "ending": FORMATS[options["kind"] or "png"],
+        "layers": options["layers"],
+        "exposure_stops": None if options["exposure"] == AUTO else options["exposure"],
+        "tone_map": options["tone_map"],
+        "lut": options["lut"],
+    }
+
+
 @click.command("sequence")
 @FRAME_OPTIONS
 @click.option("--frames", metavar="N|A-B", help="How many, or which: 0-59.  [default: all]")
@@ -58,14 +83,7 @@ FRAME_OPTIONS = together(
 @click.option("--fps", type=Number(1e-3, 1e4), help="Frames per second.")
 @camera_options()
 @display_options()
-@click.option(
-    "--format",
-    "kind",
-    type=click.Choice(list(FORMATS)),
-    help="Of frames: png is tone mapped, exr linear.  [default: png]",
-)
-@click.option("--layers", is_flag=True, help="Keep every layer in EXR frames.")
-@click.option("--keep-frames", is_flag=True, help="Keep a video's frames beside it.")
+@frame_kind_options()
 @click.option("--farm", metavar="tcp://HOST:PORT", help="Spread frames over a dask cluster.")
 def command(scene: str, output: Path, **options: Any) -> None:
     """Render a moving SCENE into frames or a video.
@@ -252,9 +270,5 @@ def _plan(scene: Scene, options: Mapping[str, Any]) -> Plan:
         fps=fps,
         first=first,
         last=last,
-        ending=FORMATS[options["kind"] or "png"],
-        layers=options["layers"],
-        exposure_stops=None if options["exposure"] == AUTO else options["exposure"],
-        tone_map=options["tone_map"],
-        lut=options["lut"],
+        **shown_by(options),
     )

@@ -8,7 +8,8 @@ from typing import Any
 
 from ...scene.builtin import BUILTIN
 from ...scene.io import BUILTIN_PREFIX, load
-from ...scene.io.ledger import files_read, noted
+from ...scene.io.ledger import Stamp, noted, stamps_read
+from ...scene.io.model_options import fitting_options
 from ...scene.scene import Scene
 from .watch import Watch
 
@@ -20,31 +21,37 @@ class Source:
     """A scene and its file. `loaded` is what the file said last.
 
     `name` is empty for a scene that has none; `model`: the options that models are read with.
+    `read`: the files that it was loaded from, as they were then; else what the command has read.
     """
 
-    def __init__(self, name: str, loaded: Scene, model: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        loaded: Scene,
+        model: Mapping[str, Any] | None = None,
+        read: Mapping[Path, Stamp | None] | None = None,
+    ) -> None:
         self.name, self.loaded, self.model = name, loaded, dict(model or {})
         is_file = bool(name) and not name.startswith(BUILTIN_PREFIX)
-        self.watch = Watch(Path(name)) if is_file else None
-        if self.watch is not None:
-            self.watch.follow(files_read())
+        # Files are as they were when they were read: what was saved since is an edit.
+        self.watch = Watch(Path(name), read=read or stamps_read()) if is_file else None
         self._first = Path(name).parent if is_file else None
 
     def again(self) -> Scene:
         """The scene as its file has it now. Raises AirlightError."""
         with noted() as files:
             try:
-                return load(self.name, **self.model)
+                return load(self.name, **fitting_options(self.name, self.model))
             finally:
                 if self.watch is not None:
-                    self.watch.follow(files.read)
+                    self.watch.follow(files.stamps)
 
     def opened(self, name: str) -> Source:
-        """Another scene, with the options of this one. Raises AirlightError."""
+        """Another scene, with those options of this one that its kind has. Raises AirlightError."""
+        model = fitting_options(name, self.model)
         with noted() as files:
-            made = Source(name, load(name, **self.model), self.model)
-        if made.watch is not None:
-            made.watch.follow(files.read)
+            loaded = load(name, **model)
+        made = Source(name, loaded, self.model, files.stamps)
         made._first = self._first
         return made
 

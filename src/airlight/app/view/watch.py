@@ -4,64 +4,67 @@ from __future__ import annotations
 
 import time
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
 from ...scene.io.files import read_text
+from ...scene.io.ledger import Stamp, stamp_of
 from ...scene.io.toml_animation import volume_files
 
 INTERVAL_S = 0.25
 _QUIET_S = 0.1  # an editor may still be writing
+_REST = 10.0  # times as long as a look takes: zarr stores have thousands of files
+_Stamps = dict[Path, Stamp | None]
 
 
 class Watch:
     """`changed` is true once per edit. A file that is gone for a moment is no edit."""
 
-    def __init__(self, path: Path, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        path: Path,
+        clock: Callable[[], float] = time.monotonic,
+        read: Mapping[Path, Stamp | None] | None = None,
+    ) -> None:
         self.path, self._clock = path, clock
-        self._seen = self._stamps(named_files(path))
-        self._pending: tuple[dict[Path, tuple[int, int]], float] | None = None
-        self._looked_s = float("-inf")
+        self._seen = {**self._stamps(named_files(path)), **(read or {})}
+        self._pending: tuple[_Stamps, float] | None = None
+        self._looked_s, self._rest_s = float("-inf"), INTERVAL_S
 
-    def follow(self, paths: Iterable[Path]) -> None:
+    def follow(self, read: Mapping[Path, Stamp | None]) -> None:
         """Look at these, too: what was read when the scene was loaded, as textures of its models.
 
-        Those that are followed already are as they were when they were looked at last.
+        They are as they were when they were read, so that what is saved during a long image is an
+        edit; those that are followed already are as they were when they were looked at last.
         """
-        self._seen = {**self._stamps(set(paths)), **self._seen}
+        self._seen = {**read, **self._seen}
 
     def changed(self) -> bool:
-        """Look, at most every INTERVAL_S."""
+        """Look, at most every INTERVAL_S; less often at what takes long to look at."""
         now = self._clock()
-        if now - self._looked_s < (INTERVAL_S if self._pending is None else _QUIET_S):
+        if now - self._looked_s < (self._rest_s if self._pending is None else _QUIET_S):
             return False
-        self._looked_s = now
+        self._looked_s, began = now, time.monotonic()
         # A change counts once it has stood for a while: editors write files in several steps.
         stamps = self._stamps(set(self._seen) | {self.path})
-        if stamps == self._seen or self.path not in stamps:
+        self._rest_s = max(INTERVAL_S, _REST * (time.monotonic() - began))
+        if stamps == self._seen or stamps[self.path] is None:
             self._pending = None
             return False
         if self._pending is None or self._pending[0] != stamps:
             self._pending = (stamps, now)
             return False
         self._pending = None
-        self._seen = self._stamps(named_files(self.path) | set(stamps))
+        self._seen = {**self._stamps(named_files(self.path)), **stamps}
         return True
 
     @staticmethod
-    def _stamps(paths: set[Path]) -> dict[Path, tuple[int, int]]:
+    def _stamps(paths: set[Path]) -> _Stamps:
         # A file that is not there now has no stamp, and is looked at again.
-        found = {}
-        for path in paths:
-            try:
-                stat = path.stat()
-            except OSError:
-                continue
-            found[path] = (stat.st_mtime_ns, stat.st_size)
-        return found
+        return {path: stamp_of(path) for path in paths}
 
 
 def named_files(path: Path) -> set[Path]:

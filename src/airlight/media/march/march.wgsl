@@ -148,14 +148,12 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
                 eye_depth += 0.5 * reduced.scattered;
                 eye_path += reduced.path;
                 let own_light = forward_light(q, -ray.direction, reached, reduced_reached);
-                // Beside single scattering of the sky, and what media emit, what is scattered
-                // forwards of both. Gathered light has the second, and that of lights but for their
-                // last scattering.
+                // Beside single scattering of the sky what is scattered forwards of it. Gathered light
+                // has that of lights but for their last scattering. What media emit is among lights.
                 let forward = max(reduced_reached - reached, vec3f(0.0));
                 L_reduced += forward * sky_reduced_at();
                 if (!IS_INSCATTERED) {
-                    L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction)
-                        + own_light.on + forward * emitted_here;
+                    L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction) + own_light.on;
                 }
                 L_two_bands += reached * lattice_two_bands(q, -ray.direction) + own_light.last;
                 eye_depth += 0.5 * reduced.scattered;

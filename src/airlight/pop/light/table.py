@@ -35,7 +35,9 @@ class OrdinateData(Struct):
     """One ordinate in the frame of the medium."""
 
     direction = vec4f("of travel, or a spot's axis; w: mean cosine of its part of the sky")
-    irradiance = vec4f("rgb, in units of the table's scale; of local lights intensity, times m^-2")
+    irradiance = vec4f(
+        "rgb, in units of the table's scale; of local lights W sr^-1; w: m, their spread"
+    )
     position = vec4f("m; w: its Kind")
     spot = vec4f(
         "cosines of the inner and outer half angle, share of 4 pi that is lit; w: 1 for the sky's"
@@ -125,7 +127,7 @@ def packed_ordinates(
             axis = light.direction
             spot = (max(inner, outer + 1e-4), outer, 0.5 - 0.25 * (inner + outer), 0.0)
         row["direction"] = (*placement.direction(np.array(axis)), 1.0)
-        row["irradiance"][:3] = np.array(light.intensity) / scale
+        row["irradiance"] = (*(np.array(light.intensity) / scale), light.radius)
         row["position"] = (*placement.point(np.array(light.position)), Kind.LOCAL)
         row["spot"] = spot
     return packed

@@ -18,6 +18,7 @@ from .boxes import mixed
 from .density import changed_grids, with_grid
 
 if TYPE_CHECKING:
+    from ..io.ledger import Stamp
     from ..volume import Volume
 
 _FEWEST, _MOST_BYTES = 3, 1 << 28  # files whose grids are cached, and up to which size more are
@@ -99,11 +100,11 @@ class FileSequence:
 
     def _read(self, k: int) -> FileGrids:
         """The grids of file number `k` as it is now."""
-        from ..io.netcdf_times import at_time
+        from ..io.ledger import stamp_of
 
         path = self.files[k]
         try:
-            stamp = path.stat().st_mtime_ns
+            path.stat()
         except OSError as error:
             raise SceneError(
                 f"cannot be read ({error.strerror or error})",
@@ -112,10 +113,8 @@ class FileSequence:
             ) from None
         # The file's time of change is part of the key, so that a file written again is read again.
         time = self.times[k] if self.times else None
-        glow = self.emission_grid and at_time(self.emission_grid, time)
-        colours = tuple((of, at_time(name, time)) for of, name in self.colours)
-        names = (at_time(self.grid, time), self.channels, glow, colours)
-        return _RECENT.of((path, stamp, *names, _Turn(self.turn.tobytes())))
+        wanted = _Wanted(self.grid, self.channels, time, self.emission_grid, self.colours)
+        return _RECENT.of((path, stamp_of(path), wanted, _Turn(self.turn.tobytes())))
 
     def _fitting(self, read: FileGrids, path: Path) -> FileGrids:
         """What was read, in this sequence's box where its own does not count."""
@@ -204,26 +203,29 @@ def _nothing(
     return FileGrids(density, made.pop("glow", None), made, bounds)
 
 
-def _file_grids(
-    path: Path,
-    stamp_ns: int,
-    grid: str,
-    channels: str,
-    emission_grid: str | None,
-    colours: tuple[tuple[str, str], ...],
-    turn: _Turn,
-) -> FileGrids:
-    """The grids of a file as it was at `stamp_ns`."""
+@dataclass(frozen=True)
+class _Wanted:
+    """Names of a file's grids, as `FileSequence` has them, at a `time` as `read_volume` has it."""
+
+    grid: str
+    channels: str
+    time: int | None
+    glow: str | None
+    colours: tuple[tuple[str, str], ...]
+
+
+def _file_grids(path: Path, stamp: Stamp | None, wanted: _Wanted, turn: _Turn) -> FileGrids:
+    """The grids of a file as it was at `stamp`."""
     from ..io.coefficient_files import read_coefficients
     from ..io.emission_files import on_one_grid
     from ..io.volumes import NOWHERE, read_values, read_volume
 
-    found, glow = read_volume(path, grid, channels), None
-    if emission_grid is not None:
-        found, glow = on_one_grid(found, read_values(path, emission_grid))
+    found, glow = read_volume(path, wanted.grid, wanted.channels, wanted.time), None
+    if wanted.glow is not None:
+        found, glow = on_one_grid(found, read_values(path, wanted.glow, wanted.time))
     made: dict[str, F32] = {}
-    if colours:
-        found, made = read_coefficients(path, found, dict(colours), {})
+    if wanted.colours:
+        found, made = read_coefficients(path, found, dict(wanted.colours), {})
         # In three channels, as volumes have them, so that they stay one array from frame to frame.
         made = {
             name: np.ascontiguousarray(np.broadcast_to(_in_channels(v), (*v.shape[:3], 3)))

@@ -28,6 +28,7 @@ volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb
                  and netcdf, netcdf_* (gridded: its axes, cloud_water: its units) -> dense_grid;
                  coefficient_files, emission_files: the grids beside a density; grid_times: those
                  of a sequence; volume_scene: one grid as a scene of its own
+model_options    what may be asked for beside each kind of file
 defaults         a camera where there is none: framing, viewpoint, by the scene's outline, or the
                  dense_part of air; where there is no light a studio, in rooms daylight; ground
                  under a bare model; probe: the rays that find walls and windows
@@ -63,12 +64,6 @@ _EXPORT = "Export it as glTF (.glb) from the program that made it."
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
 
-_BOTH = ("mesh files and density grids", (*MESH_SUFFIXES, *VOLUME_SUFFIXES))
-_GRIDS = ("density grids", VOLUME_SUFFIXES)
-_KINDS = {"variant": ("mesh files", MESH_SUFFIXES), "grid": _GRIDS, "channels": _GRIDS}
-"""Of which files an option is that is not of both."""
-
-
 def load(
     path: str | Path,
     *,
@@ -98,6 +93,8 @@ def load(
     sun, a sky and a camera. Scene files (TOML, Mitsuba XML) say themselves. What was dropped,
     replaced or approximated is in the scene's `warnings`. Raises SceneError.
     """
+    from .model_options import model_keys
+
     # Options that do not go with this kind of file are refused before anything is read.
     written = str(path)
     model = model_keys(
@@ -135,50 +132,6 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
     if ground or (ground is None and suffix in MESH_SUFFIXES):
         return with_ground(scene, is_asked=bool(ground))
     return scene
-
-
-def model_keys(
-    path: str,
-    *,
-    up: str = "y",
-    scale: float = 1.0,
-    variant: str | None = None,
-    grid: str | None = None,
-    channels: str | None = None,
-    parameters: Mapping[str, Any] | None = None,
-) -> dict[str, Any]:
-    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked;
-    `parameters` among them.
-
-    Raises SceneError where it is no file that has them.
-    """
-    from .toml_media_tables import VOLUME
-    from .toml_tables import MESH
-
-    # Parameters are Mitsuba's alone.
-    if parameters and Path(path).suffix.lower() != ".xml":
-        raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
-    texts = {name: str(value) for name, value in (parameters or {}).items()}
-    given = {"up": up, "scale": scale, "variant": variant, "grid": grid, "channels": channels}
-    usual = {"up": "y", "scale": 1.0}
-    # An option left as it is by default says nothing, and is allowed for every file.
-    asked = {name: value for name, value in given.items() if value != usual.get(name)}
-    suffix = Path(path).suffix.lower()
-    # Variants are of mesh files, names of grids; how a file lies and how large it is, of both.
-    is_grid = suffix in VOLUME_SUFFIXES
-    wrong = [name for name in asked if suffix not in _KINDS.get(name, _BOTH)[1]]
-    if wrong:
-        kinds, suffixes = _KINDS.get(wrong[0], _BOTH)
-        raise SceneError(
-            f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} for {kinds} "
-            f"({', '.join(suffixes)})",
-            where=path,
-            remedy="In a scene file, each [[mesh]] and each [[volume]] has keys of its own.",
-        )
-    # The checks of their keys hold here too, with their messages.
-    keys = (VOLUME if is_grid else MESH).keys
-    checked = {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
-    return {**checked, "parameters": texts} if texts else checked
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
@@ -294,6 +247,5 @@ __all__ = [
     "VOLUME_SUFFIXES",
     "load",
     "load_meshes",
-    "model_keys",
     "with_defaults",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from ...errors import SceneError
 from ..checks import F32
 from ..coefficients import as_grids
 from ..medium import mean_cosine
-from .emission_files import on_one_grid
+from .emission_files import on_one_grid, told_beside
 from .files import naming
 from .netcdf_times import name_and_number
 from .volumes import GridValues, VolumeGrid, grid_names, read_values, read_volume
@@ -39,22 +40,26 @@ def taken_grids(values: dict[str, Any]) -> dict[str, str]:
     return found
 
 
-def density_or_first(path: Path, grid: str, channels: str, grids: Mapping[str, str]) -> VolumeGrid:
+def density_or_first(
+    path: Path, grid: str, channels: str, grids: Mapping[str, str], time: int | None = None
+) -> VolumeGrid:
     """A file's density; of a file with none the first of the `grids` that says where there is any.
 
-    Raises SceneError.
+    `time` as `read_volume` has it. Raises SceneError.
     """
     # A file that holds the density, or lists no grids, is read as any other.
-    main = main_grid(grid_names(path), grid, grids)
+    stands_in = any(name in grids for name in OF_DENSITY)
+    main = main_grid(grid_names(path), grid, grids) if stands_in else grid
     if main == grid:
-        return read_volume(path, grid, channels)
+        return read_volume(path, grid, channels, time)
     # Of three channels the largest: where it is 0, there is no medium.
-    found = read_values(path, main)
+    found = read_values(path, main, time)
     with naming(path):
         density = found.values if found.values.ndim == 3 else found.values.max(axis=-1)
         if float(density.min(initial=0.0)) < 0.0:
             raise SceneError(f"'{main}' is negative, down to {float(density.min()):g}")
-    return VolumeGrid(density, found.bounds, (), found.world_from_volume)
+    matrix = found.world_from_volume
+    return VolumeGrid(density, found.bounds, found.warnings, matrix, time=found.time)
 
 
 def main_grid(held: list[str], grid: str, grids: Mapping[str, str]) -> str:
@@ -75,7 +80,9 @@ def read_coefficients(
     `numbers`: the coefficients that were given; those without a grid are in proportion to the
     density. Raises SceneError for what cannot be read, and values that mean nothing.
     """
-    read = {name: _read(path, grids[name], name) for name in grids}
+    read = {name: _read(path, grids[name], name, density.time) for name in grids}
+    for found in read.values():
+        density = told_beside(density, found.warnings)
     # One box holds all grids of extinction; others are read on it.
     for name in OF_DENSITY:
         if name in read:
@@ -100,10 +107,7 @@ def read_coefficients(
     if "g" not in placed:
         full["g"] = mean_cosine(full["g"])
     made = as_grids(full)
-    density = VolumeGrid(
-        made.pop("density"), density.bounds, density.warnings, density.world_from_volume
-    )
-    return density, made
+    return replace(density, density=made.pop("density"), optics=None), made
 
 
 def colours_of(path: Path) -> str | None:
@@ -111,8 +115,8 @@ def colours_of(path: Path) -> str | None:
     return next((name for name in grid_names(path) if name in COLOURS), None)
 
 
-def _read(path: Path, grid: str, name: str) -> GridValues:
-    found = read_values(path, grid)
+def _read(path: Path, grid: str, name: str, time: int | None) -> GridValues:
+    found = read_values(path, grid, time)
     with naming(path):
         # A grid is a scalar, or a colour; vector fields such as velocities are neither.
         if found.values.ndim == 4 and found.values.shape[3] != 3:

@@ -14,7 +14,7 @@ from ..limits import check_extent
 from ..scene import Scene
 from ..studio import incident_stops, studio_light
 from .daylight import OPEN_SHARE, sun_and_sky, sun_for
-from .dense_part import dense_box
+from .dense_part import air_beside, dense_box
 from .framing import Room, find_room, framing_box, framing_camera
 from .outline import outline
 from .probe import Probe
@@ -134,7 +134,8 @@ def _said(brightest: float, added: str, *, has_room: bool) -> tuple[str, ...]:
 
 
 def _framed(scene: Scene, probed: Probe) -> Camera:
-    return framing_camera(probed, outline(scene))
+    points = outline(scene)
+    return framing_camera(probed, np.concatenate([points, air_beside(scene, points)]))
 
 
 def _probe(scene: Scene, known: Callable[[], Probe] | None) -> Probe:

@@ -33,8 +33,8 @@ class DenseGrid:
     """A grid of a file: `values` (z, y, x) or (z, y, x, channel), as the file has them.
 
     `bounds` is its box in metres, None where the file has none; `world_from_volume` (4, 4) comes
-    after it. `optics` is None where the file's units say nothing of light, `time` where it has no
-    times, else which of them this is.
+    after it. `optics` is None where the file's units say nothing of light, `time` where it is
+    static, else which of its times this is.
     """
 
     values: NDArray[Any]

@@ -1,4 +1,4 @@
-"""Where the media of a scene are that is air alone: grids of simulations are mostly empty."""
+"""Where the media of a scene are: grids of simulations are mostly empty."""
 
 from __future__ import annotations
 
@@ -31,6 +31,22 @@ def dense_box(scene: Scene) -> tuple[F64, F64]:
         return scene.whole_bounds
     points = np.concatenate(found)
     return points.min(axis=0), points.max(axis=0)
+
+
+def air_beside(scene: Scene, points: F64) -> F64:
+    """Corners (N, 3), metres, of the boxes of grids that stand beside `points` (M, 3) of meshes.
+
+    A grid around all of them is the air that they stand in, and shapes are that, too.
+    """
+    found = [np.zeros((0, 3))]
+    for volume in (volume for moment in _moments(scene) for volume in moment.volumes):
+        if volume.density is None or not _holds_any(volume):
+            continue
+        corners = _corners(volume)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        if not ((low <= points) & (points <= high)).all() or not len(points):
+            found.append(corners)
+    return np.concatenate(found)
 
 
 def _moments(scene: Scene) -> Iterator[Scene]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,10 +42,10 @@ def taken_emission(
         raise SceneError(f"{name} belongs to a file, not to a shape")
     # Density and emission, on one grid that holds both.
     with naming(path):
-        found = read_values(path, wanted or hot or "")
+        found = read_values(path, wanted or hot or "", density.time)
         if hot is not None and found.values.ndim != 3:
             raise SceneError(f"'{hot}' has {found.values.shape[3]} channels, a temperature has one")
-        density, grid = on_one_grid(density, found)
+        density, grid = on_one_grid(told_beside(density, found.warnings), found)
         if grid.ndim == 4 and grid.shape[3] != 3:
             raise SceneError(f"'{wanted}' has {grid.shape[3]} channels, colours have three")
         named: dict[str, Any] = {"temperature" if hot else "grid": grid}
@@ -67,3 +68,9 @@ def on_one_grid(
         return density, placed
     grown = box.values_of(density.density, own)
     return replace(density, density=grown, bounds=box.bounds), placed
+
+
+def told_beside(grid: VolumeGrid, others: Iterable[str]) -> VolumeGrid:
+    """The grid with the warnings of another one beside it; what both say is said once."""
+    more = tuple(text for text in others if text not in grid.warnings)
+    return replace(grid, warnings=(*grid.warnings, *more)) if more else grid

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from ...errors import SceneError
 from .coefficient_files import main_grid
 from .files import naming
-from .netcdf import time_count
+from .netcdf import likeliest, time_counts
 from .netcdf_times import name_and_number
 from .volumes import UPRIGHT_SUFFIXES, grid_names
 
@@ -16,26 +17,49 @@ Times = tuple[int | None, ...]
 
 
 def frames_of(
-    files: tuple[Path, ...], grid: str, grids: Mapping[str, str]
+    files: tuple[Path, ...], grid: str, grids: Mapping[str, str], glowing: str | None = None
 ) -> tuple[tuple[Path, ...], Times]:
-    """The files, each as often as it has times of `grid`, and which time each is.
+    """The files, each as often as its grids have times, and which time each is.
 
-    `grids` are those of coefficients, which may stand in for a density. A number behind the name of
-    `grid` chooses one time of each file. Raises SceneError.
+    `grids` are those of coefficients, which may stand in for the density `grid`; `glowing` is that
+    of the emission. A number behind a name chooses one time of each file. Raises SceneError for
+    grids of a file that have several times, but not as many as each other.
     """
     frames: list[tuple[Path, int | None]] = []
     for path in files:
-        count = _count(path, grid, grids)
+        count = _count(path, grid, grids, glowing)
         frames += [(path, k if count > 1 else None) for k in range(count)]
     return tuple(path for path, _ in frames), tuple(time for _, time in frames)
 
 
-def _count(path: Path, grid: str, grids: Mapping[str, str]) -> int:
+def counted_grids(path: Path) -> dict[str, int]:
+    """The named grids of a file, and how many times each has: 1 where it is static.
+
+    Raises SceneError.
+    """
+    if path.suffix.lower() not in UPRIGHT_SUFFIXES:
+        return dict.fromkeys(grid_names(path), 1)
+    with naming(path):
+        return time_counts(path)
+
+
+def _count(path: Path, grid: str, grids: Mapping[str, str], glowing: str | None) -> int:
     # Only files of simulations hold times.
     if path.suffix.lower() not in UPRIGHT_SUFFIXES:
         return 1
+    held = counted_grids(path)
     with naming(path):
-        held = grid_names(path)
-        if name_and_number(grid, held)[1] is not None:
-            return 1
-        return time_count(path, main_grid(held, grid, grids))
+        names = [main_grid(list(held), grid, grids), *grids.values()]
+        names += [] if glowing is None else [glowing]
+        # Grids that are static, or of a time that is chosen, are the same in all frames.
+        asked = [name_and_number(name, list(held)) for name in names]
+        found = [likeliest(name, list(held)) for name, number in asked if number is None]
+        counts = {name: held[name] for name in found if held[name] != 1}
+        first = next(iter(counts), None)
+        for name, count in counts.items():
+            if first is not None and count != counts[first]:
+                raise SceneError(
+                    f"has {counts[first]} times of '{first}', but {count} of '{name}'",
+                    remedy=f'"{name}[0]" takes one time of it.',
+                )
+        return 1 if first is None else counts[first]

@@ -8,6 +8,7 @@ answers for its own files.
 from __future__ import annotations
 
 import os
+import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -15,12 +16,27 @@ from pathlib import Path
 
 from ...errors import OutputError
 
+Stamp = tuple[int, int]
+
+
+def stamp_of(path: str | os.PathLike[str]) -> Stamp | None:
+    """When a file was changed last, in nanoseconds, and its size; None where there is none.
+
+    Of a folder, as a zarr store is: of all that lies in it, the latest change and the sum.
+    """
+    state = _state(path)
+    if state is None or not stat.S_ISDIR(state.st_mode):
+        return state and (state.st_mtime_ns, state.st_size)
+    inside = [Path(folder, name) for folder, _, files in os.walk(path) for name in files]
+    found = [state, *(held for held in map(_state, inside) if held is not None)]
+    return max(held.st_mtime_ns for held in found), sum(held.st_size for held in found)
+
 
 class Ledger:
     """The files that one command has read, and those that it has written."""
 
     def __init__(self) -> None:
-        self._read: dict[str, None] = {}
+        self._read: dict[str, Stamp | None] = {}
         self._written: dict[str, str] = {}
 
     @property
@@ -28,9 +44,16 @@ class Ledger:
         """Absolute paths of what was read, each once, in order."""
         return tuple(map(Path, self._read))
 
+    @property
+    def stamps(self) -> dict[Path, Stamp | None]:
+        """What was read, as it was when that began."""
+        return {Path(path): stamp for path, stamp in self._read.items()}
+
     def note_read(self, path: str | os.PathLike[str]) -> None:
-        """The command has read `path`."""
-        self._read[str(Path(path).absolute())] = None
+        """The command reads `path`."""
+        absolute = str(Path(path).absolute())
+        if absolute not in self._read:
+            self._read[absolute] = stamp_of(absolute)
 
     def check_output(self, path: Path) -> None:
         """Raise OutputError where `path` is a file that was read, or another output's file."""
@@ -99,10 +122,10 @@ def note_read(*paths: str | os.PathLike[str]) -> None:
             ledger.note_read(path)
 
 
-def files_read() -> tuple[Path, ...]:
-    """What the command has read so far, none outside of `recorded`."""
+def stamps_read() -> dict[Path, Stamp | None]:
+    """What the command has read so far, as it was then; nothing outside of `recorded`."""
     ledger = _NOW.get()
-    return ledger.read if ledger else ()
+    return ledger.stamps if ledger else {}
 
 
 def check_output(path: Path) -> None:
@@ -149,7 +172,7 @@ def _is_same(a: str | Path, b: str | Path) -> bool:
     return first is not None and second is not None and os.path.samestat(first, second)
 
 
-def _state(path: str | Path) -> os.stat_result | None:
+def _state(path: str | os.PathLike[str]) -> os.stat_result | None:
     try:
         return Path(path).stat()
     except (OSError, ValueError):

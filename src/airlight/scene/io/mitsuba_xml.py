@@ -217,7 +217,12 @@ def _set_parameters(element: ElementTree.Element, reader: _Reader, path: Path) -
                 inner.attrib[key] = _with_values(text, reader, path)
 
 
-def _with_values(text: str, reader: _Reader, path: Path) -> str:
+def _with_values(text: str, reader: _Reader, path: Path, within: tuple[str, ...] = ()) -> str:
+    """The text with values in place of $names; `within`: the parameters whose value it is part of.
+
+    Defaults that were read in their turn hold no names any more. Those that stand further on, and
+    what a person gives, may.
+    """
     # Each part after a $ begins with a parameter's name.
     first, *rest = text.split("$")
     parts = [first]
@@ -230,7 +235,7 @@ def _with_values(text: str, reader: _Reader, path: Path) -> str:
             reader.has_looked_ahead = True
             for found, value in _defaults(reader.path, reader.folders, set()):
                 reader.parameters.setdefault(found, value)
-            return _with_values(text, reader, path)
+            return _with_values(text, reader, path, within)
         if name is None:
             asked = re.match(r"\w+", part)
             if asked:
@@ -242,8 +247,17 @@ def _with_values(text: str, reader: _Reader, path: Path) -> str:
                 )
             parts += ["$", part]
             continue
-        value = reader.parameters[name]
         reader.asked.add(name)
+        if name in within or len(within) > MAX_DEPTH:
+            chain = " -> ".join(f"${each}" for each in (*within, name)[:8])
+            raise SceneError(
+                f"the value of the parameter ${name} has no end: {chain}",
+                where=path,
+                remedy="Write a value that does not need itself.",
+            )
+        value = reader.parameters[name]
+        if "$" in value:
+            value = _with_values(value, reader, path, (*within, name))
         # Values may hold values, so their length could double with every line of the file.
         reader.expanded += len(value)
         if reader.expanded > MOST_EXPANDED:

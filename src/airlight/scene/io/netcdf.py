@@ -34,15 +34,17 @@ _LIKELY: tuple[str, ...] = (
     "LWC",
     "q_liquid",
 )
+_CELSIUS: tuple[str, ...] = ("degc", "deg_c", "celsius", "°c", "degree_c", "degrees_c")
+_CELSIUS += ("degree_celsius", "degrees_celsius", "degrees celsius")
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
 
 
-def read_xarray(path: Path, wanted: str) -> DenseGrid:
+def read_xarray(path: Path, wanted: str, shown: int | None = None) -> DenseGrid:
     """The variable called `wanted`; of "density", the only one or the likeliest cloud.
 
-    "NAME[3]" is its fourth time; else, of several, the first that holds any is read. Raises
-    SceneError for what is damaged or has no such variable or time, and where the extra is not
-    installed.
+    "NAME[3]" is its fourth time; else, of several, the one that is `shown`, or of None the first
+    that holds any. Raises SceneError for what is damaged or has no such variable or time, and where
+    the extra is not installed.
     """
     # All is read while the file is open: xarray loads values when they are asked for.
     with opened_dataset(path) as dataset:
@@ -50,18 +52,20 @@ def read_xarray(path: Path, wanted: str) -> DenseGrid:
         name = _chosen(dataset, asked)
         warned = () if name == asked else (f"{path.name}: its variable '{name}' is the density",)
         time = _time_axis(dataset[name])
-        variable, number, timed = at_one_time(dataset[name], time, number, path.name)
+        count = _count(dataset[name])
+        variable, number, timed = at_one_time(dataset[name], time, number, shown, path.name)
         lines = wrf_lines(dataset, time, number)
         values, axes, told = _along_axes(variable, lines, path.name)
+        values, told_k = _kelvin(values, dataset[name], path.name)
         values, sized, radius = _sized(dataset, dataset[name], time, number, values, path.name)
         made = placed(values, axes, path.name)
         units = str(dataset[name].attrs.get("units", "")).strip()
-        told = (*warned, *timed, *told, *sized, *made.warnings)
+        told = (*warned, *timed, *told, *told_k, *sized, *made.warnings)
     # The units decide how values become extinction: mixing ratios need the air's density at their
     # height.
     density, optics = optical(made.values, made.heights_m, units, radius)
-    density, mended = _mended(density, path.name)
-    at = None if time is None else number
+    density, mended = _mended(density, name, path.name)
+    at = number if count > 1 else None
     return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics, time=at)
 
 
@@ -71,15 +75,20 @@ def xarray_names(path: Path) -> list[str]:
         return _names(dataset)
 
 
-def time_count(path: Path, wanted: str) -> int:
-    """How many times the variable has that `read_xarray` would read; 1 without a dimension of them.
-
-    Raises SceneError.
-    """
+def time_counts(path: Path) -> dict[str, int]:
+    """How many times each of `xarray_names` has; 1 of those that are static. Raises SceneError."""
     with opened_dataset(path) as dataset:
-        variable = dataset[_chosen(dataset, name_and_number(wanted, _names(dataset))[0])]
-        time = _time_axis(variable)
-        return 1 if time is None else int(variable.sizes[time])
+        return {name: _count(dataset[name]) for name in _names(dataset)}
+
+
+def likeliest(wanted: str, names: list[str]) -> str:
+    """The variable of `names` that is read as `wanted`. Raises SceneError."""
+    return chosen_name(wanted, names, _LIKELY)
+
+
+def _count(variable: Any) -> int:
+    time = _time_axis(variable)
+    return 1 if time is None else int(variable.sizes[time])
 
 
 def _names(dataset: Any) -> list[str]:
@@ -109,7 +118,7 @@ def _chosen(dataset: Any, wanted: str) -> str:
             f"holds no grid of three dimensions in '{flat.name}': that is {along}",
             remedy=f"Grids in space: {', '.join(names[:20])}." if names else "",
         )
-    return chosen_name(wanted, names, _LIKELY)
+    return likeliest(wanted, names)
 
 
 def _along_axes(
@@ -141,6 +150,15 @@ def _along_axes(
     order = [next(a for a in kept if a.letter == letter) for letter in "ZYX"]
     values = variable.transpose(*(axis.name for axis in order)).values
     return values, order, tuple(told)
+
+
+def _kelvin(values: NDArray[Any], variable: Any, file: str) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """Temperatures in kelvin, where their units are degrees Celsius; and what to tell."""
+    units = str(variable.attrs.get("units", "")).strip()
+    if units.lower() not in _CELSIUS:
+        return values, ()
+    text = f"{file}: '{variable.name}' is in {units}, and read in kelvin"
+    return np.asarray(values, np.float32) + np.float32(273.15), (text,)
 
 
 def _sized(
@@ -181,16 +199,18 @@ def _axis(variable: Any, name: str, lines: dict[str, F64]) -> Axis:
     return Axis(name, letter, size, centres, str(attributes.get("units", "")), is_down)
 
 
-def _mended(values: NDArray[np.float32], file: str) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+def _mended(
+    values: NDArray[np.float32], name: str, file: str
+) -> tuple[NDArray[np.float32], tuple[str, ...]]:
     """Missing values as none, and what rounding left below 0."""
     told = []
     missing = int(np.isnan(values).sum())
     if missing:
         values = np.nan_to_num(values, nan=0.0, posinf=np.inf, neginf=-np.inf)
-        told.append(f"{file} has {missing:,} missing values, taken as 0")
+        told.append(f"{file}: '{name}' has {missing:,} missing values, taken as 0")
     least, most = float(values.min(initial=0.0)), float(values.max(initial=0.0))
     # Values a little below 0 are what rounding leaves, no mistake of the file.
     if 0.0 > least >= -1e-3 * most:
         values = np.maximum(values, np.float32(0.0))
-        told.append(f"{file} has values of rounding below 0, taken as 0")
+        told.append(f"{file}: '{name}' has values of rounding below 0, taken as 0")
     return values, tuple(told)

@@ -24,19 +24,15 @@ def name_and_number(wanted: str, names: list[str]) -> tuple[str, int | None]:
     return found[1], int(found[2])
 
 
-def at_time(name: str, number: int | None) -> str:
-    """The grid's name at a time, as `name_and_number` takes it apart; of None the name alone."""
-    return name if number is None else f"{name}[{number}]"
-
-
 def at_one_time(
-    variable: Any, axis: str | None, number: int | None, file: str
+    variable: Any, axis: str | None, number: int | None, shown: int | None, file: str
 ) -> tuple[Any, int, tuple[str, ...]]:
     """The variable without its dimension `axis`, which of its times that is, and what to tell.
 
     `axis` None: it has no times. `number` counts from 0, below 0 from the end; of None it is the
-    first time with any value above 0, else the first. Raises SceneError for a number out of range,
-    and for more values than can be used.
+    time `shown` of the grid that this one lies beside, unless it is static: has one time, or none.
+    Of None, too, it is the first time with any value above 0, else the first. Raises SceneError for
+    a number out of range, and for more values than can be used.
     """
     count = 1 if axis is None else int(variable.sizes[axis])
     if count == 0:
@@ -46,17 +42,24 @@ def at_one_time(
         raise SceneError(f"has no '{variable.name}[{number}]': it has {have}")
     if axis is None:
         return variable, 0, ()
+    if number is None and shown is not None and count > 1:
+        number = shown
+        if shown >= count:
+            raise SceneError(
+                f"has {count} times of '{variable.name}', but number {shown} is shown",
+                remedy=f'"{variable.name}[-1]" takes the last.',
+            )
     if number is not None:
         return variable.isel({axis: number}), number % count, ()
     # Simulations of clouds begin in clear air. Only one time is in memory at once.
     check_count(variable.size // max(count, 1))
     chosen = next((k for k in range(count) if _holds_any(variable.isel({axis: k}))), 0)
-    shown = variable.isel({axis: chosen})
+    found = variable.isel({axis: chosen})
     if count == 1:
-        return shown, 0, ()
+        return found, 0, ()
     which = f"number {chosen} is read, the first that holds any" if chosen else "the first is read"
     text = f'{file} has {count} times, {which} (grid = "{variable.name}[-1]" takes the last)'
-    return shown, chosen, (text,)
+    return found, chosen, (text,)
 
 
 def _holds_any(variable: Any) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
 import numpy as np
@@ -10,6 +11,7 @@ from ...errors import SceneError
 from ..material import Texture
 from .files import check_named, named_file, regular_file
 from .images import read_texture
+from .ledger import note_read
 
 
 def missing_texture(source: str) -> Texture:
@@ -49,7 +51,12 @@ class TextureFiles:
             return None
         # The path as it is written, then its name alone here, then in `textures`.
         tries = [plain, PurePosixPath(plain.name), PurePosixPath("textures", plain.name)]
-        return next((hit for path in tries if (hit := self._found(path))), None)
+        found = next((hit for path in tries if (hit := self._found(path))), None)
+        # What is not there may be there when the scene is loaded again.
+        if found is None:
+            with suppress(SceneError):
+                note_read(named_file(str(plain), self._named_by, self.folder))
+        return found
 
     def _found(self, name: PurePosixPath) -> Path | None:
         """The file of that name as seen from the folder; none where no scene may name it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -151,7 +151,10 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
         base, name = (path, "*") if is_folder else (path.parent, path.name)
         if "**" in name:
             raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
-        found = [f for f in base.glob(name) if is_grid_file(f) and not f.name.startswith(".")]
+        # Brackets are first of all those of names, as 'run[3].nc'; else one character of several.
+        globs = (name.replace("[", "[[]"), name)
+        named = (sorted(base.glob(each)) for each in globs)
+        found = next((f for f in map(_grids, named) if f), [])
     except (OSError, ValueError):  # a name that no file system takes
         found = []
     if not found:
@@ -162,6 +165,10 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
     for file in found:  # which may be links
         check_named(file, pattern, "", folder)
     return tuple(sorted((f.resolve() for f in found), key=_by_numbers))
+
+
+def _grids(paths: Iterable[Path]) -> list[Path]:
+    return [path for path in paths if is_grid_file(path) and not path.name.startswith(".")]
 
 
 def _by_numbers(path: Path) -> tuple[Any, ...]:

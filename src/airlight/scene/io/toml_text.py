@@ -32,7 +32,7 @@ from .ground import ground_tables
 from .light_groups import is_group
 from .toml_sky import sky_table
 from .toml_syntax import toml_lines
-from .toml_text_moving import has_own_camera, moves_light, name_times, with_motion
+from .toml_text_moving import has_own_camera, moves_light, name_grids, with_motion
 
 _NO_MESHES = "# The meshes of {source} are no file that a [[mesh]] can name: add your own.\n"
 _NO_MAP = "# The environment's image is no file: its mean stands for it.\n"
@@ -57,7 +57,7 @@ def scene_text(
     """
     scene = followed(scene)
     raw, notes = _original(source, folder, model or {})
-    name_times(raw, original)
+    name_grids(raw, original, Path(source))
     raw["sky"] = sky_table(scene, original, raw.get("sky", {}))
     if raw["sky"]:
         raw.pop("environment", None)

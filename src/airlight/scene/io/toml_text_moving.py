@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,9 @@ from ..animation.file_sequence import FileSequence
 from ..animation.rig import Rig
 from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack, MeshTrack
 from ..scene import Scene
+from . import VOLUME_SUFFIXES
 from .toml_keys import KEYS
+from .volume_scene import keys_of
 
 _NOT_WRITTEN = "# How {what} moves cannot be said in a scene file: it is static.\n"
 _USUAL = {"start_s": 0.0, "end_s": None, "fps": 24.0, "is_loop": False}
@@ -50,8 +53,16 @@ def with_motion(raw: dict[str, Any], scene: Scene, original: Scene, notes: list[
     raw["animation"] = _times(scene.animation, raw) if _moves(raw, from_file, kept) else {}
 
 
-def name_times(raw: Mapping[str, Any], original: Scene) -> None:
-    """A bare grid that shows its file's times one after the other is a sequence in its table."""
+def name_grids(raw: Mapping[str, Any], original: Scene, source: Path) -> None:
+    """The table of a bare grid names what was chosen: its flames, its colours and its times.
+
+    One that shows its file's times one after the other is a sequence.
+    """
+    # Scene files say so themselves.
+    if source.suffix.lower() not in VOLUME_SUFFIXES:
+        return
+    for table, volume in zip(raw.get("volume", ()), original.volumes, strict=False):
+        table |= keys_of(volume, source)
     for track in original.animation.tracks if original.animation else ():
         if not isinstance(track, VolumeTrack) or not isinstance(track.density, FileSequence):
             continue

@@ -48,7 +48,7 @@ def _in_file(
     placed = [replace(m, world_from_object=matrix @ m.world_from_object) for m in part.meshes]
     with inside(f"{label}: '{written}'"):
         volume = Volume.in_meshes(placed, emission=emission, source=written, **values)
-    told = []
+    told = list(part.warnings)
     if volume.body is not None and volume.body.holes:
         told.append(
             f"{label}: '{written}' is open: its medium ends at lids across its holes "

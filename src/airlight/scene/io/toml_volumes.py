@@ -19,7 +19,6 @@ from .emission_files import taken_emission
 from .files import named_file
 from .grid_times import Times, frames_of
 from .ledger import note_read
-from .netcdf_times import at_time
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
 from .toml_media_tables import VOLUME
@@ -63,20 +62,16 @@ def placed_volume(
     )
     note_read(*files)  # of a sequence those that are read later, too
     times: Times = (None,)
+    glowing = values.get("emission_grid", values.get("temperature_grid"))
     if not is_file:
-        files, times = frames_of(files, values.get("grid", "density"), grids)
+        files, times = frames_of(files, values.get("grid", "density"), grids, glowing)
     first, grid = _first_filled(files, times, values, grids)
     # Emission and coefficients, of that time, may need a larger box than the density's.
-    glowing = values.get("emission_grid", values.get("temperature_grid"))
-    for name in ("emission_grid", "temperature_grid"):
-        if name in values:
-            values[name] = at_time(values[name], times[first])
-    now = {name: at_time(of, times[first]) for name, of in grids.items()}
     with inside(label):
         emission, grown = taken_emission(values, files[first], grid)
         grid = grown or grid
         if grids:
-            values, grid = _with_coefficients(values, given, files[first], grid, now)
+            values, grid = _with_coefficients(values, given, files[first], grid, grids)
     sequence = file_sequence(values, files, times, grid, glowing, grids)
     upright, told = upright_from_grid(turn, files[0])
     values, warnings = _in_its_box(values, grid, matrix @ upright, upright)
@@ -128,8 +123,7 @@ def _first_filled(
     name, channels = (values.get(key, "density") for key in _OF_FILES)
     first: VolumeGrid | None = None
     for k, (path, time) in enumerate(zip(files, times, strict=True)):
-        now = {of: at_time(written, time) for of, written in grids.items()}
-        grid = density_or_first(path, at_time(name, time), channels, now)
+        grid = density_or_first(path, name, channels, grids, time)
         first = first or grid
         if grid.density.any():
             more = tuple(text for text in first.warnings if text not in grid.warnings)

@@ -24,7 +24,7 @@ from ..mesh import Geometry, Mesh
 from ..scene import Scene
 from ..volume import Volume
 from .images import read_radiance
-from .usd_lights import dome, glowing, usd_camera, usd_light
+from .usd_lights import cone_losses, dome, glowing, usd_camera, usd_light
 from .usd_losses import UsdLosses
 from .usd_material import UsdMaterials
 from .usd_mesh import is_shape, prim_geometries
@@ -112,6 +112,7 @@ class _Reader:
         visited = iter(Usd.PrimRange(top, Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)))
         for prim in visited:
             if self._is_hidden(prim):
+                self._losses.look_hidden(prim)
                 visited.PruneChildren()
                 continue
             self._losses.look(prim, moves=root is self._root)
@@ -159,6 +160,8 @@ class _Reader:
                 self.warnings.append(f"'{prim.GetPath()}': a {prim.GetTypeName()} is left out")
             else:
                 self._lights.append((place, light))
+                told = cone_losses(prim, self._time) if prim.HasAPI(UsdLux.ShapingAPI) else ()
+                self.warnings += [f"'{prim.GetPath()}': {text}" for text in told]
         elif prim.IsA(UsdGeom.Camera):
             if self._camera is not None:
                 self.warnings.append("it has several cameras: the first perspective one is used")

@@ -103,6 +103,29 @@ def cone_of(prim: Any, time: Any) -> tuple[float, float] | None:
     return min(outer * share, outer), outer
 
 
+def cone_losses(prim: Any, time: Any) -> list[str]:
+    """What a light's shaping asks for that `cone_of` does not give."""
+    from pxr import UsdLux
+
+    shaping = UsdLux.ShapingAPI(prim)
+    angle, softness = shaping.GetShapingConeAngleAttr(), shaping.GetShapingConeSoftnessAttr()
+    outer, soft = angle.Get(time), softness.Get(time)
+    told = []
+    low, high = _CONE_DEG
+    # At 180 degrees a cone is all round; what is not written is the fallback, and says nothing.
+    if angle.HasAuthoredValue() and outer is not None and not outer >= 180.0:
+        whole = f"cones of 90 degrees and more light all around: it is {outer:g}"
+        if not outer < 90.0:
+            told.append(f"{angle.GetName()}: {whole}")
+        elif not low <= outer <= high:
+            nearest = low if outer < low else high
+            told.append(f"{angle.GetName()} is {outer:g}, taken as {nearest:g} degrees")
+    if soft is not None and not 0.0 <= soft <= 1.0:
+        taken = "1" if soft > 1.0 else "0"
+        told.append(f"{softness.GetName()} is {soft:g}, taken as {taken}: it is a share")
+    return told
+
+
 def glowing(material: Material, prim: Any, area_m2: float, time: Any) -> Material:
     """The material of a mesh that is a light, of this area in the world.
 

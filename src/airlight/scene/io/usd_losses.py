@@ -84,6 +84,17 @@ class UsdLosses:
                 meant = f". Did you mean '{close[0]}'?" if close else ""
                 self._note(name, prim, f"the input '{name}' is unknown and left out{meant}")
 
+    def look_hidden(self, prim: Any) -> None:
+        """Take note of a prim that is not shown now, and may appear later; of none below it."""
+        from pxr import UsdGeom
+
+        visibility = UsdGeom.Imageable(prim).GetVisibilityAttr()
+        values = [visibility.Get(code) for code in visibility.GetTimeSamples()]
+        is_now = visibility.Get(self._time) == UsdGeom.Tokens.invisible
+        if is_now and any(value != UsdGeom.Tokens.invisible for value in values):
+            text = f"it is invisible at {self._at()} and appears later, which is left out"
+            self._note("appears", prim, text)
+
     def texts(self) -> list[str]:
         """The warnings: each kind once, with how many more there are."""
         told = [
@@ -92,9 +103,13 @@ class UsdLosses:
         ]
         if not self._moving:
             return told
-        at = "the first time" if self._time.IsEarliestTime() else f"time {self._time.GetValue():g}"
         more = f" (and {len(self._moving) - 1:,} more)" if len(self._moving) > 1 else ""
-        return [f"what moves stands as at {at}: {self._moving[0]}{more}", *told]
+        return [f"what moves stands as at {self._at()}: {self._moving[0]}{more}", *told]
+
+    def _at(self) -> str:
+        return (
+            "the first time" if self._time.IsEarliestTime() else f"time {self._time.GetValue():g}"
+        )
 
     def _check(self, prim: Any, prop: Any, name: str, *, read: tuple[str, ...]) -> None:
         from pxr import Usd

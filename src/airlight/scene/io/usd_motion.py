@@ -44,7 +44,7 @@ class UsdMotion:
         # Nodes by number: what their place on their parent is, or its samples by time code.
         self._order = [(STILL, -1), (_ROOT, -1)]
         self._matrix = {STILL: np.eye(4), _ROOT: root}
-        self._samples: dict[int, tuple[list[float], F64]] = {}
+        self._samples: dict[int, tuple[list[float], tuple[F64, F64, F64]]] = {}
         self._nodes: dict[str, int] = {}
         self._moving: dict[str, bool] = {"/": False}
 
@@ -115,8 +115,9 @@ class UsdMotion:
         self._nodes[path] = number
         if self._has_samples(own, path):
             codes = self._codes(own)
-            self._samples[number] = codes, np.array([_local(own, code) for code in codes])
-            if _shears(self._samples[number][1]):
+            matrices = np.array([_local(own, code) for code in codes])
+            self._samples[number] = codes, _parts(matrices)
+            if _shear(self._samples[number][1], matrices):
                 self.warnings.append(f"'{path}': its motion shears, which is left out")
         return number
 
@@ -149,7 +150,7 @@ class UsdMotion:
         turns = np.tile((0.0, 0.0, 0.0, 1.0), (count, 1))
         t, s = np.zeros((count, 3)), np.ones((count, 3))
         for node in self._samples:
-            t[node], turns[node], s[node] = _parts(self._matrix[node])
+            (t[node],), (turns[node],), (s[node],) = _parts(self._matrix[node][None])
         still = {node: m for node, m in self._matrix.items() if node not in self._samples}
         return Skeleton(tuple(self._order), t, turns, s, still)
 
@@ -157,11 +158,9 @@ class UsdMotion:
         earliest = min(codes[0] for codes, _ in self._samples.values())
         start = earliest if self._time.IsEarliestTime() else float(self._time.GetValue())
         channels = {}
-        for node, (codes, matrices) in self._samples.items():
+        for node, (codes, parts) in self._samples.items():
             times = (np.array(codes) - start) / self._rate
-            apart = [_parts(matrix) for matrix in matrices]
-            for k, path in enumerate(("translation", "rotation", "scale")):
-                values = np.array([part[k] for part in apart])
+            for path, values in zip(("translation", "rotation", "scale"), parts, strict=True):
                 between = "slerp" if path == "rotation" else "linear"
                 channels[node, path] = Curve(times, values, between)
         return Clip("motion", channels, {})
@@ -175,39 +174,36 @@ def _local(own: Any, time: Any) -> F64:
     return np.asarray(np.array(own.GetLocalTransformation(time)).T, np.float64)
 
 
-def _shears(matrices: F64) -> bool:
-    """Whether some of them (K, 4, 4) are no translation, rotation and scale."""
-    for matrix in matrices:
-        off = np.abs(trs_matrix(*_parts(matrix)) - matrix).max()
-        if off > _SHEAR * np.abs(matrix[:3, :3]).max():
-            return True
-    return False
+def _shear(parts: tuple[F64, F64, F64], matrices: F64) -> bool:
+    """Whether some matrices (K, 4, 4) are not their translation, rotation and scale."""
+    off = np.abs(trs_matrix(*parts) - matrices).max(axis=(1, 2))
+    return bool((off > _SHEAR * np.abs(matrices[:, :3, :3]).max(axis=(1, 2))).any())
 
 
-def _parts(matrix: F64) -> tuple[F64, F64, F64]:
-    """Translation, rotation (xyzw) and scale of a matrix (4, 4); a mirrored one has a scale below 0
-    along x."""
-    scale = np.linalg.norm(matrix[:3, :3], axis=0)
-    turn = matrix[:3, :3] / np.maximum(scale, 1e-30)
+def _parts(matrices: F64) -> tuple[F64, F64, F64]:
+    """Translations (K, 3), rotations (K, 4) xyzw and scales (K, 3) of matrices (K, 4, 4).
+
+    A mirrored one has a scale below 0 along x.
+    """
+    scales = np.linalg.norm(matrices[:, :3, :3], axis=1)
+    turns = matrices[:, :3, :3] / np.maximum(scales, 1e-30)[:, None, :]
     # Axes of no length say nothing of a rotation.
-    if scale.min() <= 1e-12:
-        return matrix[:3, 3], np.array([0.0, 0.0, 0.0, 1.0]), scale
-    if np.linalg.det(turn) < 0.0:
-        turn[:, 0], scale[0] = -turn[:, 0], -scale[0]
-    return matrix[:3, 3], _quaternion(turn), scale
+    turns[scales.min(axis=1) <= 1e-12] = np.eye(3)
+    is_mirrored = np.linalg.det(turns) < 0.0
+    turns[is_mirrored, :, 0] *= -1.0
+    scales[is_mirrored, 0] *= -1.0
+    return matrices[:, :3, 3], _quaternions(turns), scales
 
 
-def _quaternion(turn: F64) -> F64:
-    """xyzw of a rotation (3, 3): the eigenvector of Bar-Itzhack's symmetric matrix, so that a
-    rotation with errors has the nearest one."""
-    m = turn
-    k = np.array(
-        [
-            [m[0, 0] - m[1, 1] - m[2, 2], 0.0, 0.0, 0.0],
-            [m[1, 0] + m[0, 1], m[1, 1] - m[0, 0] - m[2, 2], 0.0, 0.0],
-            [m[2, 0] + m[0, 2], m[2, 1] + m[1, 2], m[2, 2] - m[0, 0] - m[1, 1], 0.0],
-            [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], np.trace(m)],
-        ]
-    )
-    _, vectors = np.linalg.eigh(k)  # of the lower triangle
-    return np.asarray(vectors[:, -1], np.float64)
+def _quaternions(turns: F64) -> F64:
+    """xyzw (K, 4) of rotations (K, 3, 3): the eigenvectors of Bar-Itzhack's symmetric matrices, so
+    that a rotation with errors has the nearest one."""
+    m = turns.transpose(1, 2, 0)
+    k = np.zeros((4, 4, len(turns)))
+    k[0, 0] = m[0, 0] - m[1, 1] - m[2, 2]
+    k[1, :2] = m[1, 0] + m[0, 1], m[1, 1] - m[0, 0] - m[2, 2]
+    k[2, :3] = m[2, 0] + m[0, 2], m[2, 1] + m[1, 2], m[2, 2] - m[0, 0] - m[1, 1]
+    k[3, :3] = m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]
+    k[3, 3] = m[0, 0] + m[1, 1] + m[2, 2]
+    _, vectors = np.linalg.eigh(k.transpose(2, 0, 1))  # of the lower triangles
+    return np.asarray(vectors[:, :, -1], np.float64)

@@ -15,6 +15,7 @@ from typing import Any
 
 from ...errors import SceneError
 from .files import check_named, named_file, regular_file
+from .ledger import note_read
 
 _MOST_LAYERS = 4096
 _MOST_TEXTS, _LONGEST_TEXT = 20, 300
@@ -169,8 +170,11 @@ def _check_asset(path: str, folder: Path, asset: str, *, is_there: bool = True) 
     """Raise SceneError where no scene may name a path of USD's, or where it is no regular file."""
     outer = folder / _outer(path)
     check_named(outer, asset, "", folder)
+    # What is not there may be there when the scene is loaded again.
     if is_there:
         regular_file(outer)
+    else:
+        note_read(outer)
 
 
 def _outer(path: str) -> str:

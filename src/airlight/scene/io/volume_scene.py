@@ -18,7 +18,8 @@ from ..scene import Scene
 from ..volume import IDENTITY, Volume
 from .coefficient_files import colours_of
 from .dense_grid import Optics
-from .emission_files import on_one_grid
+from .emission_files import on_one_grid, told_beside
+from .netcdf_times import name_and_number
 from .volumes import NOWHERE, GridValues, VolumeGrid, grid_names, read_values, read_volume
 
 DEPTH = 6.0
@@ -62,14 +63,33 @@ def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scen
     return _with_times(scene, file, grid, name, channels)
 
 
+def keys_of(volume: Volume, file: Path) -> dict[str, Any]:
+    """The keys of a [[volume]] that name the grids beside the density of a bare grid's `volume`."""
+    keys: dict[str, Any] = {}
+    emission = volume.emission
+    if emission is not None and emission.temperature is not None:
+        keys["temperature_grid"] = "temperature"
+        keys["temperature_scale"] = emission.temperature_scale
+    elif emission is not None and emission.grid is not None:
+        keys["emission_grid"] = next(n for n in grid_names(file) if n in FLAMES)
+    if volume.albedo_grid is not None:
+        keys["albedo_grid"] = colours_of(file)
+    return keys
+
+
 def _with_times(scene: Scene, file: Path, grid: VolumeGrid, name: str, channels: str) -> Scene:
     """The scene as a sequence of its file's times, if it has several; 0 s is the one it shows."""
     from .grid_times import frames_of
 
-    files, times = frames_of((file,), name, {})
+    # A number behind the name asks for one time, of what lies beside the density, too.
+    if name_and_number(name, [])[1] is not None and name not in grid_names(file):
+        return scene
     (volume,) = scene.volumes
-    # Flames and colours are chosen for one time alone.
-    if len(files) == 1 or volume.emission is not None or volume.albedo_grid is not None:
+    keys = keys_of(volume, file)
+    glowing = keys.get("emission_grid", keys.get("temperature_grid"))
+    colours = {"albedo": keys["albedo_grid"]} if "albedo_grid" in keys else {}
+    files, times = frames_of((file,), name, colours, glowing)
+    if len(files) == 1:
         return scene
     sequence = FileSequence(
         files,
@@ -78,6 +98,8 @@ def _with_times(scene: Scene, file: Path, grid: VolumeGrid, name: str, channels:
         -(grid.time or 0) / FPS,
         grid=name,
         channels=channels,
+        emission_grid=glowing,
+        colours=tuple(colours.items()),
         bounds=grid.bounds,
         turn=grid.world_from_volume,
         times=times,
@@ -141,7 +163,8 @@ def _with_emission(
     name = None if grid.optics else next((n for n in grid_names(file) if n in FLAMES), None)
     if name is None or name == density:
         return grid, None, ()
-    return fire(grid, read_values(file, name), name, file.name, world_from_file)
+    values = read_values(file, name, grid.time)
+    return fire(told_beside(grid, values.warnings), values, name, file.name, world_from_file)
 
 
 def fire(
@@ -153,7 +176,8 @@ def fire(
     """
     grown, found_values = on_one_grid(grid, values)
     if found_values.ndim != 3 or not float(found_values.max()) > 0.0:
-        return grid, None, (f"{label}: its grid '{name}' is no fire that is seen",)
+        when = "" if grid.time is None else " at the time that is shown"
+        return grid, None, (f"{label}: its grid '{name}' is no fire that is seen{when}",)
     # Temperatures in kelvin are taken as they are, others end at HOTTEST_K.
     scale = 1.0
     # Each kind of grid: kelvin, or flames of a colour in proportion to the values.
@@ -180,7 +204,7 @@ def _colours(grid: VolumeGrid, file: Path, density: str) -> tuple[F32 | None, tu
     if name is None or name == density:
         return None, ()
     # Colours are read on the density's own voxels.
-    _, values = on_one_grid(grid, read_values(file, name), grows=False)
+    _, values = on_one_grid(grid, read_values(file, name, grid.time), grows=False)
     if values.ndim == 4 and values.shape[3] != 3:
         return None, (f"{file.name}: its grid '{name}' is no colour, and left out",)
     clipped = np.clip(values, 0.0, 1.0)

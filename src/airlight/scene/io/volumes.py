@@ -43,7 +43,7 @@ class VolumeGrid:
     `density` is (z, y, x) float32; `bounds` the world box in metres that the file gives it, or a
     box 2 m along its longest side where the file gives none, which `warnings` then says.
     `world_from_volume` (4, 4) comes after the box, where the file turns it. `optics`: the medium
-    that the file's units say it is. `time`: which of the file's times it is, if it has any.
+    that the file's units say it is. `time`: which of the file's times is shown, if it has several.
     """
 
     density: F32
@@ -54,12 +54,15 @@ class VolumeGrid:
     time: int | None = None
 
 
-def read_volume(path: str | Path, grid: str = "density", channels: str = "density") -> VolumeGrid:
+def read_volume(
+    path: str | Path, grid: str = "density", channels: str = "density", time: int | None = None
+) -> VolumeGrid:
     """Read a density grid.
 
     `grid` names the array of an .npz or .vti, the grid of a VDB file or the variable of a NetCDF or
     zarr one; `channels` the channel that holds
-    the density: "density" (the only one), "r", "g", "b" or "a". Arrays are (z, y, x) or
+    the density: "density" (the only one), "r", "g", "b" or "a". `time`: which of a file's times is
+    shown, where `grid` has several and no number of its own. Arrays are (z, y, x) or
     (z, y, x, channel); an .npz may hold `bounds` (2, 3) in metres too. Raises SceneError for what
     cannot be read.
     """
@@ -77,13 +80,13 @@ def read_volume(path: str | Path, grid: str = "density", channels: str = "densit
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a density grid", remedy=f"Known endings: {known}.")
         # Dense ones are arrays; without a box of their own they get one.
-        found = _DENSE[suffix](path, grid)
+        found = _dense(path, grid, time)
         density = _density(found.values, channels)
         placed = _in_own_box(density, path)
         if found.bounds is not None:
             placed = VolumeGrid(density, found.bounds, found.warnings, found.world_from_volume)
         named = _unnamed(path, grid)
-        placed = replace(placed, optics=found.optics, time=found.time)
+        placed = replace(placed, optics=found.optics, time=found.time if time is None else time)
         return _fitting(replace(placed, warnings=(*placed.warnings, *named)), path)
 
 
@@ -94,10 +97,15 @@ class GridValues:
     values: F32
     bounds: Bounds
     world_from_volume: F64
+    warnings: tuple[str, ...] = ()
+    time: int | None = None
 
 
-def read_values(path: Path, grid: str) -> GridValues:
-    """The grid called `grid` of a file, of any channels and sign. Raises SceneError."""
+def read_values(path: Path, grid: str, time: int | None = None) -> GridValues:
+    """The grid called `grid` of a file, of any channels and sign, at a `time` as `read_volume`.
+
+    Raises SceneError.
+    """
     with naming(path):
         suffix = path.suffix.lower()
         if suffix in _SPARSE:
@@ -110,7 +118,7 @@ def read_values(path: Path, grid: str) -> GridValues:
         if suffix not in _DENSE:
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a grid", remedy=f"Known endings: {known}.")
-        dense = _DENSE[suffix](path, grid)
+        dense = _dense(path, grid, time)
         values, bounds = dense.values, dense.bounds
         if values.ndim not in (3, 4) or values.dtype.kind not in "fiub":
             raise SceneError(f"'{grid}' is {values.dtype} {values.shape}, not numbers (z, y, x)")
@@ -119,7 +127,16 @@ def read_values(path: Path, grid: str) -> GridValues:
         made = np.ascontiguousarray(values, np.float32)
         if bounds is None:
             bounds = _in_own_box(made, path).bounds
-        return GridValues(made, bounds, dense.world_from_volume)
+        shown = dense.time if time is None else time
+        return GridValues(made, bounds, dense.world_from_volume, dense.warnings, shown)
+
+
+def _dense(path: Path, grid: str, time: int | None) -> DenseGrid:
+    suffix = path.suffix.lower()
+    # Only files of simulations hold times.
+    return (
+        read_xarray(path, grid, time) if suffix in UPRIGHT_SUFFIXES else _DENSE[suffix](path, grid)
+    )
 
 
 def grid_names(path: Path) -> list[str]:
@@ -272,16 +289,12 @@ _DENSE = {
     ".npz": _read_npz,
     ".vol": read_vol,
     ".vti": read_vti,
-    ".nc": read_xarray,
-    ".nc4": read_xarray,
-    ZARR: read_xarray,
+    **dict.fromkeys(UPRIGHT_SUFFIXES, read_xarray),
 }
 _SPARSE = {".nvdb": read_nanovdb, ".vdb": read_openvdb}
 _NAMES = {
     ".npz": _npz_names,
     ".vdb": openvdb_names,
     ".vti": vti_names,
-    ".nc": xarray_names,
-    ".nc4": xarray_names,
-    ZARR: xarray_names,
+    **dict.fromkeys(UPRIGHT_SUFFIXES, xarray_names),
 }

@@ -22,7 +22,8 @@ class LightSample(LightType):
     `direction`. `extent`, metres: how large the part is; nearer than that it gets no brighter.
     `size`, metres, as media near it see it: of a rectangle half its sides, along `tangent` and
     across, or the radius of a ball and 0; both 0: as a point. `near`, metres along x, y and z: what
-    is nearer, the surface itself, does not shadow it.
+    is nearer, the surface itself, does not shadow it. `spread`, metres: the root mean square
+    distance from the middle of a part that fills a volume.
     `body`, metres: radius of a disk as large as the surface that the light comes from, which
     stands in the way of what is reflected closer to it than `gap`, metres; 0 without one.
     """
@@ -38,6 +39,7 @@ class LightSample(LightType):
     tangent: Vec3 = (1.0, 0.0, 0.0)
     size: tuple[float, float] = (0.0, 0.0)
     near: Vec3 = (0.0, 0.0, 0.0)
+    spread: float = 0.0
 
     kind: ClassVar[int] = 3
     has_size: ClassVar[bool] = True
@@ -92,4 +94,4 @@ class LightSample(LightType):
         if self.even == 0.0:
             return SpotLight(self.position, self.direction, self.intensity, 0.0, 89.0)
         r, g, b = (power / (4.0 * math.pi) for power in self.power)
-        return PointLight(self.position, (r, g, b))
+        return PointLight(self.position, (r, g, b), self.spread)

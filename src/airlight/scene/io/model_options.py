@@ -1,0 +1,72 @@
+"""What may be asked for beside a file: how it lies, which of its grids or variants, parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ...errors import SceneError
+from . import MESH_SUFFIXES, VOLUME_SUFFIXES
+
+_BOTH = ("mesh files and density grids", (*MESH_SUFFIXES, *VOLUME_SUFFIXES))
+_GRIDS = ("density grids", VOLUME_SUFFIXES)
+_KINDS = {
+    **dict.fromkeys(("up", "scale"), _BOTH),
+    **dict.fromkeys(("grid", "channels"), _GRIDS),
+    "variant": ("mesh files", MESH_SUFFIXES),
+    "parameters": ("Mitsuba's files", (".xml",)),
+}
+"""Of which files an option is that is not of all."""
+
+
+def model_keys(
+    path: str,
+    *,
+    up: str = "y",
+    scale: float = 1.0,
+    variant: str | None = None,
+    grid: str | None = None,
+    channels: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked;
+    `parameters` among them.
+
+    Raises SceneError where it is no file that has them.
+    """
+    from .toml_media_tables import VOLUME
+    from .toml_tables import MESH
+
+    # Parameters are Mitsuba's alone.
+    if parameters and not _is_of(path, "parameters"):
+        raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
+    texts = {name: str(value) for name, value in (parameters or {}).items()}
+    given = {"up": up, "scale": scale, "variant": variant, "grid": grid, "channels": channels}
+    usual = {"up": "y", "scale": 1.0}
+    # An option left as it is by default says nothing, and is allowed for every file.
+    asked = {name: value for name, value in given.items() if value != usual.get(name)}
+    # Variants are of mesh files, names of grids; how a file lies and how large it is, of both.
+    is_grid = Path(path).suffix.lower() in VOLUME_SUFFIXES
+    wrong = [name for name in asked if not _is_of(path, name)]
+    if wrong:
+        kinds, suffixes = _KINDS[wrong[0]]
+        raise SceneError(
+            f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} for {kinds} "
+            f"({', '.join(suffixes)})",
+            where=path,
+            remedy="In a scene file, each [[mesh]] and each [[volume]] has keys of its own.",
+        )
+    # The checks of their keys hold here too, with their messages.
+    keys = (VOLUME if is_grid else MESH).keys
+    checked = {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
+    return {**checked, "parameters": texts} if texts else checked
+
+
+def fitting_options(path: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Those options of `load` that files of this kind have."""
+    return {name: value for name, value in options.items() if _is_of(path, name)}
+
+
+def _is_of(path: str, name: str) -> bool:
+    return name not in _KINDS or Path(path).suffix.lower() in _KINDS[name][1]
