@@ -43,8 +43,10 @@ class SeenCells(NamedTuple):
     firsts: tuple[tuple[int, int], ...]
 
     def points(self, count: int) -> U32:
-        """Of each of `count` cells its first place in the list and its number of places (count, 2);
-        NO_POINT and 0."""
+        """The first place in the list, and the number of places, of each of `count` cells (count, 2).
+
+        NO_POINT and 0 of those that have none.
+        """
         places = np.flatnonzero(np.diff(self.cells, prepend=np.uint32(NO_POINT)))
         points = np.tile(np.array([NO_POINT, 0], np.uint32), (count, 1))
         numbers = np.diff(places, append=self.cells.size)
@@ -113,7 +115,8 @@ def _solid_angles(placement: Placement, position: tuple[float, float, float]) ->
     x, y, z = ((middles - eye[k]) ** 2 for k, middles in enumerate(_middles(placement)))
     # What is nearer than a cell fills all of the image.
     area = placement.cell**2
-    return np.asarray(area / np.maximum(x + y[:, None] + z[:, None, None], area), np.float64).ravel()
+    squared = x + y[:, None] + z[:, None, None]
+    return np.asarray(area / np.maximum(squared, area), np.float64).ravel()
 
 
 def _planes(camera: Camera, size: tuple[int, int], shift_px: tuple[float, float]) -> F64:
