@@ -43,7 +43,7 @@ class SeenCells(NamedTuple):
     firsts: tuple[tuple[int, int], ...]
 
     def points(self, count: int) -> U32:
-        """The first place in the list, and the number of places, of each of `count` cells (count, 2).
+        """The first place in the list and the number of places (count, 2) of each of `count` cells.
 
         NO_POINT and 0 of those that have none.
         """
