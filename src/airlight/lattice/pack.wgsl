@@ -8,12 +8,6 @@ fn is_beyond(cell: vec3u) -> bool {
     return any(low + params.cell < params.low + slack) || any(low > params.high - slack);
 }
 
-// Hops that take back from a cell more than it has leave less than no light, which would darken what is interpolated
-// beside it; such a cell is dark.
-fn held(state: vec4f) -> vec4f {
-    return select(state, vec4f(0.0), state.x <= 0.0);
-}
-
 // With beams that the lattice does not hold, by their fluence and flux.
 fn with_beams(state: vec4f, index: u32) -> vec4f {
     if (params.beams == 0.0) {
@@ -36,7 +30,7 @@ fn with_beams(state: vec4f, index: u32) -> vec4f {
     let b = injected[cell + 2u * cells] * own + propagated[cell + 2u * cells];
     let texel = id + vec3u(0u, params.first_row, 0u);
     let scale = select(params.scale, 0.0, is_beyond(id));
-    textureStore(red, texel, with_beams(held(r), cell) * scale);
-    textureStore(green, texel, with_beams(held(g), cell + cells) * scale);
-    textureStore(blue, texel, with_beams(held(b), cell + 2u * cells) * scale);
+    textureStore(red, texel, with_beams(r, cell) * scale);
+    textureStore(green, texel, with_beams(g, cell + cells) * scale);
+    textureStore(blue, texel, with_beams(b, cell + 2u * cells) * scale);
 }
