@@ -7,7 +7,14 @@ import pytest
 from tests.gather.test_solver import LPV, X, Z, rectangle
 
 from airlight.gather import batches
-from airlight.gather.seen_cells import NO_POINT, TURNS, SeenCells, seen_cells
+from airlight.gather.seen_cells import (
+    MOST,
+    NO_POINT,
+    TURNS,
+    SeenCells,
+    numbers_of_points,
+    seen_cells,
+)
 from airlight.lattice.placement import Fade, Placement
 from airlight.rendering import render
 from airlight.scene import Camera, DirectionalLight, Material, Medium, Scene
@@ -59,16 +66,45 @@ def test_all_cells_that_rays_of_the_view_read_are_among_them():
     assert is_seen.mean() < 0.7
 
 
-def test_points_are_the_places_in_the_list():
-    seen = seen_cells((FINE, COARSE), CAMERA, (20, 10), (0.0, 0.0), 0)
+@pytest.mark.parametrize("each", [1, 3])
+def test_points_are_the_places_in_the_list(each):
+    seen = seen_cells((FINE, COARSE), CAMERA, (20, 10), (0.0, 0.0), 0, each)
     count = FINE.cells + COARSE.cells
-    points = seen.points(count)
-    np.testing.assert_array_equal(points[seen.cells], np.arange(seen.cells.size))
-    assert (points == NO_POINT).sum() == count - seen.cells.size
+    first, number = seen.points(count).T
+    sends = first != NO_POINT
+    np.testing.assert_array_equal(np.flatnonzero(sends), np.unique(seen.cells))
+    assert not number[~sends].any() and number.sum() == seen.cells.size
+    # The points of a cell follow one another.
+    for k in range(int(number.max())):
+        has = sends & (number > k)
+        np.testing.assert_array_equal(seen.cells[first[has] + k], np.flatnonzero(has))
+    assert number.max() == 1 if each == 1 else number.max() > 8
     (first, begin), (other, middle) = seen.firsts
     assert (first, begin, other) == (0, 0, FINE.cells)
     assert (seen.cells[:middle] < FINE.cells).all()
     assert (seen.cells[middle:] >= FINE.cells).all()
+
+
+def test_points_are_shared_by_solid_angles_and_are_no_more_than_asked():
+    angles = np.random.default_rng(2).uniform(0.0, 1.0, 5000) ** 8
+    numbers = numbers_of_points(angles, 4)
+    assert numbers.min() == 1 and 0.8 * 4 * angles.size < numbers.sum() <= 4 * angles.size
+    others = numbers - 1
+    large = others > 10
+    shares = others[large] / angles[large]
+    assert large.sum() > 100 and shares.max() < 1.1 * shares.min()
+    assert (numbers_of_points(angles, 1) == 1).all()
+    assert numbers_of_points(np.array([1.0, 1e-9, 1e-9]), 100).tolist() == [MOST, 1, 1]
+
+
+def test_near_cells_have_most_points():
+    seen = seen_cells((FINE,), CAMERA, (20, 10), (0.0, 0.0), 0, 2)
+    number = seen.points(FINE.cells)[:, 1]
+    z, y, x = np.indices(FINE.count[::-1]).reshape(3, -1)
+    middles = np.array(FINE.origin) + FINE.cell * (np.stack([x, y, z], axis=1) + 0.5)
+    off = np.linalg.norm(middles - np.array(TURNED) @ CAMERA.position, axis=1)
+    assert number[off < 1.0].max() == number.max()
+    assert number[(off > 4.0) & (number > 0)].max() <= 2
 
 
 def test_cells_out_of_sight_have_their_turn():
@@ -96,7 +132,7 @@ def test_a_view_that_sees_nothing_has_turns_alone():
     assert seen_cells((COARSE,), away, (8, 8), (0.0, 0.0), 3).cells.size == COARSE.cells / TURNS
 
 
-def every_cell(placements, camera, size, shift_px, turn):
+def every_cell(placements, camera, size, shift_px, turn, each):
     counts = [placement.cells for placement in placements]
     firsts = [sum(counts[:k]) for k in range(len(counts))]
     return SeenCells(

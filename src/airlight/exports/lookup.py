@@ -24,6 +24,8 @@ BEFORE_OBLIQUE = 0.75
 BEHIND_PLANE, BEFORE_PLANE = -0.1, 0.3
 """As in wgsl/lattice.wgsl: how far from an oblique surface's plane, cells, others lie behind it and
 before it."""
+LEAST_BEFORE = 1e-4
+"""As in wgsl/lattice.wgsl: what cells behind it count, for points of which none is before it."""
 OBLIQUE, CUT = (0.9903, 0.9986), (0.05, 0.14)
 """As in wgsl/lattice_space.wgsl: cosines between which surfaces along an axis become oblique to it;
 sines from which on their planes cut others."""
@@ -80,11 +82,11 @@ class Lookup:
         t = at - cell - 0.5
         eased = self._open_offset(cell, t, np.zeros_like(t))
         offset = eased + is_own * (t - eased)
-        # The shares of the cell and of its neighbour on each axis.
-        distance = ((cell + 0.5 - plane) * n).sum(axis=1, keepdims=True)
-        own = _before_plane(distance) * (1.0 - np.abs(offset))
-        beside = _before_plane(distance + np.sign(offset) * n) * np.abs(offset)
-        middle = cell + 0.5 + np.sign(offset) * beside / (own + beside)
+        # On each axis, the share of all cells that are beside the point's own along it.
+        shares = _shares_before(((cell + 0.5 - plane) * n).sum(axis=1), offset, n)
+        beside = [np.take(shares, 1, axis=1 + axis).sum(axis=(1, 2)) for axis in range(3)]
+        share = np.stack(beside, axis=1) / shares.sum(axis=(1, 2, 3))[:, None]
+        middle = cell + 0.5 + np.sign(offset) * share
         return np.asarray(np.clip(middle, 0.5, count - 0.5) / count)
 
     def _lookup_coordinates(self, coordinates: F64, n: F64) -> F64:
@@ -133,16 +135,24 @@ class Lookup:
         return np.asarray((self.dead_ends[at][:, None].astype(np.intp) >> hop) & 1 == 1)
 
     def warped(self, p: F64, n: F64) -> F64:
-        """Twin: warped_surface_coordinates in wgsl/lattice_space.wgsl."""
+        """Twin: warped_lookup in wgsl/lattice_space.wgsl."""
+        # Again where that takes a point out from behind one of the walls of a corner.
         coordinates = (p - np.array(self.origin)) / self.cell
-        return np.stack([self._warped_axis(coordinates, n, axis) for axis in range(3)], axis=1)
+        warped = self._warped_between(coordinates, coordinates, n)
+        again = self._warped_between(coordinates, warped, n)
+        return np.where(np.floor(again) != np.floor(warped), again, warped)
 
-    def _warped_axis(self, coordinates: F64, n: F64, axis: int) -> F64:
+    def _warped_between(self, coordinates: F64, others: F64, n: F64) -> F64:
+        """Twin: warped_between in wgsl/lattice_space.wgsl."""
+        axes = (self._warped_axis(coordinates, others, n, axis) for axis in range(3))
+        return np.stack(list(axes), axis=1)
+
+    def _warped_axis(self, coordinates: F64, others: F64, n: F64, axis: int) -> F64:
         """One axis, between the walls of the cell WHOLE_BEFORE cells in front of the surface."""
         # Walls are those in front of the surface, because behind it lies another room.
-        beyond = WHOLE_BEFORE * n
-        beyond[:, axis] = 0.0
-        cell, at = self._cells(coordinates + beyond)
+        beyond = others + WHOLE_BEFORE * n
+        beyond[:, axis] = coordinates[:, axis]
+        cell, at = self._cells(beyond)
         low, high = self.walls[at][:, axis].astype(np.float64), self._wall_above(cell, axis)
         # Linear between both walls, and beyond each of them, so that walls lie on faces.
         t = coordinates[:, axis] - cell[:, axis]
@@ -195,6 +205,18 @@ def _raised(coordinates: F64, n: F64) -> F64:
     return np.asarray(n * (0.5 + np.minimum(f, 1.0 - f)))
 
 
-def _before_plane(distance: F64) -> F64:
-    """Twin: before_plane in wgsl/lattice.wgsl."""
-    return _smoothstep(BEHIND_PLANE, BEFORE_PLANE, distance) + 1e-3
+def _shares_before(distance: F64, offset: F64, n: F64) -> F64:
+    """(n, 2, 2, 2): shares of the eight cells around points, as far as they are before a plane.
+
+    An index is 1 where a cell is beside the point's own along that axis. Twin: shares_before in
+    wgsl/lattice.wgsl.
+    """
+    # Linear between them, less where their own middles are near the plane or behind it.
+    step, t = np.sign(offset) * n, np.abs(offset)
+    shares = np.empty((len(n), 2, 2, 2))
+    for beside in np.ndindex(2, 2, 2):
+        linear = np.prod(np.where(beside, t, 1.0 - t), axis=1)
+        own = distance + step @ np.array(beside)
+        before = _smoothstep(BEHIND_PLANE, BEFORE_PLANE, own) + LEAST_BEFORE
+        shares[:, *beside] = linear * before
+    return shares

@@ -73,11 +73,15 @@ class CellBatches:
     def __init__(
         self, scope: Gpu, kit: Kit, cells: int, rays: int, sky: SkyCells, media: GpuMedia
     ) -> None:
-        """`cells` of all lattices; `rays` that a cell sends in a sample, if so many fit."""
+        """`cells` of all lattices; `rays` that a cell in sight sends in a sample, on the mean of
+        all, if so many fit."""
         self._kit, self._sky, self._media, self.cells = kit, sky, media, cells
         # As many rays of every cell at once as an image of hits can hold, however many are seen.
         most = kit.gpu.limits["max-texture-dimension-2d"] // rows_of(cells)
-        self.rays = max(1, min(rays, most, MOST_HITS // cells))
+        most = min(most, MOST_HITS // cells)
+        # Half of them are sent from a point of its own, half from others of cells near the eye.
+        self.rays = max(1, min(-(-rays // 2), most // 2))
+        self._each = 2 if min(rays, most) > 1 else 1
         self.sums = CellSums(scope, cells, kit.lattices.texture_size)
         self.found: AirLight | None = None
         self._given: AirLight | None = None
@@ -95,7 +99,7 @@ class CellBatches:
         x, y = view.jitter_px
         looked = (placements, view.camera, view.size, (float(round(x)), float(round(y))), turn)
         if self._seen is None or looked != self._looked:
-            seen = seen_cells(*looked)
+            seen = seen_cells(*looked, self._each)
             self._fit(rows_of(seen.cells.size))
             self.points.write(seen)
             self.sums.write(seen)

@@ -12,8 +12,10 @@ const LARGEST_HALF = 65504.0;
     }
     let cell = params.first + cell_in(lattice.count, id);
     let texel = id + vec3u(0u, lattice.first_row, 0u);
-    let point = points_of_cells[cell];
-    if (point == NO_POINT) {
+    // The first gather point of the cell, as cell_points.wgsl laid it, and how many follow one another.
+    let points = points_of_cells[cell];
+    let first = points.x;
+    if (first == NO_POINT) {
         if (params.number == 0u) {
             let scattered = textureLoad(solved, texel, 0).rgb - textureLoad(unscattered, texel, 0).rgb;
             let mean = params.solved_scale * max(scattered, vec3f(0.0));
@@ -22,18 +24,21 @@ const LARGEST_HALF = 65504.0;
         }
         return;
     }
-    // The gather point of the cell, as cell_points.wgsl laid it.
-    let at = vec2u(point % params.width, point / params.width);
+    let at = vec2u(first % params.width, first / params.width);
     let axis = textureLoad(axes, at, 0);
     let g = textureLoad(cosines, at, 0).rgb;
     var mean_radiance = vec3f(0.0);
     var towards_eye = vec3f(0.0);
+    let count = points.y * params.rays;
     var k = 0u;
     loop {
-        if (k >= params.rays) { break; }
+        if (k >= count) { break; }
         // Each ray counts by how likely its direction was (balance heuristic, Veach1995).
-        let radiance = paths[2u * (point + k * params.points)].rgb;
-        let direction = lobe_direction(-axis.xyz, axis.w, ray_numbers(at.x, at.y, params.first_ray + k));
+        let point = first + k / params.rays;
+        let ray = k % params.rays;
+        let radiance = paths[2u * (point + ray * params.points)].rgb;
+        let numbers = ray_numbers(point % params.width, point / params.width, params.first_ray + ray);
+        let direction = lobe_direction(-axis.xyz, axis.w, numbers);
         let cosine = -dot(direction, axis.xyz);
         let found = radiance / lobe_density(cosine, axis.w);
         mean_radiance += PHASE_ISOTROPIC * found;
@@ -43,8 +48,8 @@ const LARGEST_HALF = 65504.0;
     // What rays of the next sample meet in the air: the mean of all samples in which it sent rays, the later ones more.
     let earlier = select(before[cell], vec4f(0.0), params.number == 0u);
     let weight = 2.0 / (earlier.a + 2.0);
-    before[cell] = vec4f(mix(earlier.rgb, mean_radiance / f32(params.rays), weight), earlier.a + 1.0);
+    before[cell] = vec4f(mix(earlier.rgb, mean_radiance / f32(count), weight), earlier.a + 1.0);
     // The sum as marching reads it, scaled to half floats.
-    let seen = params.scale / f32(params.rays) * towards_eye;
+    let seen = params.scale / f32(count) * towards_eye;
     textureStore(inscattered, texel, vec4f(min(seen, vec3f(LARGEST_HALF)), 1.0));
 }

@@ -89,7 +89,7 @@ class _CellSums(ComputePass):
     slots = (
         uniform("params", CellSumParams),
         uniform("lattice", LatticeParams),
-        storage("points_of_cells", "u32"),
+        storage("points_of_cells", "vec2u"),
         storage("paths", "vec4f"),
         texture("axes", "2d", "unfilterable-float"),
         texture("cosines", "2d", "unfilterable-float"),
@@ -200,7 +200,7 @@ class CellSums:
             for name in ("gathered in-scattering", "gathered light in air")
         )
         self._before = Buffer(gpu, "light in air before", 16 * cells)
-        self._points_of_cells = Buffer(gpu, "points of cells", 4 * cells)
+        self._points_of_cells = Buffer(gpu, "points of cells", 8 * cells)
         self._cells, self._pass, self._next = cells, _CellSums(gpu), _CellAir(gpu)
 
     def write(self, seen: SeenCells) -> None:

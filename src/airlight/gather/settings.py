@@ -41,8 +41,9 @@ class GatherSettings:
     )
     gather_air: int = setting(
         8,
-        "rays that each cell of a lattice of media sends in a sample of a gathered image, for the "
-        "light that media scatter more than once; 0: what lattices solved is drawn",
+        "rays that a cell of a lattice of media sends in a sample of a gathered image, in the mean "
+        "and more near the eye, for the light that media scatter more than once; 0: what lattices "
+        "solved is drawn",
         low=0,
         high=256,
     )

@@ -111,9 +111,24 @@ const BEFORE_OBLIQUE = 0.75;
 // Cells whose middles are so far from its plane lie behind it, and before it.
 const BEHIND_PLANE = -0.1;
 const BEFORE_PLANE = 0.3;
+// What those behind it count, for points of which none is before it.
+const LEAST_BEFORE = 1e-4;
 
-fn before_plane(distance: vec3f) -> vec3f {
-    return smoothstep(vec3f(BEHIND_PLANE), vec3f(BEFORE_PLANE), distance) + 1e-3;
+// The shares of the eight cells between which a point is interpolated: of the four that are its own along x, and of
+// those beside them. Each four: the point's own, the one beside along y, along z, and along both.
+struct EightShares { own: vec4f, beside: vec4f }
+
+// As far as they are before a plane of normal n, from which the middle of the point's own cell is so far; `offset` leads
+// from there to the point.
+fn shares_before(distance: f32, offset: vec3f, n: vec3f) -> EightShares {
+    let step = sign(offset) * n;
+    let t = abs(offset);
+    let across = vec4f((1.0 - t.y) * (1.0 - t.z), t.y * (1.0 - t.z), (1.0 - t.y) * t.z, t.y * t.z);
+    let own = distance + vec4f(0.0, step.y, step.z, step.y + step.z);
+    let low = vec4f(BEHIND_PLANE);
+    let high = vec4f(BEFORE_PLANE);
+    return EightShares((1.0 - t.x) * across * (smoothstep(low, high, own) + LEAST_BEFORE),
+        t.x * across * (smoothstep(low, high, own + step.x) + LEAST_BEFORE));
 }
 
 // Texture coordinates for a surface oblique to the cells, at plane_coordinates. The faces that it closes are steps
@@ -130,16 +145,17 @@ fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f 
     let cell = floor(at);
     let t = at - cell - 0.5;
     let offset = mix(open_offset(lattice, cell, t, vec3f(0.0)), t, is_own);
-    // The shares of the cell and of its neighbour on each axis.
-    let distance = dot(cell + 0.5 - plane, n);
-    let own = before_plane(vec3f(distance)) * (1.0 - abs(offset));
-    let beside = before_plane(distance + sign(offset) * n) * abs(offset);
-    return lattice_uvw(lattice, cell + 0.5 + sign(offset) * beside / (own + beside));
+    // One filtered tap has one share on each axis: of all cells that are beside the point's own along it. Each of the eight
+    // counts by its own distance, so that nothing jumps where the point goes over from cell to cell.
+    let shares = shares_before(dot(cell + 0.5 - plane, n), offset, n);
+    let both = shares.own + shares.beside;
+    let beside = vec3f(dot(shares.beside, vec4f(1.0)), both.y + both.w, both.z + both.w);
+    return lattice_uvw(lattice, cell + 0.5 + sign(offset) * beside / dot(both, vec4f(1.0)));
 }
 
 // The same for a surface point of the world, m, and its normal along the lattice's axes.
 fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
-    let warped = warped_surface_coordinates(lattice, position, n);
+    let warped = warped_lookup(lattice, position, n);
     let oblique = select(obliqueness(n, OBLIQUE), 0.0, lattice.is_paper != 0u);
     var uvw = vec3f(0.0);
     if (oblique < 1.0) {

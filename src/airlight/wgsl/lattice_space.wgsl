@@ -41,14 +41,27 @@ fn warped_axis(coordinates: f32, cell: i32, low: f32, high: f32) -> f32 {
     return f32(cell) + select(select(between, above, t > 1.0 + high), below, t < low);
 }
 
-// The cell of a point; WHOLE_BEFORE cells along n from it, but not along one axis. Walls cover
+// The cell of a point, WHOLE_BEFORE cells along n from where it is on the other axes. Walls cover
 // what they need to be known by at that distance from where they end.
 const WHOLE_BEFORE = 0.75;
 
-fn cell_before(lattice: LatticeParams, coordinates: vec3f, n: vec3f, axis: u32) -> vec3i {
-    var beyond = WHOLE_BEFORE * n;
-    beyond[axis] = 0.0;
-    return clamp(vec3i(floor(coordinates + beyond)), vec3i(0), vec3i(lattice.count) - 1);
+fn cell_before(lattice: LatticeParams, coordinates: vec3f, others: vec3f, n: vec3f, axis: u32) -> vec3i {
+    var beyond = others + WHOLE_BEFORE * n;
+    beyond[axis] = coordinates[axis];
+    return clamp(vec3i(floor(beyond)), vec3i(0), vec3i(lattice.count) - 1);
+}
+
+// Coordinates warped on each axis between the walls that are known where the point is on the `others`.
+fn warped_between(lattice: LatticeParams, coordinates: vec3f, others: vec3f, n: vec3f) -> vec3f {
+    let x = cell_before(lattice, coordinates, others, n, 0u);
+    let y = cell_before(lattice, coordinates, others, n, 1u);
+    let z = cell_before(lattice, coordinates, others, n, 2u);
+    let low = vec3f(wall_shifts_low(lattice, x).x, wall_shifts_low(lattice, y).y,
+        wall_shifts_low(lattice, z).z);
+    let high = vec3f(wall_shift_high(lattice, x, 0u), wall_shift_high(lattice, y, 1u),
+        wall_shift_high(lattice, z, 2u));
+    return vec3f(warped_axis(coordinates.x, x.x, low.x, high.x),
+        warped_axis(coordinates.y, y.y, low.y, high.y), warped_axis(coordinates.z, z.z, low.z, high.z));
 }
 
 // Warped cells from the lattice's origin to a world point of a surface of normal n, which is along the
@@ -56,15 +69,19 @@ fn cell_before(lattice: LatticeParams, coordinates: vec3f, n: vec3f, axis: u32) 
 // this one hardly know the others: they are looked up in front of it.
 fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
     let coordinates = cells_from_world(lattice, world);
-    let x = cell_before(lattice, coordinates, n, 0u);
-    let y = cell_before(lattice, coordinates, n, 1u);
-    let z = cell_before(lattice, coordinates, n, 2u);
-    let low = vec3f(wall_shifts_low(lattice, x).x, wall_shifts_low(lattice, y).y,
-        wall_shifts_low(lattice, z).z);
-    let high = vec3f(wall_shift_high(lattice, x, 0u), wall_shift_high(lattice, y, 1u),
-        wall_shift_high(lattice, z, 2u));
-    return vec3f(warped_axis(coordinates.x, x.x, low.x, high.x),
-        warped_axis(coordinates.y, y.y, low.y, high.y), warped_axis(coordinates.z, z.z, low.z, high.z));
+    return warped_between(lattice, coordinates, coordinates, n);
+}
+
+// The same for lookups. In a corner three walls meet, and the cell in front of one may lie behind both others: a point
+// that the warp takes out from behind one of them is asked again where the other is.
+fn warped_lookup(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
+    let coordinates = cells_from_world(lattice, world);
+    let warped = warped_between(lattice, coordinates, coordinates, n);
+    if (all(floor(warped) == floor(coordinates))) {
+        return warped;
+    }
+    let again = warped_between(lattice, coordinates, warped, n);
+    return select(warped, again, floor(again) != floor(warped));
 }
 
 // From where on a surface is oblique to an axis of the cells: cosines of 8 and 3 degrees between its normal and that.
