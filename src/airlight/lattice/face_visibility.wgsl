@@ -6,7 +6,7 @@
 //! use cell_order
 
 const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
-const LARGEST_SHIFT = 0.45;
+const LARGEST_SHIFT = 0.5;
 const ENCLOSED_COVER = 0.5;
 const SEPARATE = 0.02;     // cells
 const FLAT = vec2f(0.05, 0.15);    // cells from where a wall's area is in the mean to where it is
