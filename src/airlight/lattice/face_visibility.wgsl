@@ -1,4 +1,4 @@
-// What propagation knows of a cell's six faces (Kaplanyan2010 section 3.2; twin:
+// What propagation knows of a cell's six faces (Kaplanyan2010 section 3.2; twin, where nothing ends at a wall:
 // maths.lattice6.blocked_shares), eight u32 a cell: for each outgoing hop
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
