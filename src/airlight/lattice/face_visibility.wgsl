@@ -77,9 +77,10 @@ fn backmost(f: CellFace, side: u32) -> f32 {
     return select(1.0, outward_of(code), code > 0.0);
 }
 
-// Where, in cells from a face, the wall counted on it really lies. What stands on a floor lies before it: the backmost
-// surface is the wall.
-fn wall_place(f: CellFace, axis: u32, cover: f32) -> f32 {
+// Where, in cells from a face, the wall counted on it really lies; 0 where little is there. What stands on a floor lies
+// before it: the backmost surface is the wall.
+fn wall_shift(f: CellFace, axis: u32, most: array<vec4f, 2>) -> f32 {
+    let cover = on_face(f, AXIS_COVER + axis);
     let plus = backmost(f, 2u * axis);
     let minus = backmost(f, 2u * axis + 1u);
     // Two sides of one wall: between them.
@@ -96,14 +97,8 @@ fn wall_place(f: CellFace, axis: u32, cover: f32) -> f32 {
     if (minus >= 1.0) { shift = plus; }
     if (plus >= 1.0) { shift = -minus; }
     if (minus >= 1.0 && plus >= 1.0) { shift = 0.0; }
-    return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT);
-}
-
-// The same as coordinates are warped by; 0 where little is there.
-fn wall_shift(f: CellFace, axis: u32, most: array<vec4f, 2>) -> f32 {
-    let cover = on_face(f, AXIS_COVER + axis);
     let share = share_between(f, AXIS_COVER + axis, most);
-    return wall_place(f, axis, cover) * smoothstep(0.25, 0.6, share);
+    return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT) * smoothstep(0.25, 0.6, share);
 }
 
 // Of what counts around the corners at a cell's low end of an axis, and at its high end, the part before the wall there
@@ -111,15 +106,15 @@ fn wall_shift(f: CellFace, axis: u32, most: array<vec4f, 2>) -> f32 {
 fn before_ends(cell: vec3u, axis: u32) -> vec2f {
     var before = vec2f(1.0);
     for (var side = 0u; side < 2u; side++) {
-        // Hop 2 axis ends at the high one.
+        // Hop 2 axis ends at the high one. The wall is the backmost of what faces the hop.
         let hop = 2u * axis + side;
         let f = face_of(cell, hop);
-        let cover = on_face(f, AXIS_COVER + axis);
-        let place = wall_place(f, axis, cover);
+        let outward = clamp(backmost(f, hop ^ 1u), -LARGEST_SHIFT, LARGEST_SHIFT);
         // An oblique surface, or several behind one another, end nothing at one place.
-        let off = abs(on_face(f, AXIS_MOMENT + axis) / max(cover, 1e-6) - place);
+        let mean = on_face(f, AXIS_MOMENT + axis) / max(on_face(f, AXIS_COVER + axis), 1e-6);
+        let off = abs(select(-mean, mean, side == 1u) - outward);
         let is_wall = smoothstep(ENDS.x, ENDS.y, on_face(f, hop ^ 1u)) * (1.0 - smoothstep(FLAT.x, FLAT.y, off));
-        before[1u - side] = mix(1.0, 0.5 + select(place, -place, side == 1u), is_wall);
+        before[1u - side] = mix(1.0, 0.5 - outward, is_wall);
     }
     return before;
 }
