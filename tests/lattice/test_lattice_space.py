@@ -111,3 +111,15 @@ def test_unbending_is_the_inverse(run):
     world = run("unwarped_point(lattice, c, p)", texels, inside, cells)
     warped = run("warped_coordinates(lattice, p)", texels, world)
     np.testing.assert_allclose(warped, cells + inside, atol=1e-4)
+
+
+@pytest.mark.parametrize("is_known_before", [False, True])
+def test_a_point_of_a_corner_is_looked_up_before_both_walls(run, is_known_before):
+    # Walls a third of a cell behind faces 5 across x and y. The one across y is known everywhere,
+    # the other only before that, or only behind it: once a point is before a wall, it stays there.
+    texels = np.zeros((*ROOM.count[::-1], 4), np.int8)
+    texels[:, 5, :, 1] = -42
+    texels[:, slice(5, None) if is_known_before else slice(5), 5, 0] = -42
+    place = np.array([[4.8, 4.8, 4.0]])
+    warped = run("warped_lookup(lattice, p, vec3f(0.0, 0.0, 1.0))", texels, to_world(place))
+    assert (warped[0, :2] > 5.0).all()

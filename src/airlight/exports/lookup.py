@@ -139,8 +139,9 @@ class Lookup:
         # Again where that takes a point out from behind one of the walls of a corner.
         coordinates = (p - np.array(self.origin)) / self.cell
         warped = self._warped_between(coordinates, coordinates, n)
-        again = self._warped_between(coordinates, warped, n)
-        return np.where(np.floor(again) != np.floor(warped), again, warped)
+        again, cell = self._warped_between(coordinates, warped, n), np.floor(coordinates)
+        comes_out = (np.floor(warped) == cell) & (np.floor(again) != cell)
+        return np.where(comes_out, again, warped)
 
     def _warped_between(self, coordinates: F64, others: F64, n: F64) -> F64:
         """Twin: warped_between in wgsl/lattice_space.wgsl."""

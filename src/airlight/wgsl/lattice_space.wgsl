@@ -77,11 +77,12 @@ fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) ->
 fn warped_lookup(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
     let coordinates = cells_from_world(lattice, world);
     let warped = warped_between(lattice, coordinates, coordinates, n);
-    if (all(floor(warped) == floor(coordinates))) {
+    let stays = floor(warped) == floor(coordinates);
+    if (all(stays)) {
         return warped;
     }
     let again = warped_between(lattice, coordinates, warped, n);
-    return select(warped, again, floor(again) != floor(warped));
+    return select(warped, again, stays & (floor(again) != floor(coordinates)));
 }
 
 // From where on a surface is oblique to an axis of the cells: cosines of 8 and 3 degrees between its normal and that.
