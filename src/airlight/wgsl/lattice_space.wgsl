@@ -73,12 +73,13 @@ fn warped_surface_coordinates(lattice: LatticeParams, world: vec3f, n: vec3f) ->
 }
 
 // The same for lookups. In a corner three walls meet, and the cell in front of one may lie behind both others: a point
-// that the warp takes out from behind one of them is asked again where the other is.
+// that the warp takes out from behind one of them is asked again where the other is. A point of a medium (n = 0) is in
+// front of none.
 fn warped_lookup(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
     let coordinates = cells_from_world(lattice, world);
     let warped = warped_between(lattice, coordinates, coordinates, n);
     let stays = floor(warped) == floor(coordinates);
-    if (all(stays)) {
+    if (all(stays) || all(n == vec3f(0.0))) {
         return warped;
     }
     let again = warped_between(lattice, coordinates, warped, n);
