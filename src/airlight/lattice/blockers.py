@@ -62,10 +62,22 @@ class _SumSurfels(ComputePass):
     file = "blockers.wgsl"
 
 
+class _WallEnds(ComputePass):
+    slots = (
+        uniform("params", BlockerParams),
+        storage("sums", "i32", "read"),
+        storage("ends", "vec2u", "read_write"),
+    )
+    workgroup = (32, 8, 1)
+    in_bands = True
+    file = "wall_ends.wgsl"
+
+
 class _FaceVisibility(ComputePass):
     slots = (
         uniform("params", BlockerParams),
         storage("sums", "i32", "read"),
+        storage("ends", "vec2u"),
         storage("faces", "vec4u", "read_write"),
         storage("face_visibility", "vec2u", "read_write"),
         image("visibility_a", "rgba8unorm", "3d"),
@@ -124,10 +136,11 @@ class Blockers:
         # Sums stand around corners, one more than cells on each axis; faces belong to cells.
         self.corners = int(np.prod([n + 1 for n in placement.count]))
         self.sums = Buffer(gpu, "blocker sums", self.corners * _CORNER_VALUES * 4)
+        self.ends = Buffer(gpu, "wall ends", placement.cells * 8)
         self.faces = Buffer(gpu, "cell faces", placement.cells * 32)
         self.face_visibility = Buffer(gpu, "face_visibility", placement.cells * 8)
         self._sum = _SumSurfels(gpu)
-        self._open = _FaceVisibility(gpu)
+        self._end, self._open = _WallEnds(gpu), _FaceVisibility(gpu)
         self._made: tuple[int, int, Placement] | None = None
 
     @property
@@ -215,11 +228,14 @@ class Blockers:
     def open(self, commands: Commands) -> None:
         """Compute visibility, reflectance and wall offsets of all faces from the sums."""
         self.note_change()
+        count, params = self.placement.count, self._params()
+        self._end.dispatch(commands, count, params=params, sums=self.sums, ends=self.ends)
         self._open.dispatch(
             commands,
-            self.placement.count,
-            params=self._params(),
+            count,
+            params=params,
             sums=self.sums,
+            ends=self.ends,
             faces=self.faces,
             face_visibility=self.face_visibility,
             visibility_a=self.visibility_a,

@@ -2,54 +2,20 @@
 // maths.lattice6.blocked_shares), eight u32 a cell: for each outgoing hop
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
-//! use blocker_sums
-//! use cell_order
+//! use face_sums
 
 const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
-const LARGEST_SHIFT = 0.5;
 const ENCLOSED_COVER = 0.5;
 const SEPARATE = 0.02;     // cells
-const FLAT = vec2f(0.05, 0.15);    // cells from where a wall's area is in the mean to where it is
-const ENDS = vec2f(0.1, 0.25);     // of a face: in corners of rooms a quarter is a wall, at which others end
-
-struct CellFace {
-    corner: vec3u,
-    across: vec3u,
-    up: vec3u,
-}
-
-fn value(corner: vec3u, index: u32) -> f32 {
-    return f32(sums[CORNER_VALUES * cell_in(params.count + 1u, corner) + index]);
-}
-
-// The mean over the face's four corners.
-fn on_face(f: CellFace, index: u32) -> f32 {
-    return 0.25 / params.units * (value(f.corner, index) + value(f.corner + f.across, index)
-        + value(f.corner + f.up, index) + value(f.corner + f.across + f.up, index));
-}
-
-// The face through which a cell's light leaves on a hop.
-fn face_of(cell: vec3u, hop: u32) -> CellFace {
-    let x = vec3u(1u, 0u, 0u);
-    let y = vec3u(0u, 1u, 0u);
-    let z = vec3u(0u, 0u, 1u);
-    switch (hop) {
-        case 0u: { return CellFace(cell + x, y, z); }
-        case 1u: { return CellFace(cell, y, z); }
-        case 2u: { return CellFace(cell + y, x, z); }
-        case 3u: { return CellFace(cell, x, z); }
-        case 4u: { return CellFace(cell + z, x, y); }
-        default: { return CellFace(cell, x, y); }
-    }
-}
+const LEAST = 1e-3;        // walls that touch leave nothing between them
 
 // The share that one of a face's values has of what can count around its four corners, at most. `most`: of one and of the
 // other cell that it lies between; where a wall ends at another one, the corners there have a part of it.
 fn share_between(f: CellFace, index: u32, most: array<vec4f, 2>) -> f32 {
     let values = vec4f(value(f.corner, index), value(f.corner + f.across, index), value(f.corner + f.up, index),
         value(f.corner + f.across + f.up, index)) / params.units;
-    let one = dot(min(values, most[0]), vec4f(1.0)) / dot(most[0], vec4f(1.0));
-    let other = dot(min(values, most[1]), vec4f(1.0)) / dot(most[1], vec4f(1.0));
+    let one = dot(min(values, most[0]), vec4f(1.0)) / max(dot(most[0], vec4f(1.0)), LEAST);
+    let other = dot(min(values, most[1]), vec4f(1.0)) / max(dot(most[1], vec4f(1.0)), LEAST);
     return max(0.25 * dot(values, vec4f(1.0)), max(one, other));
 }
 
@@ -66,15 +32,6 @@ fn reflected_share(f: CellFace, hop: u32, most: array<vec4f, 2>) -> vec4f {
         on_face(f, SIDE_REFLECTED + 3u * side + 1u), on_face(f, SIDE_REFLECTED + 3u * side + 2u));
     let closed = closed_share(f, hop, most);
     return vec4f(rgb / covered * closed, closed);
-}
-
-// Where the backmost of a side's surfaces around a face is, along that side's outward axis; 1: there is none.
-fn backmost(f: CellFace, side: u32) -> f32 {
-    let code = max(max(value(f.corner, SIDE_BEHIND + side),
-        value(f.corner + f.across, SIDE_BEHIND + side)),
-        max(value(f.corner + f.up, SIDE_BEHIND + side),
-        value(f.corner + f.across + f.up, SIDE_BEHIND + side)));
-    return select(1.0, outward_of(code), code > 0.0);
 }
 
 // Where, in cells from a face, the wall counted on it really lies; 0 where little is there. What stands on a floor lies
@@ -101,28 +58,14 @@ fn wall_shift(f: CellFace, axis: u32, most: array<vec4f, 2>) -> f32 {
     return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT) * smoothstep(0.25, 0.6, share);
 }
 
-// Of what counts around the corners at a cell's low end of an axis, and at its high end, the part before the wall there
-// that faces into the cell.
-fn before_ends(cell: vec3u, axis: u32) -> vec2f {
-    var before = vec2f(1.0);
-    for (var side = 0u; side < 2u; side++) {
-        // Hop 2 axis ends at the high one. The wall is the backmost of what faces the hop.
-        let hop = 2u * axis + side;
-        let f = face_of(cell, hop);
-        let outward = clamp(backmost(f, hop ^ 1u), -LARGEST_SHIFT, LARGEST_SHIFT);
-        // An oblique surface, or several behind one another, end nothing at one place.
-        let mean = on_face(f, AXIS_MOMENT + axis) / max(on_face(f, AXIS_COVER + axis), 1e-6);
-        let off = abs(select(-mean, mean, side == 1u) - outward);
-        let is_wall = smoothstep(ENDS.x, ENDS.y, on_face(f, hop ^ 1u)) * (1.0 - smoothstep(FLAT.x, FLAT.y, off));
-        before[1u - side] = mix(1.0, 0.5 - outward, is_wall);
-    }
-    return before;
-}
-
-// The same around the four corners of a cell's face across an axis, in the order of share_between.
+// Of what counts around the four corners of a cell's face across an axis, in the order of share_between, the part before
+// the walls at the ends of the cell's other axes (wall_ends.wgsl).
 fn most_on_face(cell: vec3u, axis: u32) -> vec4f {
-    let across = before_ends(cell, select(0u, 1u, axis == 0u));
-    let up = before_ends(cell, select(2u, 1u, axis == 2u));
+    let packed = ends[cell_in(params.count, cell)];
+    let xy = unpack4x8unorm(packed.x);
+    let z = unpack4x8unorm(packed.y).xy;
+    let across = select(xy.xy, xy.zw, axis == 0u);
+    let up = select(z, xy.zw, axis == 2u);
     return vec4f(across.x * up.x, across.y * up.x, across.x * up.y, across.y * up.y);
 }
 
