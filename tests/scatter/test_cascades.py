@@ -72,8 +72,8 @@ def solved(scene, **settings):
     ]
 
 
-# Measured: indirect .965 to 1.04, L2 .075 to .083, of a point light .165; scattered .97 to 1.02, L2 at
-# most .036. Without light across the borders scattered light is .75 to .85.
+# Measured: indirect .965 to 1.04, L2 .075 to .083, of a point light .165; scattered .97 to 1.02,
+# L2 at most .036. Without light across the borders scattered light is .75 to .85.
 @pytest.mark.parametrize(
     "scene",
     [

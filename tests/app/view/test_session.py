@@ -531,7 +531,8 @@ def test_the_first_image_is_one_of_direct_light_and_is_followed_by_the_technique
     session.wait()
     screen.settle()
     assert session.renderer.technique.name == "lpv"
-    assert np.abs(screen.pixels - preview).mean() > 0.2  # .45 on a GPU, whose first image is sharp
+    # On a GPU the first image is sharp: .45.
+    assert np.abs(screen.pixels - preview).mean() > (1.0 if gpu.is_cpu else 0.2)
     session.close()
 
 
