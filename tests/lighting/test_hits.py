@@ -6,7 +6,7 @@ import numpy as np
 
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
-from airlight.lighting.hits import HitLighting
+from airlight.lighting.hits import HitLighting, HitsInLight
 from airlight.lighting.kit import Context, Kit, SurfaceSettings
 from airlight.lighting.lighting import RadianceLayers
 from airlight.scene import Environment, Material, Mesh, PointLight, Scene
@@ -34,7 +34,8 @@ def test_hits_are_lit_as_a_lambert_floor_is(gpu: Gpu, commands: Commands) -> Non
     hits.positions.write(places)
     hits.normal.write(np.tile(np.float16([0, 1, 0, 1]), (*SIZE[::-1], 1)))
     hits.albedo.write(np.tile(np.float16([*ALBEDO, 0]), (*SIZE[::-1], 1)))
-    HitLighting(kit).encode(commands, hits, layers, kit.no_irradiance, kit.sky_irradiance)
+    what = HitsInLight(hits, layers, kit.sky_irradiance)
+    HitLighting(kit).encode(commands, what, kit.no_irradiance)
     commands.submit()
     direct, indirect = layers.direct.read(), layers.indirect.read()
     away = places[:, :8, :3] - light.position

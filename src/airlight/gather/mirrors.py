@@ -13,7 +13,7 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..lighting.gathered import Mirrored
-from ..lighting.hits import HitLighting
+from ..lighting.hits import HitLighting, HitsInLight
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..lighting.view import View
@@ -178,10 +178,11 @@ class Mirrors:
         with commands.stage("mirrored light"):
             # Hits lit as pixels are, by lights and by lattices.
             cache, lit = fields.irradiance or self._kit.no_irradiance, sized.layers.direct
+            what = HitsInLight(hits, sized.layers, fields.sky)
             if self._segments > 1:
-                lit, _ = self.lighting.apart(commands, hits, sized.layers, cache, fields.sky)
+                lit, _ = self.lighting.apart(commands, what, cache)
             else:
-                self.lighting.encode(commands, hits, sized.layers, cache, fields.sky)
+                self.lighting.encode(commands, what, cache)
             # Their radiance goes to the pixel that sent the ray, or on along the next ray.
             self._light.dispatch(
                 commands,

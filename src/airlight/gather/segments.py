@@ -9,7 +9,7 @@ import numpy as np
 from ..fields import Fields
 from ..gpu.commands import Commands
 from ..gpu.memory import Buffer, Texture
-from ..lighting.hits import HitLighting
+from ..lighting.hits import HitLighting, HitsInLight
 from ..lighting.kit import Kit
 from ..lighting.lighting import RadianceLayers
 from ..surface.hits import Hits
@@ -151,23 +151,23 @@ class PathSegments:
         forward = fields.forward
         cache = fields.irradiance or self.kit.no_irradiance
         is_asked, has_sky = told is not Lattices.UNASKED, is_last or not self._cells.is_mild
-        light = self._lighting
+        light, what = self._lighting, HitsInLight(hits, layers, fields.sky)
         if not (is_asked or has_sky or forward):
-            return SegmentLight(light.lights(commands, hits, layers, cache, fields.sky))
+            return SegmentLight(light.lights(commands, what, cache))
         # One field, or lattices' and forward light apart, the second beside the first.
         first = cache if is_asked else forward or self.kit.darkened(cache)
         if has_sky and not (is_asked and forward):
-            light.encode(commands, hits, layers, first, fields.sky)
+            light.encode(commands, what, first)
             lit, found = layers.direct, layers.indirect
         else:
-            lit, found = light.apart(commands, hits, layers, first, fields.sky)
+            lit, found = light.apart(commands, what, first)
             lit = layers.direct if has_sky else lit
         # What lattices know has forward light in it, which is told beside it.
         if not is_asked:
             return SegmentLight(lit, forward=found if forward else None)
         if forward is None:
             return SegmentLight(lit, lattices=found)
-        along = light.also(commands, hits, layers, forward, fields.sky)
+        along = light.also(commands, what, forward)
         return SegmentLight(lit, along, found)
 
     def _pass_air(

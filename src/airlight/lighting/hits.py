@@ -5,7 +5,7 @@ Lights with their shadow maps, emitters, the lattices' irradiance and sky; diffu
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,15 @@ from .kit import Kit
 from .lighting import Lighting, RadianceLayers
 from .shadow_rays import ShadowRays, shadow_key
 from .slots import NO_SUNS, LightingParams, Part, lighting_slots
+
+
+@dataclass(frozen=True)
+class HitsInLight:
+    """Hits, the sky's light that reaches them, and the layers that their radiance is written to."""
+
+    hits: Hits
+    layers: RadianceLayers
+    sky: SkyIrradiance
 
 
 class HitLighting:
@@ -44,62 +53,37 @@ class HitLighting:
         # What is near a pixel is not near a hit.
         self._no_near_field = Texture(kit.gpu, "no near field", (1, 1), "rgba32uint")
 
-    def encode(
-        self,
-        commands: Commands,
-        hits: Hits,
-        layers: RadianceLayers,
-        irradiance: Irradiance,
-        sky: SkyIrradiance,
-    ) -> None:
-        """Write the radiance of `hits` to `layers`; where a ray left, the environment's, a = 0."""
+    def encode(self, commands: Commands, what: HitsInLight, irradiance: Irradiance) -> None:
+        """Write the radiance of `what`; the environment's, a = 0, where a ray left the scene."""
         # Lights and lattices one after the other, where one pass would bind too much.
         if not self._is_whole:
-            self.apart(commands, hits, layers, irradiance, sky)
+            self.apart(commands, what, irradiance)
             return
-        values = self._bound(commands, hits, irradiance, sky)
-        self._draw(commands, "whole", layers.targets, values, irradiance)
+        values = self._bound(commands, what, irradiance)
+        self._draw(commands, "whole", what.layers.targets, values, irradiance)
 
-    def lights(
-        self,
-        commands: Commands,
-        hits: Hits,
-        layers: RadianceLayers,
-        irradiance: Irradiance,
-        sky: SkyIrradiance,
-    ) -> Texture:
-        """The texture with what lights and emitters alone give `hits`."""
-        values = self._bound(commands, hits, irradiance, sky)
-        self._draw(commands, "lights", (layers.lit,), values, irradiance)
-        return layers.lit
+    def lights(self, commands: Commands, what: HitsInLight, irradiance: Irradiance) -> Texture:
+        """The texture with what lights and emitters alone give `what`."""
+        values = self._bound(commands, what, irradiance)
+        self._draw(commands, "lights", (what.layers.lit,), values, irradiance)
+        return what.layers.lit
 
     def apart(
-        self,
-        commands: Commands,
-        hits: Hits,
-        layers: RadianceLayers,
-        irradiance: Irradiance,
-        sky: SkyIrradiance,
+        self, commands: Commands, what: HitsInLight, irradiance: Irradiance
     ) -> tuple[Texture, Texture]:
-        """The textures with what lights and emitters give `hits`, and what `irradiance` does."""
+        """The textures with what lights and emitters give `what`, and what `irradiance` does."""
         # Lights first, then what lattices add to them.
-        values = self._bound(commands, hits, irradiance, sky)
-        self._draw(commands, "lights", (layers.lit,), values, irradiance)
-        self._draw(commands, "rest", layers.targets, values | {"lit": layers.lit}, irradiance)
-        return layers.lit, layers.indirect
+        values = self._bound(commands, what, irradiance)
+        self._draw(commands, "lights", (what.layers.lit,), values, irradiance)
+        values |= {"lit": what.layers.lit}
+        self._draw(commands, "rest", what.layers.targets, values, irradiance)
+        return what.layers.lit, what.layers.indirect
 
-    def also(
-        self,
-        commands: Commands,
-        hits: Hits,
-        layers: RadianceLayers,
-        irradiance: Irradiance,
-        sky: SkyIrradiance,
-    ) -> Texture:
-        """The texture with what another `irradiance` gives `hits` that were lit by `apart`."""
-        values = self._bound(commands, hits, irradiance, sky) | {"lit": layers.lit}
-        self._draw(commands, "rest", (layers.direct, layers.also), values, irradiance)
-        return layers.also
+    def also(self, commands: Commands, what: HitsInLight, irradiance: Irradiance) -> Texture:
+        """The texture with what another `irradiance` gives what `apart` has lit."""
+        values = self._bound(commands, what, irradiance) | {"lit": what.layers.lit}
+        self._draw(commands, "rest", (what.layers.direct, what.layers.also), values, irradiance)
+        return what.layers.also
 
     def _draw(
         self,
@@ -115,10 +99,10 @@ class HitLighting:
         lighting.draw(commands, targets, **drawn)
 
     def _bound(
-        self, commands: Commands, hits: Hits, irradiance: Irradiance, sky: SkyIrradiance
+        self, commands: Commands, what: HitsInLight, irradiance: Irradiance
     ) -> dict[str, Any]:
         """The resources of lighting, by slot name."""
-        kit, lights = self.kit, self.kit.lights
+        kit, lights, hits = self.kit, self.kit.lights, what.hits
         # Emissive surfaces that rays hit count as a sample of their light, not by their material.
         eye = (0.0, 0.0, 0.0)
         emission = hits.emission
@@ -144,7 +128,7 @@ class HitLighting:
             **hits.bound,
             "emission": emission,
             "near_field": self._no_near_field,
-            "sky_cube": sky.cube,
+            "sky_cube": what.sky.cube,
             **kit.blockers.bound,
             "linear_clamp": self._linear,
             **(self.shadows.bound if self.shadows else {}),

@@ -156,14 +156,14 @@ def _camera(session: Session) -> Iterator[Widget]:
 
         return change
 
-    def fly(way: str) -> None:
-        hands.is_flying = way == "fly"
+    def fly(mode: str) -> None:
+        hands.is_flying = mode == "fly"
 
     def reach(value: float) -> None:
         hands.reach_m = value
 
-    way = "fly" if hands.is_flying else "orbit"
-    yield Widget("way", "choice", "drags", way, fly, choices=("orbit", "fly"))
+    mode = "fly" if hands.is_flying else "orbit"
+    yield Widget("drags", "choice", "drags", mode, fly, choices=("orbit", "fly"))
     yield Widget("home", "button", "back to the scene's", None, lambda _: hands.reset())
     yield Widget("fov", "number", "field of view", camera.fov_y_deg, put("fov_y_deg"), 5.0, 120.0)
     wide = put("aperture_m")
