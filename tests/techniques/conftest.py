@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,3 +63,12 @@ def smoke_over_floor() -> Scene:
         camera=Camera((0.0, 2.5, 5.0), (0.0, 0.8, 0.0), fov_y_deg=50.0),
         volumes=(smoke,),
     )
+
+
+def small_smoke(scene: Scene) -> Scene:
+    """`scene` with each volume in .3 m around its middle: less than two cells of the lattice."""
+    made = []
+    for volume in scene.volumes:
+        middle = np.mean(volume.bounds, axis=0)
+        made.append(replace(volume, bounds=(tuple(middle - 0.15), tuple(middle + 0.15))))
+    return replace(scene, volumes=tuple(made))

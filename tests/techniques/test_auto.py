@@ -10,7 +10,7 @@ from airlight.scene import Medium, PointLight
 from airlight.techniques import TECHNIQUES, checked_settings, settings_class
 from airlight.techniques.auto import recipe_for
 
-from .conftest import SIZE, SMALL
+from .conftest import SIZE, SMALL, small_smoke
 
 
 def chosen(scene) -> str:
@@ -65,11 +65,41 @@ def test_few_volumes_that_are_alike_share_a_grid(smoke_over_floor):
         assert of(*[smoke] * 4, other) == chosen_for_five, change
 
 
+def test_volumes_in_fog_are_part_of_its_lattice_where_cells_resolve_them(smoke_over_floor):
+    foggy = dataclasses.replace(smoke_over_floor, medium=Medium(sigma_t=(0.05,) * 3))
+    assert recipe_for(foggy) == "lpv-scatter"
+    assert recipe_for(small_smoke(foggy)) == "lpv-scatter with pop"
+    # Denser than cells can be; of what scatters straight on, less fills a cell.
+    (smoke,) = foggy.volumes
+    dense = dataclasses.replace(smoke, sigma_t=(90.0,) * 3, albedo=(1.0,) * 3)
+    assert recipe_for(dataclasses.replace(foggy, volumes=(dense,))) == "lpv-scatter with pop"
+    forwards = dataclasses.replace(dense, g=(0.9,) * 3)
+    assert recipe_for(dataclasses.replace(foggy, volumes=(forwards,))) == "lpv-scatter"
+
+
+def test_smoke_of_another_solver_keeps_from_fog_what_it_absorbs(foggy_box, smoke_over_floor):
+    # Ash around the lamp, of which fog outside, and what it lights, get the rest.
+    (smoke,) = smoke_over_floor.volumes
+    around = ((-0.13, 0.87, -0.13), (0.13, 1.13, 0.13))
+    ash = dataclasses.replace(smoke, sigma_t=(11.0,) * 3, albedo=(0.0,) * 3, bounds=around)
+    scene = dataclasses.replace(foggy_box, volumes=(ash,))
+    assert recipe_for(scene) == "lpv-scatter with pop"
+    # What scatters nothing has no light of its own: the lattice that holds both is the truth.
+    settings = {**SMALL, "gather": "off"}
+    both, one, clear = (
+        render(of, name, SIZE, settings=settings, samples=1).layers
+        for of, name in ((scene, "auto"), (scene, "lpv-scatter"), (foggy_box, "lpv-scatter"))
+    )
+    for name in ("indirect", "multiple_scatter"):
+        assert one[name].mean() < 0.5 * clear[name].mean()
+        assert both[name].mean() == pytest.approx(one[name].mean(), rel=0.005), name
+
+
 def test_all_three_solvers_in_one_frame(smoke_over_floor):
     fog = Medium(sigma_t=(0.05, 0.05, 0.05))
-    image = render(
-        dataclasses.replace(smoke_over_floor, medium=fog), "auto", SIZE, settings=SMALL, samples=1
-    )
+    scene = dataclasses.replace(small_smoke(smoke_over_floor), medium=fog)
+    assert recipe_for(scene) == "lpv-scatter with pop"
+    image = render(scene, "auto", SIZE, settings=SMALL, samples=1)
     for name in ("direct", "indirect", "single_scatter", "multiple_scatter"):
         assert image.layers[name].mean() > 0.0, name
 

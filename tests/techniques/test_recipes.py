@@ -23,7 +23,7 @@ from airlight.surface.geometry import GpuScene
 from airlight.techniques import RECIPES, TECHNIQUES, auto, recipes
 from airlight.techniques.technique import Technique
 
-from .conftest import SIZE, SMALL
+from .conftest import SIZE, SMALL, small_smoke
 
 FIELDS = {
     "direct": set(),
@@ -43,7 +43,7 @@ def test_a_recipe_yields_its_fields(name: str, foggy_box: Scene, smoke_over_floo
     scene = foggy_box
     if "with pop" in name:
         medium = foggy_box.medium if "scatter" in name else None
-        scene = replace(smoke_over_floor, medium=medium)
+        scene = replace(small_smoke(smoke_over_floor), medium=medium)
     scene = replace(scene, environment=Environment((0.2, 0.3, 0.4)))
     asked = name if name in TECHNIQUES else "auto"
     settings = {**SMALL, "sky_lights": 4, "sky_resolution": 8}

@@ -19,12 +19,19 @@ from airlight.scene import (
     Volume,
 )
 from airlight.scene.shapes import box
+from airlight.techniques import auto
 
 SIZE = (24, 18)
 SETTINGS = {"grid": 8, "resolution": 16, "shadow_resolution": 128, "lamp_resolution": 128}
 BOUNDS = ((-2.0, -2.0, -2.0), (2.0, 2.0, 2.0))
 SUN = DirectionalLight((0.0, -1.0, 0.0), (3.0, 3.0, 3.0))
 CAMERA = Camera((0.0, 0.0, 1.5), (0.0, 0.0, 0.0), fov_y_deg=20.0)
+
+
+@pytest.fixture(autouse=True)
+def _by_ordinates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Volumes that cells resolve would be part of the fog's lattice."""
+    monkeypatch.setattr(auto, "_are_resolved", lambda scene: False)
 
 
 def puff(per_m: float, albedo: float, side: float, turned_deg: float = 0.0) -> Volume:

@@ -17,6 +17,7 @@ from ..gpu.memory import Buffer
 from ..lattice.irradiance import Irradiance
 from ..lighting.kit import Kit
 from ..lighting.view import View
+from ..media.absorbing import absorbing_volumes
 from ..scene.scene import Scene
 from .cascades import Cascade, cascades
 from .emission import Emission
@@ -45,7 +46,8 @@ class ScatterSolver(Solver):
         is_gathered: bool = False,
         beams: ForwardBeams | None = None,
     ) -> None:
-        """`has_volumes`: whether the scene's volumes are part of the lattices' medium.
+        """`has_volumes`: whether the scene's volumes are part of the lattices' medium; else, of
+        what other solvers know, the lattices see what it absorbs.
 
         `has_border_light`: whether finer lattices take in light from beyond their borders.
         `is_gathered`: whether a gather's rays meet its media. `beams`: of all media, where they are
@@ -76,7 +78,7 @@ class ScatterSolver(Solver):
 
     def _seen(self, scene: Scene) -> Scene:
         """The scene as the lattices see it."""
-        return scene if self.has_volumes else dataclasses.replace(scene, volumes=())
+        return scene if self.has_volumes else absorbing_volumes(scene)
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Inject what surfaces reflect and media scatter once, propagate, make textures of it.
@@ -166,7 +168,7 @@ class ScatterSolver(Solver):
             is_reduced_medium=self.media.is_reduced,
         )
         # The same light as media get from surfaces; it changes with whatever lights or blocks.
-        version = (scene.lights, scene.environment, scene.medium, self.kit.meshes.version)
+        version = (scene.lights, scene.environment, self.media.version, self.kit.meshes.version)
         fields = dataclasses.replace(
             fields,
             irradiance=irradiance,

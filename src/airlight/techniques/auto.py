@@ -9,7 +9,9 @@ volumes   `pop`: a solver for the light of each volume, marched as a source. Lig
           colours or phase functions (or eight parts of volumes of many colours), or where a box or
           ball keeps much of a local light from the room: single scattering is exact there. (A thick
           ball in the Cornell box: the relative L2 error of its light is .21, with pop .33. For
-          density grids pop is the better one, .27 against .55.)
+          density grids pop is the better one, .27 against .55.) In fog, whose lattice holds light
+          in air anyhow, they are part of it where its cells resolve them: fog and volumes exchange
+          all their light then, and a frame takes .6 of the time.
 """
 
 from __future__ import annotations
@@ -18,6 +20,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..lattice.placement import STRAIGHT
+from ..lighting.lattice_box import lattice_box
 from ..maths.transforms import F64
 from ..pop.settings import MOST_ALONE
 from ..scene.coefficients import grouped
@@ -28,6 +32,9 @@ from ..scene.volume import Volume
 _MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates stores each
 _MOST_MERGED = 16  # volumes on one grid, beyond which it costs more than the lattice
 _ALIKE = 0.1  # of albedo and g, and of the ratios of extinctions
+_CELLS = 30  # along the longest side of surfaces and media
+_ACROSS = 2.0  # cells: smoke of 1.8 around a point light has .72 of its light in the lattice, .94 beyond 4
+_DEEPEST = 10.0  # reduced optical depth of a cell: 20 is still right, 40 has 1.17 of the light
 # Of the room's cross section, from which on a volume's shade on surfaces counts.
 _SHADED_SHARE = 0.05
 
@@ -39,7 +46,26 @@ def recipe_for(scene: Scene) -> str:
         return "lpv"
     if not scene.volumes or _are_many(scene) or _shades_a_room(scene):
         return "lpv-scatter"
-    return "lpv with pop" if scene.medium is None else "lpv-scatter with pop"
+    if scene.medium is None:
+        return "lpv with pop"
+    return "lpv-scatter" if _are_resolved(scene) else "lpv-scatter with pop"
+
+
+def _are_resolved(scene: Scene) -> bool:
+    """Whether cells of the lattice, as it is by default, say enough of each volume."""
+    low, high = lattice_box(scene, (), in_medium=True, axes=STRAIGHT)
+    cell = float((high - low).max()) / _CELLS
+    return all(_is_resolved(volume, cell) for volume in scene.volumes)
+
+
+def _is_resolved(volume: Volume, cell: float) -> bool:
+    """Whether cells of so many metres are small beside a volume, and not too dense for one."""
+    # What scatters forwards fills a cell less, by similarity theory.
+    kept = (1.0 - w * g for w, g in zip(volume.albedo, volume.g, strict=True))
+    densest = 1.0 if volume.density is None else float(volume.density.max(initial=0.0))
+    depth = max(t * k for t, k in zip(volume.sigma_t, kept, strict=True)) * densest * cell
+    low, high = volume_world_bounds(volume)
+    return depth <= _DEEPEST and float((high - low).min()) >= _ACROSS * cell
 
 
 def _are_many(scene: Scene) -> bool:
