@@ -63,8 +63,8 @@ def airlight() -> None:
     """Light transport in air: a scene file in, a lit image out, with a GPU or without.
 
     A SCENE is a scene file (.toml, .xml), a mesh (.gltf, .glb, .obj, .ply, .stl, .usd), a density
-    grid (.vdb, .nvdb, .npy, .npz, .vol, .vti, .nc, .zarr) or builtin:NAME; `airlight scenes`
-    lists the names.
+    grid (.vdb, .nvdb, .npy, .npz, .vol, .vti, .nc, .zarr), a folder or a pattern of grids
+    ('smoke_*.vdb'), which is a sequence, or builtin:NAME; `airlight scenes` lists the names.
     """
 
 
@@ -95,6 +95,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except click.ClickException as error:
         with contextlib.suppress(OSError):
             error.show()
+        _hint_at_quotes(error)
         return error.exit_code
     # What came from outside is no error of ours.
     except (KeyboardInterrupt, click.Abort):
@@ -110,6 +111,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 2
     except Exception as error:
         return _report(error)
+
+
+def _hint_at_quotes(error: click.ClickException) -> None:
+    """Where a shell has made many files of a pattern, say how to keep it from that."""
+    if error.message.startswith("Got unexpected extra argument"):
+        say("A pattern of files stands in quotes: 'smoke_*.vdb'.")
 
 
 def _report(error: Exception) -> int:

@@ -119,8 +119,9 @@ def convert_scene(source: str, target: Path, model: Mapping[str, Any] | None = N
 def _is_nameable(source: str) -> bool:
     """Whether a scene file can name what `source` holds, or is `source` itself."""
     from ..scene.io import MESH_SUFFIXES, VOLUME_SUFFIXES
+    from ..scene.io.grid_series import is_kind
 
-    return Path(source).suffix.lower() in (".toml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
+    return is_kind(source, (".toml", *MESH_SUFFIXES, *VOLUME_SUFFIXES))
 
 
 def _refuse_loss(scene: Scene, source: str, target: Path) -> None:

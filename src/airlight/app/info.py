@@ -28,14 +28,15 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
     A scene (or builtin:NAME), an image or a density grid.
     """
     from ..scene.io import VOLUME_SUFFIXES
+    from ..scene.io.grid_series import kind_of
     from ..scene.io.images import IMAGE_SUFFIXES
 
     check_model(file, model)
-    ending = Path(file).suffix.lower()
+    ending = kind_of(file)
     # The file's ending says which of three kinds of facts it has.
     if ending in VOLUME_SUFFIXES:
         scene = load_scene(file, model)
-        facts = {**grid_facts(scene), **_named_grids(Path(file))}
+        facts = {**grid_facts(scene), **_file_facts(Path(file), scene)}
         if not as_json:
             show_warnings(scene)
     elif ending in IMAGE_SUFFIXES:
@@ -126,6 +127,15 @@ def grid_facts(scene: Scene) -> dict[str, Any]:
         "animation": _animation_facts(scene),
         "warnings": list(scene.warnings),
     }
+
+
+def _file_facts(path: Path, scene: Scene) -> dict[str, Any]:
+    """How many files a folder or pattern names, which one is shown, and the grids that it has."""
+    from ..scene.io.grid_series import series_of
+
+    files, shown = series_of(path), Path(scene.volumes[0].source)
+    counted = {"files": len(files), "shown": shown.name} if files else {}
+    return {**counted, **_named_grids(shown)}
 
 
 def _named_grids(path: Path) -> dict[str, Any]:

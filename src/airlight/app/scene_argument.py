@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -23,9 +24,13 @@ def load_scene(text: str, model: Mapping[str, Any] | None = None) -> Scene:
 def reads(*texts: str) -> None:
     """Say before a scene is loaded that it will be: no output may take its file's place."""
     from ..scene.io import BUILTIN_PREFIX
+    from ..scene.io.grid_series import is_series, series_of
     from ..scene.io.ledger import note_read
 
-    note_read(*(text for text in texts if not text.startswith(BUILTIN_PREFIX)))
+    for text in (text for text in texts if not text.startswith(BUILTIN_PREFIX)):
+        # Other files of a folder are no inputs.
+        path = Path(text)
+        note_read(*(series_of(path) if is_series(path) else (path,)))
 
 
 def show_warnings(scene: Scene, doubts: Sequence[str] = ()) -> None:

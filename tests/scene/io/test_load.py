@@ -109,12 +109,3 @@ def test_only_mesh_files_and_grids_are_turned_and_scaled(name):
 def test_a_model_of_no_size_is_refused():
     with pytest.raises(SceneError, match="scale"):
         load("a.obj", scale=0.0)
-
-
-def test_many_grids_are_a_sequence_of_a_scene_file(tmp_path):
-    folder = tmp_path / "smoke"
-    folder.mkdir()
-    (folder / "1.npz").touch()
-    for name in (folder, folder / "*.npz"):
-        with pytest.raises(SceneError, match=r"\[\[volume\]\] with sequence"):
-            load(name)

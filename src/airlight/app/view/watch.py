@@ -11,6 +11,7 @@ from typing import Any
 
 from ...errors import SceneError
 from ...scene.io.files import read_text
+from ...scene.io.grid_series import is_series, series_of
 from ...scene.io.ledger import Stamp, stamp_of
 from ...scene.io.toml_animation import volume_files
 
@@ -49,9 +50,12 @@ class Watch:
             return False
         self._looked_s, began = now, time.monotonic()
         # A change counts once it has stood for a while: editors write files in several steps.
-        stamps = self._stamps(set(self._seen) | {self.path})
+        # Of a folder or a pattern files may come and go.
+        is_many = is_series(self.path)
+        own = named_files(self.path) if is_many else {self.path}
+        stamps = self._stamps(set(self._seen) | own)
         self._rest_s = max(INTERVAL_S, _REST * (time.monotonic() - began))
-        if stamps == self._seen or stamps[self.path] is None:
+        if stamps == self._seen or (not is_many and stamps[self.path] is None):
             self._pending = None
             return False
         if self._pending is None or self._pending[0] != stamps:
@@ -68,7 +72,14 @@ class Watch:
 
 
 def named_files(path: Path) -> set[Path]:
-    """The scene file and what its `file` keys name, as far as it can be read."""
+    """The scene file and what its `file` keys name, as far as it can be read.
+
+    Of a folder or a pattern the grids that it names now.
+    """
+    if is_series(path):
+        with suppress(SceneError):
+            return {*series_of(path)}
+        return set()
     files = {path}
     if path.suffix.lower() != ".toml":
         return files

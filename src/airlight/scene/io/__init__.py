@@ -26,8 +26,8 @@ images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes b
                  texture_bake draws one again where gltf_frames brings coordinates together
 volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree, vti
                  and netcdf, netcdf_* (gridded: its axes, cloud_water: its units) -> dense_grid;
-                 coefficient_files, emission_files: the grids beside a density; grid_times: those
-                 of a sequence; volume_scene: one grid as a scene of its own
+                 coefficient_files, emission_files: the grids beside a density; grid_series: those
+                 of a folder; grid_times: those of a sequence; volume_scene: grids as a scene
 model_options    what may be asked for beside each kind of file
 defaults         a camera where there is none: framing, viewpoint, by the scene's outline, or the
                  dense_part of air; where there is no light a studio, in rooms daylight; ground
@@ -47,7 +47,7 @@ from ..camera import Camera
 from ..limits import check_extent
 from ..scene import Scene
 from ..sun_sky import Sky, chosen_sky, with_sky
-from .files import is_folder, naming, regular_file
+from .files import naming, regular_file
 
 BUILTIN_PREFIX = "builtin:"
 GLTF_SUFFIXES = (".glb", ".gltf")
@@ -57,9 +57,6 @@ VOLUME_SUFFIXES = (".npy", ".npz", ".vol", ".nvdb", ".vdb", ".vti", ".nc", ".nc4
 OTHER_SUFFIXES = (".fbx", ".dae", ".blend", ".3ds", ".abc")
 """Of other programs' scenes, which are not read."""
 _BUILTIN = "For a scene that ships with airlight, write builtin:NAME."
-_SEQUENCE = (
-    'Grids that follow each other are a [[volume]] with sequence = "FOLDER" in a scene file.'
-)
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
@@ -76,8 +73,8 @@ def load(
     ground: bool | None = False,
     parameters: Mapping[str, Any] | None = None,
 ) -> Scene:
-    """A scene from the file at `path`, or from `builtin:NAME`.
-
+    """A scene from the file at `path`, or from `builtin:NAME`; a folder or a pattern
+    ("smoke_*.vdb") of density grids is a sequence of them.
     Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
     metres its unit is; of a glTF file `variant` names one of its material variants. `grid` and
     `channels` choose among several grids of a file, as keys of a [[volume]] do. Scene files say
@@ -112,19 +109,21 @@ def load(
         from ..builtin import builtin_scene
 
         scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
-        return _grounded(with_sky(scene, sky) if sky else scene, ".toml", ground)
+        return _grounded(with_sky(scene, sky) if sky else scene, Path("builtin.toml"), ground)
     file = Path(path)
     # Errors from here on name the file.
     with naming(file):
         scene = _loaded(file, model, sky)
         check_extent(scene)
-        return _grounded(scene, file.suffix.lower(), ground)
+        return _grounded(scene, file, ground)
 
 
-def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
+def _grounded(scene: Scene, file: Path, ground: bool | None) -> Scene:
     """The scene on the ground that `load` was asked for, or a warning that it has none."""
+    from .grid_series import kind_of
     from .ground import NONE, with_ground
 
+    suffix = kind_of(file)
     # Only bare models and grids can lack a floor.
     if ground and suffix not in (*MESH_SUFFIXES, *VOLUME_SUFFIXES):
         said = NONE.format(why="scene files say what there is")
@@ -135,10 +134,12 @@ def _grounded(scene: Scene, suffix: str, ground: bool | None) -> Scene:
 
 
 def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
+    from .grid_series import series_of
+
+    # A folder or a pattern of one grid is that grid.
+    series = series_of(file)
+    named, file = file, series[0] if series else file
     suffix = file.suffix.lower()
-    # Shells leave a pattern as it is where no file matches it.
-    if "*" in file.name and not file.exists():
-        raise SceneError("a scene is one file", where=file, remedy=_SEQUENCE)
     # Scene files say everything themselves; a sky that was asked for replaces theirs.
     if suffix == ".toml":
         from .doubts import doubts
@@ -154,9 +155,12 @@ def _loaded(file: Path, model: dict[str, Any], sky: Sky | None) -> Scene:
         return with_sky(scene, sky) if sky else scene
     # Bare grids and meshes get what they lack.
     if suffix in VOLUME_SUFFIXES:
-        from .volume_scene import load_volume_scene
+        from .volume_scene import load_series_scene, load_volume_scene
 
-        scene = load_volume_scene(file, model)
+        is_one = len(series) < 2
+        scene = (
+            load_volume_scene(file, model) if is_one else load_series_scene(series, named, model)
+        )
     else:
         # Keys of placement, as a [[mesh]] would have them.
         scene = load_meshes(file, model.get("variant"))
@@ -210,14 +214,12 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
         from .usd import load_usd
 
         return load_usd
-    # No suffix: a missing file, a folder of grids, or the name of a builtin scene.
+    # No suffix: a missing file, or the name of a builtin scene.
     if not suffix:
         try:
             regular_file(file)
         except SceneError as error:
-            # Many files are a volume's sequence.
-            remedy = _SEQUENCE if is_folder(file) else _BUILTIN
-            raise SceneError(error.problem, where=file, remedy=remedy) from None
+            raise SceneError(error.problem, where=file, remedy=_BUILTIN) from None
     raise SceneError(
         f"a scene file cannot end in '{file.suffix}'",
         where=file,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from ...errors import SceneError
 from . import MESH_SUFFIXES, VOLUME_SUFFIXES
+from .grid_series import kind_of
 
 _BOTH = ("mesh files and density grids", (*MESH_SUFFIXES, *VOLUME_SUFFIXES))
 _GRIDS = ("density grids", VOLUME_SUFFIXES)
@@ -47,7 +47,7 @@ def model_keys(
     # An option left as it is by default says nothing, and is allowed for every file.
     asked = {name: value for name, value in given.items() if value != usual.get(name)}
     # Variants are of mesh files, names of grids; how a file lies and how large it is, of both.
-    is_grid = Path(path).suffix.lower() in VOLUME_SUFFIXES
+    is_grid = kind_of(path) in VOLUME_SUFFIXES
     wrong = [name for name in asked if not _is_of(path, name)]
     if wrong:
         kinds, suffixes = _KINDS[wrong[0]]
@@ -69,4 +69,4 @@ def fitting_options(path: str, options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_of(path: str, name: str) -> bool:
-    return name not in _KINDS or Path(path).suffix.lower() in _KINDS[name][1]
+    return name not in _KINDS or kind_of(path) in _KINDS[name][1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from ..checks import F64
 from ..lights import Light
 from ..scene import Scene
 from .files import check_named, named_file
+from .grid_series import matching
 from .grid_times import Times
 from .toml_keys import ANIMATION, KEYS
 from .toml_schema import Table, check_table
@@ -151,10 +152,7 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
         base, name = (path, "*") if is_folder else (path.parent, path.name)
         if "**" in name:
             raise SceneError(f"{label}: sequence '{pattern}' must name files of one folder")
-        # Brackets are first of all those of names, as 'run[3].nc'; else one character of several.
-        globs = (name.replace("[", "[[]"), name)
-        named = (sorted(base.glob(each)) for each in globs)
-        found = next((f for f in map(_grids, named) if f), [])
+        found = matching(base, name)
     except (OSError, ValueError):  # a name that no file system takes
         found = []
     if not found:
@@ -164,16 +162,7 @@ def volume_files(pattern: str, folder: Path, label: str) -> tuple[Path, ...]:
         )
     for file in found:  # which may be links
         check_named(file, pattern, "", folder)
-    return tuple(sorted((f.resolve() for f in found), key=_by_numbers))
-
-
-def _grids(paths: Iterable[Path]) -> list[Path]:
-    return [path for path in paths if is_grid_file(path) and not path.name.startswith(".")]
-
-
-def _by_numbers(path: Path) -> tuple[Any, ...]:
-    """'smoke.10' comes after 'smoke.9'."""
-    return tuple((int(p), "") if p.isdigit() else (-1, p) for p in re.split(r"(\d+)", path.name))
+    return tuple(file.resolve() for file in found)
 
 
 def file_sequence(

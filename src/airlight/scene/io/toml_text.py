@@ -28,6 +28,7 @@ from . import MESH_SUFFIXES, VOLUME_SUFFIXES
 from .coefficient_files import NAMES as COEFFICIENTS
 from .coefficient_files import OF_DENSITY
 from .files import read_text
+from .grid_series import is_kind, only_file
 from .ground import ground_tables
 from .light_groups import is_group
 from .toml_sky import sky_table
@@ -57,7 +58,7 @@ def scene_text(
     """
     scene = followed(scene)
     raw, notes = _original(source, folder, model or {})
-    name_grids(raw, original, Path(source))
+    name_grids(raw, original, source)
     raw["sky"] = sky_table(scene, original, raw.get("sky", {}))
     if raw["sky"]:
         raw.pop("environment", None)
@@ -90,22 +91,21 @@ def scene_text(
     with_motion(raw, scene, original, notes)
     # Settings by technique; then all tables in the order of the reference page.
     techniques = dict(scene.settings)
-    for name, values in (settings or {}).items():
-        techniques[name] = {**techniques.get(name, {}), **values}
+    chosen = settings or {}
+    techniques |= {name: {**techniques.get(name, {}), **chosen[name]} for name in chosen}
     raw["technique"] = {name: dict(values) for name, values in techniques.items() if values}
     order = ("camera", "mesh", "light", "environment", "sky", "medium", "volume")
     ordered = {name: raw[name] for name in (*order, *raw) if raw.get(name)}
     return "".join(notes) + "\n".join(toml_lines(ordered)).strip() + "\n"
 
 
-_NO_KEYS = ("sun", "ground", "parameters")
-"""What a file is loaded with beside the keys of its table."""
+_NO_KEYS = ("sun", "ground", "parameters")  # what is asked for beside the keys of its table
 
 
 def _original(
     source: str, folder: Path, model: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[str]]:
-    path = Path(source)
+    path = only_file(source)
     if path.suffix.lower() == ".toml":
         raw = tomllib.loads(read_text(path))
         many = (table for name in ("mesh", "volume", "light") for table in raw.get(name, []))
@@ -118,7 +118,7 @@ def _original(
     # Of another file, a table that names it.
     placed = {name: model[name] for name in model if name not in _NO_KEYS}
     for name, suffixes in (("mesh", MESH_SUFFIXES), ("volume", VOLUME_SUFFIXES)):
-        if path.suffix.lower() in suffixes:
+        if is_kind(path, suffixes):
             return {name: [{"file": _relative(path, folder), **placed}]}, []
     return {}, [_NO_MESHES.format(source=source)]
 

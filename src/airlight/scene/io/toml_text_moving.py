@@ -17,6 +17,7 @@ from ..animation.rig import Rig
 from ..animation.tracks import CameraTrack, Curves, EnvironmentTrack, LightTrack, MeshTrack
 from ..scene import Scene
 from . import VOLUME_SUFFIXES
+from .grid_series import is_kind
 from .toml_keys import KEYS
 from .volume_scene import keys_of
 
@@ -53,16 +54,16 @@ def with_motion(raw: dict[str, Any], scene: Scene, original: Scene, notes: list[
     raw["animation"] = _times(scene.animation, raw) if _moves(raw, from_file, kept) else {}
 
 
-def name_grids(raw: Mapping[str, Any], original: Scene, source: Path) -> None:
+def name_grids(raw: Mapping[str, Any], original: Scene, source: str) -> None:
     """The table of a bare grid names what was chosen: its flames, its colours and its times.
 
-    One that shows its file's times one after the other is a sequence.
+    One that shows its file's times, or its files, one after the other is a sequence.
     """
     # Scene files say so themselves.
-    if source.suffix.lower() not in VOLUME_SUFFIXES:
+    if not is_kind(source, VOLUME_SUFFIXES):
         return
     for table, volume in zip(raw.get("volume", ()), original.volumes, strict=False):
-        table |= keys_of(volume, source)
+        table |= keys_of(volume, Path(volume.source))
     for track in original.animation.tracks if original.animation else ():
         if not isinstance(track, VolumeTrack) or not isinstance(track.density, FileSequence):
             continue

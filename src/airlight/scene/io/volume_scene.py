@@ -1,15 +1,18 @@
-"""A density grid on its own as a scene: something to look at before any scene file is written."""
+"""A density grid on its own as a scene, or several that follow each other: something to look at
+before any scene file is written.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..animation import Animation
+from ..animation.animation import DEFAULT_FPS
 from ..animation.density import VolumeTrack
 from ..animation.file_sequence import FileSequence
 from ..checks import F32, F64, Bounds
@@ -19,8 +22,18 @@ from ..volume import IDENTITY, Volume
 from .coefficient_files import colours_of
 from .dense_grid import Optics
 from .emission_files import on_one_grid, told_beside
+from .grid_series import series_name
+from .ledger import note_read
 from .netcdf_times import name_and_number
-from .volumes import NOWHERE, GridValues, VolumeGrid, grid_names, read_values, read_volume
+from .volumes import (
+    NOWHERE,
+    UPRIGHT_SUFFIXES,
+    GridValues,
+    VolumeGrid,
+    grid_names,
+    read_values,
+    read_volume,
+)
 
 DEPTH = 6.0
 """Optical depth through the denser parts, of the coefficient that is chosen for a bare grid."""
@@ -34,7 +47,8 @@ FLAMES = ("temperature", "flame", "flames", "heat", "fire")
 """Names of grids of what glows."""
 _COOLEST_K = 600.0
 FPS = 12.0
-"""Times of a simulation that a bare grid shows in a second."""
+"""Times of a NetCDF or zarr file that a bare grid shows in a second."""
+_LOOKED_AT = 5  # files of a series that are read to choose the one that is shown at rest
 DENSITY = "density"
 """The grid, or the channel, that nobody asked for by name."""
 
@@ -47,11 +61,44 @@ def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scen
     sigma_t is chosen for the grid as it stands then, and a warning says so; what units say is per
     metre whatever the scale. Where the file has flames or temperatures, too, it is a fire.
     """
+    scene, grid = _shown(file, keys or {})
+    series = _Series((file,), file.name, FPS, -(grid.time or 0) / FPS)
+    return _with_times(scene, series, grid, keys or {})
+
+
+def load_series_scene(
+    files: tuple[Path, ...], named: Path, keys: Mapping[str, Any] | None = None
+) -> Scene:
+    """The grids in `files`, which the folder or pattern `named` names, one after the other.
+
+    As `load_volume_scene`; at rest the scene shows the fullest of a few, and what is chosen is
+    chosen for that one. Raises SceneError.
+    """
+    keys = keys or {}
+    note_read(*files)  # those, too, that are read later
+    scene, grid = _shown(_fullest(files, keys), keys)
+    fps = FPS if files[0].suffix.lower() in UPRIGHT_SUFFIXES else DEFAULT_FPS
+    scene = replace(scene, name=series_name(named))
+    return _with_times(scene, _Series(files, str(named), fps), grid, keys)
+
+
+def _fullest(files: tuple[Path, ...], keys: Mapping[str, Any]) -> Path:
+    """Of a few of the files, evenly through them, the one that holds most."""
+    wanted = np.round(np.linspace(0, len(files) - 1, min(_LOOKED_AT, len(files)))).astype(int)
+    held: dict[Path, float] = {}
+    for file in (files[k] for k in wanted):
+        grid = read_volume(file, keys.get("grid", DENSITY), keys.get("channels", DENSITY))
+        size = np.prod(_sides_m(grid.bounds, grid.world_from_volume))
+        held[file] = float(grid.density.mean(dtype=np.float64) * size)
+    return max(held, key=lambda file: held[file])
+
+
+def _shown(file: Path, keys: Mapping[str, Any]) -> tuple[Scene, VolumeGrid]:
+    """One file's grid as a scene that stands still, and that grid."""
     # A scene file's functions, which this module must not need to be loaded.
     from .toml_meshes import world_from_mesh
     from .toml_volumes import upright_from_grid
 
-    keys = keys or {}
     name, channels = keys.get("grid", DENSITY), keys.get("channels", DENSITY)
     upright, said = upright_from_grid(keys, file)
     matrix = world_from_mesh(keys, file.name) @ upright
@@ -60,7 +107,7 @@ def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scen
     volume, chosen = grid_volume(grid, file, matrix, name)
     shown = replace(volume, emission=emission)
     scene = Scene(volumes=(shown,), name=file.stem, warnings=(*said, *told, *chosen))
-    return _with_times(scene, file, grid, name, channels)
+    return scene, grid
 
 
 def keys_of(volume: Volume, file: Path) -> dict[str, Any]:
@@ -77,34 +124,54 @@ def keys_of(volume: Volume, file: Path) -> dict[str, Any]:
     return keys
 
 
-def _with_times(scene: Scene, file: Path, grid: VolumeGrid, name: str, channels: str) -> Scene:
-    """The scene as a sequence of its file's times, if it has several; 0 s is the one it shows."""
+@dataclass(frozen=True)
+class _Series:
+    """Files that follow each other, how a message calls them, their times a second, and when the
+    first is shown, seconds."""
+
+    files: tuple[Path, ...]
+    name: str
+    fps: float
+    start_s: float = 0.0
+
+
+def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[str, Any]) -> Scene:
+    """The scene as a sequence of its files and their times, if those are several.
+
+    `grid`: the one that the scene shows at rest.
+    """
     from .grid_times import frames_of
 
-    # A number behind the name asks for one time, of what lies beside the density, too.
-    if name_and_number(name, [])[1] is not None and name not in grid_names(file):
-        return scene
     (volume,) = scene.volumes
-    keys = keys_of(volume, file)
-    glowing = keys.get("emission_grid", keys.get("temperature_grid"))
-    colours = {"albedo": keys["albedo_grid"]} if "albedo_grid" in keys else {}
-    files, times = frames_of((file,), name, colours, glowing)
+    file = Path(volume.source)
+    name, is_one = keys.get("grid", DENSITY), len(series.files) == 1
+    # A number behind the name asks for one time, of what lies beside the density, too.
+    if is_one and name_and_number(name, [])[1] is not None and name not in grid_names(file):
+        return scene
+    beside = keys_of(volume, file)
+    glowing = beside.get("emission_grid", beside.get("temperature_grid"))
+    colours = {"albedo": beside["albedo_grid"]} if "albedo_grid" in beside else {}
+    files, times = frames_of(series.files, name, colours, glowing)
     if len(files) == 1:
         return scene
+    has_own_box = not any(NOWHERE in text for text in grid.warnings)
     sequence = FileSequence(
         files,
         grid.density.shape,
-        FPS,
-        -(grid.time or 0) / FPS,
+        series.fps,
+        series.start_s,
         grid=name,
-        channels=channels,
+        channels=keys.get("channels", DENSITY),
         emission_grid=glowing,
         colours=tuple(colours.items()),
-        bounds=grid.bounds,
+        bounds=grid.bounds if has_own_box else None,
         turn=grid.world_from_volume,
         times=times,
     )
-    text = f"{file.name}: its times follow each other {FPS:g} a second (airlight sequence, --time)"
+    what = "its times" if is_one else f"{len(files):,} grids"
+    text = f"{series.name}: {what} follow each other {series.fps:g} a second"
+    text += " (airlight sequence, --time)"
+    text += "" if is_one else f"; {file.name} is shown, the fullest of a few"
     moving = Animation((VolumeTrack(0, sequence),))
     return replace(scene, animation=moving, warnings=(*scene.warnings, text))
 
