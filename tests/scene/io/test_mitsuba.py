@@ -752,3 +752,25 @@ def test_a_film_and_a_focus_are_taken_without_a_word(tmp_path: Path) -> None:
     assert found.camera.focus_m is None
     assert found.camera.film_px == found.camera.image_size == (256, 128)
     assert not found.warnings
+
+
+def test_spectra_are_light_in_emitters_and_seen_by_daylight_elsewhere(tmp_path: Path) -> None:
+    """Mitsuba's numbers for both; a constant reflects grey, and as light it is illuminant E."""
+    lamp = "700:18.4, 400:0, 500:8, 600:15.6"
+    made = scene(
+        tmp_path,
+        f"""<shape type="cube"><bsdf type="diffuse">
+          <spectrum name="reflectance" value="400:0.1, 500:.4, 600:.7, 700:.2"/></bsdf></shape>
+        <shape type="cube"><bsdf type="diffuse"><spectrum name="reflectance" value=".5"/></bsdf>
+          <emitter type="area"><spectrum name="radiance" value="{lamp}"/></emitter></shape>
+        <emitter type="point"><spectrum name="intensity" value="2.5"/></emitter>
+        <emitter type="point"><rgb name="intensity" value="2.5"/></emitter>""",
+    )
+    red, grey = (mesh.material for mesh in made.meshes)
+    np.testing.assert_allclose(red.base_color, (0.65549576, 0.54143965, 0.22374783), rtol=3e-3)
+    assert grey.base_color == (0.5, 0.5, 0.5)
+    np.testing.assert_allclose(grey.emission, (20.710836, 10.854634, 2.771152), rtol=3e-3)
+    light, plain = (light.intensity for light in made.lights)
+    np.testing.assert_allclose(light, (3.0119848, 2.3707275, 2.2722902), rtol=3e-3)
+    assert plain == (2.5, 2.5, 2.5)
+    assert made.warnings[0] == "spectra are reduced to red, green and blue"

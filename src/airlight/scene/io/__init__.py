@@ -73,8 +73,8 @@ def load(
     ground: bool | None = False,
     parameters: Mapping[str, Any] | None = None,
 ) -> Scene:
-    """A scene from the file at `path`, or from `builtin:NAME`; a folder or a pattern
-    ("smoke_*.vdb") of density grids is a sequence of them.
+    """A scene from the file at `path`, or from `builtin:NAME`. A folder of grids is a sequence.
+
     Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
     metres its unit is; of a glTF file `variant` names one of its material variants. `grid` and
     `channels` choose among several grids of a file, as keys of a [[volume]] do. Scene files say

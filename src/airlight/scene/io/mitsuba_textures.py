@@ -56,7 +56,9 @@ def color_input(
     if child is None:
         value = node.get(name, default)
         if isinstance(value, Spectrum):
-            source.note("spectra are reduced to red, green and blue")
+            if value.is_reduced:
+                source.note("spectra are reduced to red, green and blue")
+            value = value.emitted if node.tag == "emitter" else value
         return rgb_of(value), None
     # A texture, by its kind; any other plugin cannot be a colour.
     node.read.add(name)

@@ -12,6 +12,9 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.colour import srgb_decode
+from ...maths.observer import FIRST_NM, LAST_NM
+from ...maths.spectra import emitted, reflected
+from ...maths.transforms import triple
 from ..checks import F64, Rgb
 
 VALUE_TAGS = frozenset(
@@ -31,7 +34,13 @@ VALUE_TAGS = frozenset(
 
 
 class Spectrum(tuple[float, float, float]):
-    """A linear Rec.709 triple made of wavelengths, so not quite what was meant."""
+    """A linear Rec.709 triple of what reflects, made of wavelengths; `emitted`, if they are light.
+
+    `is_reduced`: of values that differ by wavelength, so not quite what was meant.
+    """
+
+    emitted: Rgb
+    is_reduced: bool
 
 
 def parse_value(element: Element, where: Path) -> Any:
@@ -100,26 +109,24 @@ def _color(text: str, tag: str, label: str, where: Path) -> Rgb:
 
 
 def _spectrum(element: Element, label: str, where: Path) -> Rgb:
-    """A constant, a triple, or wavelength:value pairs boiled down to three bands."""
+    """A triple, or wavelength:value pairs, or a constant, seen as a colour."""
     text = element.get("value", "")
     if element.get("filename"):
         raise SceneError(f"{label}: spectra in files are not read", where=where)
+    # A constant is grey where it reflects, and where it is light a little red.
     if ":" not in text:
-        return _color(text, "rgb", label, where)
-    # Each band's mean over equal steps: crude beside colour matching, and enough for smooth
-    # spectra.
-    pairs = [part.partition(":") for part in re.split(r"[\s,]+", text.strip()) if part]
-    wavelengths = [_number(low, label, where) for low, _, _ in pairs]
-    values = [_number(high, label, where) for _, _, high in pairs]
+        made = Spectrum(_color(text, "rgb", label, where))
+        made.emitted, made.is_reduced = made, False
+        if len(set(made)) == 1:
+            made.emitted = triple(made[0] * emitted([FIRST_NM, LAST_NM], [1.0, 1.0]))
+        return made
     # Wavelengths need not be in order in the file.
-    order = np.argsort(wavelengths)
-    at = np.linspace(0.0, 1.0, 64)
-    bands = ((600.0, 700.0), (500.0, 600.0), (400.0, 500.0))  # nm; red, green, blue
-    means = [
-        float(np.interp(a + (b - a) * at, np.sort(wavelengths), np.array(values)[order]).mean())
-        for a, b in bands
-    ]
-    return Spectrum(means)
+    pairs = [part.partition(":") for part in re.split(r"[\s,]+", text.strip()) if part]
+    known = sorted((_number(a, label, where), _number(b, label, where)) for a, _, b in pairs)
+    wavelengths, values = zip(*known, strict=True)
+    made = Spectrum(triple(reflected(wavelengths, values)))
+    made.emitted, made.is_reduced = triple(emitted(wavelengths, values)), True
+    return made
 
 
 def _vector(
