@@ -30,7 +30,8 @@ static double dot(const Vec3 &a, const Vec3 &b) { return a[0] * b[0] + a[1] * b[
 
 static std::string bytes_of(const std::string &path) {
     std::ifstream file(path, std::ios::binary);
-    if (!file) throw std::runtime_error(path + ": cannot be read");
+    if (!file)
+        throw std::runtime_error(path + ": cannot be read (export-lattice -o names a folder here)");
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
@@ -216,6 +217,13 @@ static Vec3 irradiance(const std::vector<Lattice> &lattices, const Vec3 &point, 
     return total;
 }
 
+static double number_of(const char *word) {
+    char *end = nullptr;
+    const double found = std::strtod(word, &end);
+    if (end == word || *end) throw std::runtime_error(std::string(word) + ": not a number");
+    return found;
+}
+
 int main(int count, char **words) {
     if (count != 8) {
         std::fprintf(stderr, "usage: read_light FOLDER X Y Z NX NY NZ\n");
@@ -223,7 +231,7 @@ int main(int count, char **words) {
     }
     try {
         std::array<double, 6> at;
-        for (int k = 0; k < 6; ++k) at[k] = std::strtod(words[k + 2], nullptr);
+        for (int k = 0; k < 6; ++k) at[k] = number_of(words[k + 2]);
         const Vec3 found =
             irradiance(read_lattices(words[1]), {at[0], at[1], at[2]}, {at[3], at[4], at[5]});
         std::printf("%.9g %.9g %.9g\n", found[0], found[1], found[2]);

@@ -9,8 +9,9 @@
 // first order; airlight's own lookup (LightField.irradiance) also keeps light from leaking through
 // walls.
 
-import { readFileSync } from "node:fs";
+import { existsSync, readFileSync, realpathSync } from "node:fs";
 import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 
 /** A .npy file of 32-bit floats in C order: { shape, data }. */
 export function readNpy(path) {
@@ -95,8 +96,24 @@ export function irradiance(lattices, point, normal) {
   return total;
 }
 
-const [folder, ...numbers] = process.argv.slice(2);
-if (folder) {
+/** What the command line asks for; throws where that is not a folder, a point and a normal. */
+function asked([folder, ...numbers]) {
   const at = numbers.map(Number);
-  console.log(irradiance(readLattices(folder), at.slice(0, 3), at.slice(3, 6)).join(" "));
+  if (at.length !== 6 || !at.every(Number.isFinite)) {
+    throw new Error("usage: node read_light.mjs FOLDER X Y Z NX NY NZ");
+  }
+  if (!existsSync(join(folder, "header.json"))) {
+    throw new Error(`${folder}: no folder of airlight export-lattice (its -o names a folder, not an .npz)`);
+  }
+  return [readLattices(folder), at.slice(0, 3), at.slice(3, 6)];
+}
+
+// As a program; other modules import the functions above.
+if (process.argv[1] && import.meta.url === pathToFileURL(realpathSync(process.argv[1])).href) {
+  try {
+    console.log(irradiance(...asked(process.argv.slice(2))).join(" "));
+  } catch (error) {
+    console.error(error.message);
+    process.exitCode = 2;
+  }
 }

@@ -129,6 +129,22 @@ def said_by(program: list[str | Path], folder: Path, point, normal) -> list[floa
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("", "usage: "),
+        ("light 1 2 3", "usage: "),
+        ("light.npz 1 2 3 0 1 0", "names a folder"),
+    ],
+)
+def test_examples_say_what_they_are_to_be_asked(programs, language, words, told, tmp_path):
+    done = subprocess.run(
+        [*programs[language], *words.split()], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_examples_look_up_what_numpy_does(programs, language, tmp_path):
     """A lattice that is turned and linear in space, where its own lookup is exact."""
     rng = np.random.default_rng(3)
