@@ -199,10 +199,10 @@ def test_examples_come_near_airlights_own_lookup(gpu, programs, language, tmp_pa
             np.testing.assert_allclose(said, own, rtol=tolerance)
 
 
-@pytest.mark.parametrize("language", LANGUAGES[1:])
+@pytest.mark.parametrize("language", LANGUAGES)
 def test_a_folder_that_holds_no_light_is_refused_in_one_line(programs, language, tmp_path):
     done = subprocess.run(
         [*programs[language], tmp_path, *"000010"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 2
-    assert done.stderr == f"error: {tmp_path}/header.json: cannot be read\n"
+    assert str(tmp_path) in done.stderr and done.stderr.count("\n") == 1
