@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from airlight.errors import SceneError
+from airlight.maths.colour import srgb_decode
 from airlight.scene import AreaLight, DirectionalLight, Mesh, PointLight, Scene, SpotLight
 from airlight.scene.io import load
 from airlight.scene.io.mitsuba import load_mitsuba
@@ -211,7 +212,8 @@ def test_textures(tmp_path: Path) -> None:
     )
     assert material.alpha_cutoff == 0.5
     alpha = material.base_color_texture.pixels[..., 3]
-    assert alpha[0, 1] == 128 and alpha[1, 1] == 0
+    # The mean of its channels, decoded from sRGB: (1 + .2159 + 0) / 3.
+    assert alpha[0, 1] == 103 and alpha[1, 1] == 0
     material, _ = bsdf(
         tmp_path,
         '<bsdf type="diffuse"><texture type="checkerboard" name="reflectance">'
@@ -774,3 +776,78 @@ def test_spectra_are_light_in_emitters_and_seen_by_daylight_elsewhere(tmp_path: 
     np.testing.assert_allclose(light, (3.0119848, 2.3707275, 2.2722902), rtol=3e-3)
     assert plain == (2.5, 2.5, 2.5)
     assert made.warnings[0] == "spectra are reduced to red, green and blue"
+
+
+def test_images_of_numbers_are_decoded_unless_raw_and_their_alpha_says_nothing(
+    tmp_path: Path,
+) -> None:
+    PIL.Image.fromarray(np.array([[[188, 250]]], np.uint8), "LA").save(tmp_path / "t.png")
+    image = '<texture type="bitmap" name="{}"><string name="filename" value="t.png"/>{}</texture>'
+    raw = '<boolean name="raw" value="true"/>'
+    for more, found in (("", 128), (raw, 188)):
+        material, _ = bsdf(
+            tmp_path, f'<bsdf type="principled">{image.format("roughness", more)}</bsdf>'
+        )
+        assert abs(int(material.metallic_roughness_texture.pixels[0, 0, 1]) - found) <= 1
+        masked, _ = bsdf(
+            tmp_path,
+            f'<bsdf type="mask">{image.format("opacity", more)}<bsdf type="diffuse"/></bsdf>',
+        )
+        assert abs(int(masked.base_color_texture.pixels[0, 0, 3]) - found) <= 1
+    normals, _ = bsdf(
+        tmp_path,
+        f'<bsdf type="normalmap">{image.format("normalmap", "")}<bsdf type="diffuse"/></bsdf>',
+    )
+    assert normals.normal_texture.pixels[0, 0, 0] == 188
+
+
+PARTS = (
+    '<bsdf type="diffuse"><rgb name="reflectance" value=".8 .4 .2"/></bsdf>',
+    '<bsdf type="roughconductor"><string name="material" value="none"/>'
+    '<float name="alpha" value=".25"/>'
+    '<rgb name="specular_reflectance" value=".9 .6 .3"/></bsdf>',
+)
+
+
+@pytest.mark.parametrize("weight", [0.0, 0.3, 1.0])
+def test_a_blend_reflects_the_mean_of_its_parts(tmp_path: Path, weight: float) -> None:
+    number = f'<float name="weight" value="{weight}"/>'
+    made, told = bsdf(tmp_path, f'<bsdf type="blendbsdf">{number}{"".join(PARTS)}</bsdf>')
+    one, two = (bsdf(tmp_path, part)[0] for part in PARTS)
+    assert not any("stands for both" in text for text in told)
+
+    def parts(material):
+        base = np.array(material.base_color)
+        return base * (1.0 - material.metallic), base.mean() * material.metallic
+
+    # What is diffuse keeps its colour up to the metal's, what is mirrored its brightness.
+    diffuse, mirrored = parts(made)
+    assert diffuse.mean() == pytest.approx((1 - weight) * parts(one)[0].mean())
+    assert mirrored == pytest.approx(weight * parts(two)[1])
+    base = (1 - weight) * np.array(one.base_color) + weight * np.array(two.base_color)
+    np.testing.assert_allclose(made.base_color, base)
+    assert weight == 0.0 or made.roughness == pytest.approx(two.roughness)
+
+
+def test_an_image_blends_texel_by_texel(tmp_path: Path) -> None:
+    PIL.Image.fromarray(np.array([[0, 255]], np.uint8)).save(tmp_path / "w.png")
+    image = (
+        '<texture type="bitmap" name="weight"><string name="filename" value="w.png"/>'
+        '<string name="wrap_mode" value="clamp"/></texture>'
+    )
+    made, _ = bsdf(tmp_path, f'<bsdf type="blendbsdf">{image}{"".join(PARTS)}</bsdf>')
+    color = made.base_color_texture
+    assert color.wrap == ("clamp", "clamp") and made.base_color == (1.0, 1.0, 1.0)
+    linear = srgb_decode(color.pixels[0, :, :3] / 255.0)
+    np.testing.assert_allclose(linear, [(0.8, 0.4, 0.2), (0.9, 0.6, 0.3)], atol=5e-3)
+    np.testing.assert_array_equal(made.metallic_roughness_texture.pixels[0, :, 2], [0, 255])
+
+
+def test_a_blend_with_glass_is_the_heavier_of_both(tmp_path: Path) -> None:
+    glass = '<bsdf type="thindielectric"/>'
+    made, told = bsdf(
+        tmp_path,
+        f'<bsdf type="blendbsdf"><float name="weight" value=".4"/>{PARTS[0]}{glass}</bsdf>',
+    )
+    assert made.base_color == (0.8, 0.4, 0.2)
+    assert "as one lets light pass" in told[-1]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..checks import Rgb
 from ..material import SIDES, Material, Texture
+from .mitsuba_blend import blended, can_blend
 from .mitsuba_nodes import Node
 from .mitsuba_textures import Source, bitmap, color_input, rgb_of, scalar_input
 from .texture_mix import is_soft, packed_roughness_metallic, raised, with_alpha
@@ -105,7 +106,9 @@ def _normalmap(node: Node, source: Source) -> Material:
     for flag in ("use_shadowing_function", "flip_invalid_normals"):
         node.get(flag)
     child = node.child("normalmap") or node.first("texture")
-    found = bitmap(child, source, is_color=False) if child and child.kind == "bitmap" else None
+    is_bitmap = child is not None and child.kind == "bitmap"
+    # Directions are no brightness: they are never decoded here.
+    found = bitmap(child, source, is_color=False, is_raw=True) if child and is_bitmap else None
     return replace(inner, normal_texture=found[0]) if found else inner
 
 
@@ -117,11 +120,14 @@ def _bumpmap(node: Node, source: Source) -> Material:
 
 def _blend(node: Node, source: Source) -> Material:
     options = node.all("bsdf")
-    weight = scalar_input(node, "weight", 0.5, source)[0]
-    if not options:
+    weight, image = scalar_input(node, "weight", 0.5, source)
+    if len(options) < 2:
         return _nested(node, source)
-    source.note(f"{node}: the BSDF of more weight stands for both")
-    return material(options[1 if weight > 0.5 and len(options) > 1 else 0], source)
+    first, second = (material(option, source) for option in options[:2])
+    if can_blend(first, second):
+        return blended(first, second, min(max(weight, 0.0), 1.0), image)
+    source.note(f"{node}: the BSDF of more weight stands for both, as one lets light pass")
+    return second if weight > 0.5 else first
 
 
 def _principled(node: Node, source: Source) -> Material:

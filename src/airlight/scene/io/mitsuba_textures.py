@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from ...maths.colour import srgb_encode
+from ...maths.colour import srgb_decode, srgb_encode
 from ..checks import F32, Rgb
 from ..material import Texture, Wrap
 from .images import read_radiance, read_texture
@@ -103,14 +103,15 @@ def _texture_input(node: Node, source: Source, is_color: bool) -> tuple[Rgb, Tex
 
 
 def bitmap(
-    node: Node, source: Source, *, is_color: bool, is_cut: bool = False
+    node: Node, source: Source, *, is_color: bool, is_cut: bool = False, is_raw: bool = False
 ) -> tuple[Texture, float] | None:
     """An airlight texture and the factor that its 8 bits are to be multiplied with.
 
-    `is_cut`: only whether a value is above one half counts, so filtering hardly does.
+    `is_cut`: only whether a value is above one half counts, so filtering hardly does. `is_raw`: it
+    is not decoded from sRGB, whatever the file says.
     """
     path = source.file(node)
-    raw = bool(node.get("raw", False))
+    raw = bool(node.get("raw", False)) or is_raw
     # The same file may be a colour here and data there, which decode differently.
     key = (path, raw, is_color)
     if key not in source.textures:
@@ -133,8 +134,15 @@ def bitmap(
 def _read(path: Path, raw: bool, is_color: bool) -> tuple[Texture, float]:
     """8 bits as they are; float pixels scaled to their largest value, then rounded to 8 bits."""
     if path.suffix.lower() not in FLOAT_SUFFIXES:
-        # Mitsuba decodes sRGB unless `raw`; data read without `raw` would be decoded too.
-        return read_texture(path, is_srgb=is_color and not raw), 1.0
+        found = read_texture(path, is_srgb=is_color and not raw)
+        # An alpha channel says nothing to Mitsuba.
+        pixels = found.pixels.copy()
+        pixels[..., 3] = 255
+        # It decodes sRGB unless `raw`, of weights and roughness, too; here data are linear.
+        if not is_color and not raw:
+            linear = np.round(255.0 * np.asarray(srgb_decode(np.arange(256) / 255.0)))
+            pixels[..., :3] = linear.astype(np.uint8)[pixels[..., :3]]
+        return replace(found, pixels=pixels), 1.0
     # Values above 1 need a factor, as 8 bits end at 1.
     values = read_radiance(path)
     top = max(1.0, float(values.max()))

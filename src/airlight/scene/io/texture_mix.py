@@ -27,8 +27,8 @@ def with_alpha(base: Texture | None, mask: Texture) -> Texture:
         white = np.full((*alpha.shape, 4), 255, dtype=np.uint8)
         base = dataclasses.replace(mask, pixels=white, is_srgb=True)
     shape = _larger(base.pixels.shape[:2], alpha.shape[:2])
-    planes = [_resized(base.pixels[..., k], shape) for k in range(3)]
-    pixels = np.stack([*planes, _resized(alpha, shape)], axis=-1)
+    planes = [resized(base.pixels[..., k], shape) for k in range(3)]
+    pixels = np.stack([*planes, resized(alpha, shape)], axis=-1)
     return dataclasses.replace(base, pixels=pixels, source=f"{base.source} + {mask.source}")
 
 
@@ -60,7 +60,7 @@ def packed_roughness_metallic(
     pixels = np.full((*shape, 4), 255, dtype=np.uint8)
     for channel, image in ((1, roughness), (2, metallic)):
         if image is not None:
-            pixels[..., channel] = _resized(image.pixels[..., 0], shape)
+            pixels[..., channel] = resized(image.pixels[..., 0], shape)
     return dataclasses.replace(given, pixels=pixels)
 
 
@@ -71,7 +71,7 @@ def raised(images: Sequence[Texture], power: float) -> Texture:
         shape = _larger(shape, image.pixels.shape[:2])
     product = np.ones((*shape, 1))
     for image in images:
-        product = product * _resized(image.pixels[..., 0], shape)[..., None] / 255.0
+        product = product * resized(image.pixels[..., 0], shape)[..., None] / 255.0
     grey = np.round(255.0 * product**power).astype(np.uint8)
     pixels = np.concatenate([grey, grey, grey, np.full_like(grey, 255)], axis=-1)
     return dataclasses.replace(images[0], pixels=pixels)
@@ -81,7 +81,8 @@ def _larger(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, int]:
     return max(a[0], b[0]), max(a[1], b[1])
 
 
-def _resized(plane: Plane, shape: tuple[int, ...]) -> Plane:
+def resized(plane: Plane, shape: tuple[int, ...]) -> Plane:
+    """The plane (H, W) at another size, bilinear."""
     if plane.shape == shape:
         return plane
     image = PIL.Image.fromarray(np.ascontiguousarray(plane))
