@@ -12,21 +12,12 @@ import numpy as np
 from ..checks import Rgb
 from ..material import SIDES, Material, Texture
 from .mitsuba_blend import blended, can_blend
+from .mitsuba_metals import metal, mirrored
 from .mitsuba_nodes import Node
+from .mitsuba_plastic import coated, mean_alpha
 from .mitsuba_textures import Source, bitmap, color_input, rgb_of, scalar_input
 from .texture_mix import is_soft, packed_roughness_metallic, raised, with_alpha
 
-# Reflectance at normal incidence, linear Rec.709, of metals that Mitsuba knows by name;
-# from their indices of refraction (refractiveindex.info), as tabled by Lagarde2011 (but for W).
-METALS: dict[str, Rgb] = {
-    "Ag": (0.972, 0.960, 0.915),
-    "Al": (0.913, 0.921, 0.925),
-    "Au": (1.000, 0.766, 0.336),
-    "Cu": (0.955, 0.637, 0.538),
-    "Cr": (0.550, 0.556, 0.554),
-    "W": (0.504, 0.498, 0.478),
-    "none": (1.0, 1.0, 1.0),
-}
 INDICES = {"air": 1.000277, "vacuum": 1.0, "water": 1.333, "bk7": 1.5046, "acrylic glass": 1.49}
 DEFAULT_INDEX = 1.5046
 DIELECTRIC_REFLECTANCE = 0.04
@@ -159,16 +150,13 @@ def _conductor(node: Node, source: Source) -> Material:
     tint, texture = color_input(node, "specular_reflectance", 1.0, source)
     # What the metal mirrors straight on, by Fresnel's formula or by its name.
     if "eta" in node.values or "k" in node.values:
-        etas, ks = rgb_of(node.get("eta", 0.0)), rgb_of(node.get("k", 1.0))
-        base = [
-            ((n - 1.0) ** 2 + k * k) / ((n + 1.0) ** 2 + k * k)
-            for n, k in zip(etas, ks, strict=True)
-        ]
+        base = mirrored(rgb_of(node.get("eta", 0.0)), rgb_of(node.get("k", 1.0)))
     else:
         name = str(node.get("material", "Cu"))
-        if name not in METALS:
+        known = metal(name)
+        if known is None:
             source.note(f"{node}: the metal '{name}' is not known, a light grey one stands in")
-        base = list(METALS.get(name, (0.8, 0.8, 0.8)))
+        base = known or (0.8, 0.8, 0.8)
     r, g, b = (x * t for x, t in zip(base, tint, strict=True))
     return Material(
         base_color=_at_most_one((r, g, b)),
@@ -180,18 +168,27 @@ def _conductor(node: Node, source: Source) -> Material:
 
 
 def _plastic(node: Node, source: Source) -> Material:
-    source.note(f"{node.kind}: read as Lambert plus GGX, without scattering inside its coat")
+    source.note(f"{node.kind}: read as Lambert plus GGX")
     color, texture = color_input(node, "diffuse_reflectance", 0.5, source)
-    # Scattering inside the coat is left out, so its flag says nothing here.
-    node.get("nonlinear")
+    index = _index(node, "int_ior", 1.49) / _index(node, "ext_ior", INDICES["air"])
+    # What passes the coat, as rough as it is on the average.
+    rough = _roughness(node, source)
+    if node.kind != "pplastic":
+        color, texture = coated(
+            color,
+            texture,
+            index=index,
+            alpha=mean_alpha(rough),
+            distribution=str(node.get("distribution", "beckmann")),
+            is_nonlinear=bool(node.get("nonlinear", False)),
+        )
     # At normal incidence a dielectric reflects ((n - 1) / (n + 1))^2, all of specular that our
     # material knows.
-    index = _index(node, "int_ior", 1.49) / _index(node, "ext_ior", INDICES["air"])
     tint = sum(color_input(node, "specular_reflectance", 1.0, source)[0]) / 3.0
     return Material(
         base_color=_at_most_one(color),
         base_color_texture=texture,
-        **_roughness(node, source),
+        **rough,
         specular=min(1.0, tint * _specular(index, node, source)),
         **SIDES["front"],
     )
@@ -216,6 +213,15 @@ def _glass(node: Node, source: Source) -> Material:
         specular=_limited(mirrored / DIELECTRIC_REFLECTANCE, node, source),
         transmission=1.0,
     )
+
+
+def _polarizer(node: Node, source: Source) -> Material:
+    """As unpolarised light meets it: half of what it lets through passes, the rest is absorbed."""
+    source.note(f"{node}: light has no polarisation here, and half of it passes")
+    node.get("theta")
+    share = 0.5 * sum(color_input(node, "transmittance", 1.0, source)[0]) / 3.0
+    black = replace(GREY, base_color=(0.0, 0.0, 0.0), **SIDES["both"])
+    return replace(black, alpha=min(max(1.0 - share, 0.0), 1.0), is_blended=True)
 
 
 def _null(node: Node, source: Source) -> Material:
@@ -289,5 +295,7 @@ _READERS: dict[str, Callable[[Node, Source], Material]] = {
     "dielectric": _glass,
     "roughdielectric": _glass,
     "thindielectric": _glass,
+    "polarizer": _polarizer,
+    "circular": _polarizer,
     "null": _null,
 }
