@@ -910,3 +910,22 @@ def test_a_nonlinear_plastic_darkens_texel_by_texel(tmp_path: Path) -> None:
     linear = srgb_decode(made.base_color_texture.pixels[0, 0, :3] / 255.0)
     as_number = plastic(tmp_path, "plastic", "1 .5 0", '<boolean name="nonlinear" value="true"/>')
     np.testing.assert_allclose(linear, as_number, atol=6e-3)  # 8 bits, and an index of 1.49
+
+
+def test_a_thin_principled_sheet_passes_light_and_an_image_of_it_counts_by_its_mean(
+    tmp_path: Path,
+) -> None:
+    checker = (
+        '<texture name="spec_trans" type="checkerboard"><float name="color0" value=".2"/>'
+        '<float name="color1" value=".8"/></texture>'
+    )
+    made, told = bsdf(
+        tmp_path,
+        f'<bsdf type="principledthin"><rgb name="base_color" value=".8 .4 .2"/>{checker}'
+        '<float name="diff_trans" value=".5"/></bsdf>',
+    )
+    assert made.transmission == pytest.approx(0.5, abs=2e-3)
+    np.testing.assert_allclose(made.base_color, (0.6, 0.3, 0.15))
+    assert (made.two_sided, made.has_black_back) == (True, False)
+    assert any("'spec_trans' the mean is taken" in text for text in told)
+    assert any("to its other side is left out" in text for text in told)

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
-import numpy as np
-
-from ..checks import Rgb
-from ..material import SIDES, Material, Texture
+from ..material import SIDES, Material
 from .mitsuba_blend import blended, can_blend
+from .mitsuba_lobes import (
+    DEFAULT_INDEX,
+    DIELECTRIC_REFLECTANCE,
+    INDICES,
+    at_most_one,
+    index_of,
+    limited,
+    roughness_of,
+    specular_of,
+)
 from .mitsuba_metals import metal, mirrored
 from .mitsuba_nodes import Node
 from .mitsuba_plastic import coated, mean_alpha
-from .mitsuba_textures import Source, bitmap, color_input, rgb_of, scalar_input
-from .texture_mix import is_soft, packed_roughness_metallic, raised, with_alpha
-
-INDICES = {"air": 1.000277, "vacuum": 1.0, "water": 1.333, "bk7": 1.5046, "acrylic glass": 1.49}
-DEFAULT_INDEX = 1.5046
-DIELECTRIC_REFLECTANCE = 0.04
+from .mitsuba_textures import Source, bitmap, color_input, mean_input, rgb_of, scalar_input
+from .texture_mix import is_soft, packed_roughness_metallic, with_alpha
 
 GREY = Material(name="grey", base_color=(0.5, 0.5, 0.5), specular=0.0, **SIDES["front"])
 
@@ -52,7 +53,7 @@ def _nested(node: Node, source: Source) -> Material:
 
 def _diffuse(node: Node, source: Source) -> Material:
     color, texture = color_input(node, "reflectance", 0.5, source)
-    return replace(GREY, base_color=_at_most_one(color), base_color_texture=texture)
+    return replace(GREY, base_color=at_most_one(color), base_color_texture=texture)
 
 
 def _twosided(node: Node, source: Source) -> Material:
@@ -126,16 +127,16 @@ def _principled(node: Node, source: Source) -> Material:
     # Each parameter is a number or a texture.
     color, texture = color_input(node, "base_color", 0.5, source)
     roughness, rough_texture = scalar_input(node, "roughness", 0.5, source)
-    passed = min(max(float(node.get("spec_trans", 0.0)), 0.0), 1.0)
+    passed = min(max(mean_input(node, "spec_trans", 0.0, source), 0.0), 1.0)
     metallic, metal_texture = scalar_input(node, "metallic", 0.0, source)
     # Specular from an index of refraction, or as its own parameter.
     if "eta" in node.values:
-        specular = _specular(float(node.get("eta")), node, source)
+        specular = specular_of(float(node.get("eta")), node, source)
     else:
         # Mitsuba's F0 is 0.08 times its specular, ours 0.04 times.
-        specular = _limited(2.0 * float(node.get("specular", 0.5)), node, source)
+        specular = limited(2.0 * float(node.get("specular", 0.5)), node, source)
     return Material(
-        base_color=_at_most_one(color),
+        base_color=at_most_one(color),
         base_color_texture=texture,
         roughness=min(roughness, 1.0),
         metallic=min(metallic, 1.0),
@@ -144,6 +145,17 @@ def _principled(node: Node, source: Source) -> Material:
         transmission=passed,
         **SIDES["both" if passed > 0.0 else "front"],
     )
+
+
+def _principled_thin(node: Node, source: Source) -> Material:
+    """A sheet: what it scatters to its other side is left out of what it reflects."""
+    made = _principled(node, source)
+    through = min(max(mean_input(node, "diff_trans", 0.0, source) / 2.0, 0.0), 1.0)
+    if through > 0.0:
+        source.note(f"{node}: light that it scatters to its other side is left out")
+    r, g, b = ((1.0 - through) * c for c in made.base_color)
+    # Base colours tint what passes, too, where light passes straight on.
+    return replace(made, base_color=(r, g, b), **SIDES["both"])
 
 
 def _conductor(node: Node, source: Source) -> Material:
@@ -159,9 +171,9 @@ def _conductor(node: Node, source: Source) -> Material:
         base = known or (0.8, 0.8, 0.8)
     r, g, b = (x * t for x, t in zip(base, tint, strict=True))
     return Material(
-        base_color=_at_most_one((r, g, b)),
+        base_color=at_most_one((r, g, b)),
         base_color_texture=texture,
-        **_roughness(node, source),
+        **roughness_of(node, source),
         metallic=1.0,
         **SIDES["front"],
     )
@@ -170,9 +182,9 @@ def _conductor(node: Node, source: Source) -> Material:
 def _plastic(node: Node, source: Source) -> Material:
     source.note(f"{node.kind}: read as Lambert plus GGX")
     color, texture = color_input(node, "diffuse_reflectance", 0.5, source)
-    index = _index(node, "int_ior", 1.49) / _index(node, "ext_ior", INDICES["air"])
+    index = index_of(node, "int_ior", 1.49) / index_of(node, "ext_ior", INDICES["air"])
     # What passes the coat, as rough as it is on the average.
-    rough = _roughness(node, source)
+    rough = roughness_of(node, source)
     if node.kind != "pplastic":
         color, texture = coated(
             color,
@@ -186,10 +198,10 @@ def _plastic(node: Node, source: Source) -> Material:
     # material knows.
     tint = sum(color_input(node, "specular_reflectance", 1.0, source)[0]) / 3.0
     return Material(
-        base_color=_at_most_one(color),
+        base_color=at_most_one(color),
         base_color_texture=texture,
         **rough,
-        specular=min(1.0, tint * _specular(index, node, source)),
+        specular=min(1.0, tint * specular_of(index, node, source)),
         **SIDES["front"],
     )
 
@@ -200,17 +212,17 @@ def _glass(node: Node, source: Source) -> Material:
     if not is_thin:
         source.note(f"{node}: its glass does not bend light, one sees straight through it")
     # Fresnel's reflectance at normal incidence, over the one that a specular of 1 stands for.
-    index = _index(node, "int_ior", DEFAULT_INDEX) / _index(node, "ext_ior", INDICES["air"])
+    index = index_of(node, "int_ior", DEFAULT_INDEX) / index_of(node, "ext_ior", INDICES["air"])
     mirrored = ((index - 1.0) / (index + 1.0)) ** 2
     if is_thin:  # what goes to and fro between its two sides included
         mirrored = 2.0 * mirrored / (1.0 + mirrored)
     # Light that passes is tinted by the base colour.
     tint, texture = color_input(node, "specular_transmittance", 1.0, source)
     return Material(
-        base_color=_at_most_one(tint),
+        base_color=at_most_one(tint),
         base_color_texture=texture,
-        **_roughness(node, source),
-        specular=_limited(mirrored / DIELECTRIC_REFLECTANCE, node, source),
+        **roughness_of(node, source),
+        specular=limited(mirrored / DIELECTRIC_REFLECTANCE, node, source),
         transmission=1.0,
     )
 
@@ -228,57 +240,6 @@ def _null(node: Node, source: Source) -> Material:
     raise NoSurface
 
 
-def _roughness(node: Node, source: Source) -> dict[str, Any]:
-    """The fields of a Material: the square root of Mitsuba's alpha; 0 for the smooth kinds."""
-    if not node.kind.startswith("rough") and node.kind != "pplastic":
-        return {"roughness": 0.0}
-    if node.get("distribution", "beckmann") != "ggx":
-        source.note(f"{node}: its Beckmann lobe is read as GGX of the same alpha")
-    # The geometric mean of both widths keeps the area of the lobe.
-    widths = [name for name in ("alpha_u", "alpha_v") if name in node.values or node.child(name)]
-    given = [scalar_input(node, name, 0.1, source) for name in widths or ("alpha",)]
-    if len(given) == 1 and widths:  # the other one is Mitsuba's default
-        given.append((0.1, None))
-    if len(given) == 2 and not _is_one(given[0], given[1]):
-        source.note(f"{node}: its anisotropic roughness is read as its geometric mean")
-    # Mitsuba's alpha is the square of our roughness.
-    power = 0.5 / len(given)
-    textures = [texture for _, texture in given if texture is not None]
-    factor = math.prod(max(value, 0.0) for value, _ in given) ** power
-    packed = packed_roughness_metallic(raised(textures, power), None) if textures else None
-    return {"roughness": min(1.0, factor), "metallic_roughness_texture": packed}
-
-
-def _is_one(a: tuple[float, Texture | None], b: tuple[float, Texture | None]) -> bool:
-    """Whether two widths are the same number, or the same image."""
-    if (a[1] is None) != (b[1] is None) or a[0] != b[0]:
-        return False
-    return a[1] is None or b[1] is None or np.array_equal(a[1].pixels, b[1].pixels)
-
-
-def _index(node: Node, name: str, default: float) -> float:
-    value = node.get(name, default)
-    return float(INDICES.get(value, DEFAULT_INDEX)) if isinstance(value, str) else float(value)
-
-
-def _specular(index: float, node: Node, source: Source) -> float:
-    """Ours, from a relative index of refraction."""
-    f0 = ((index - 1.0) / (index + 1.0)) ** 2
-    return _limited(f0 / DIELECTRIC_REFLECTANCE, node, source)
-
-
-def _limited(specular: float, node: Node, source: Source) -> float:
-    # Up to 5 % the cut hardly shows; only more gets a note.
-    if specular > 1.25:
-        source.note(f"{node}: it reflects more than 4% head on, which is cut to 4%")
-    return min(1.0, max(0.0, specular))
-
-
-def _at_most_one(color: Rgb) -> Rgb:
-    r, g, b = (min(1.0, max(0.0, c)) for c in color)
-    return (r, g, b)
-
-
 _READERS: dict[str, Callable[[Node, Source], Material]] = {
     "diffuse": _diffuse,
     "twosided": _twosided,
@@ -287,6 +248,7 @@ _READERS: dict[str, Callable[[Node, Source], Material]] = {
     "bumpmap": _bumpmap,
     "blendbsdf": _blend,
     "principled": _principled,
+    "principledthin": _principled_thin,
     "conductor": _conductor,
     "roughconductor": _conductor,
     "plastic": _plastic,

@@ -85,6 +85,15 @@ def scalar_input(
     return (r if r == g == b else (r + g + b) / 3.0), texture
 
 
+def mean_input(node: Node, name: str, default: float, source: Source) -> float:
+    """A parameter that is one number here: of an image the mean, which a note tells."""
+    factor, texture = scalar_input(node, name, default, source)
+    if texture is None:
+        return factor
+    source.note(f"{node}: of its image '{name}' the mean is taken")
+    return factor * float(texture.pixels[..., 0].mean()) / 255.0
+
+
 def _texture_input(node: Node, source: Source, is_color: bool) -> tuple[Rgb, Texture | None]:
     # A bitmap that cannot be read leaves a mid grey where it is data.
     if node.kind == "bitmap":
