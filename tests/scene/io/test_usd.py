@@ -712,3 +712,74 @@ def test_a_path_with_backslashes_is_followed(tmp_path):
     ).replace('def Shader "s"', shader + 'def Shader "s"')
     made = scene(tmp_path, QUAD % "rel material:binding = </World/red>" + text)
     assert made.warnings == () and made.meshes[0].material.base_color_texture is not None
+
+
+ARM = """
+    def SkelRoot "arm"
+    {
+        def Skeleton "bones" (prepend apiSchemas = ["SkelBindingAPI"])
+        {
+            uniform token[] joints = ["A", "A/B"]
+            uniform matrix4d[] bindTransforms = [%(one)s, %(up)s]
+            uniform matrix4d[] restTransforms = [%(one)s, %(up)s]
+            rel skel:animationSource = </World/arm/bend>
+        }
+        def SkelAnimation "bend"
+        {
+            uniform token[] joints = ["A", "A/B"]
+            quatf[] rotations%(rotations)s
+            half3[] scales = [(1, 1, 1), (1, 1, 1)]
+            float3[] translations = [(0, 0, 0), (0, 2, 0)]
+        }
+        def Mesh "body" (prepend apiSchemas = ["SkelBindingAPI"])
+        {
+            int[] faceVertexCounts = [4, 4]
+            int[] faceVertexIndices = [0, 1, 2, 3, 3, 2, 4, 5]
+            point3f[] points = [(-1,0,0), (1,0,0), (1,2,0), (-1,2,0), (1,4,0), (-1,4,0)]
+            int[] primvars:skel:jointIndices = [0, 0, 0, 0, 1, 1] (
+                elementSize = 1
+                interpolation = "vertex"
+            )
+            float[] primvars:skel:jointWeights = [1, 1, 1, 1, 1, 1] (
+                elementSize = 1
+                interpolation = "vertex"
+            )
+            rel skel:skeleton = </World/arm/bones>
+            uniform token subdivisionScheme = "none"
+        }
+    }
+"""
+ONE = {
+    "one": "((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,0,0,1))",
+    "up": "((1,0,0,0), (0,1,0,0), (0,0,1,0), (0,2,0,1))",
+}
+BENT = "[(1, 0, 0, 0), (0.70710678, 0, 0, 0.70710678)]"
+STRAIGHT = "[(1, 0, 0, 0), (1, 0, 0, 0)]"
+
+
+@pytest.mark.parametrize(
+    ("head", "rotations", "moves"),
+    [
+        ("metersPerUnit = 1", f" = {BENT}", False),
+        ("metersPerUnit = 1", f".timeSamples = {{3: {BENT}, 9: {STRAIGHT}}}", True),
+        (
+            "metersPerUnit = 1\nstartTimeCode = 5\nendTimeCode = 9",
+            f".timeSamples = {{3: {STRAIGHT}, 5: {BENT}, 9: {STRAIGHT}}}",
+            True,
+        ),
+    ],
+)
+def test_a_skeleton_bends_its_mesh_into_the_first_pose(tmp_path, head, rotations, moves):
+    """The second joint, 2 m up, is turned by a quarter: what was above it is beside it."""
+    made = scene(tmp_path, ARM % {**ONE, "rotations": rotations}, head)
+    (mesh,) = made.meshes
+    low, high = mesh.world_bounds
+    np.testing.assert_allclose((low, high), [(-2, 0, 0), (1, 3, 0)], atol=1e-3)  # halves turn it
+    assert not any("stands at rest" in text for text in made.warnings)
+    assert any("what moves stands as at" in text for text in made.warnings) == moves
+
+
+def test_a_skinned_mesh_that_cannot_be_posed_is_told_to_stand_at_rest(tmp_path):
+    text = ARM % {**ONE, "rotations": f" = {BENT}"}
+    made = scene(tmp_path, text.replace("</World/arm/bones>", "</World/arm/nowhere>"), "")
+    assert any("'/World/arm/body': its skeleton is left out" in t for t in made.warnings)

@@ -15,8 +15,8 @@ gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt:
                  impossible; gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
-usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _material, _lights, _volume, _motion;
-                 usd_losses says what is not read
+usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _skel, _material, _lights, _volume;
+                 _motion; usd_losses says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
                  _serialized), _materials (_lobes, _metals, _plastic, _blend), _textures,
                  _emitters, _lights, _camera; _media: where (_bodies) and what of (_coefficients)

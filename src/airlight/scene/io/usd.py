@@ -1,9 +1,10 @@
 """USD scenes (.usd, .usda, .usdc, .usdz) by the extra `usd` (usd-core, OpenUSD's own library).
 
 Read: meshes and the schema's simple shapes, GeomSubsets, instances, point instancers, variants as
-selected, UsdPreviewSurface with images, UsdLux lights and domes, cameras, OpenVDB volumes, the up
-axis and metersPerUnit. Places of prims move; what else moves stands as it does at the first time;
-`usd_losses` says what is asked for and not read.
+selected, skeletons and blend shapes in their first pose, UsdPreviewSurface with images, UsdLux
+lights and domes, cameras, OpenVDB volumes, the up axis and metersPerUnit. Places of prims move;
+what else moves stands as it does at the first time; `usd_losses` says what is asked for and not
+read.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from .usd_losses import UsdLosses
 from .usd_material import UsdMaterials
 from .usd_mesh import is_shape, prim_geometries
 from .usd_motion import STILL, Place, UsdMotion
+from .usd_skel import is_posed, pose
 from .usd_stage import opened_stage, refused_by_usd, resolved_asset, told_by_usd
 from .usd_volume import UsdVolumes
 
@@ -61,6 +63,7 @@ class _Reader:
         self._time = Usd.TimeCode.EarliestTime()
         if stage.HasAuthoredTimeCodeRange():
             self._time = Usd.TimeCode(stage.GetStartTimeCode())
+        pose(stage, self._time)
         self._losses = UsdLosses(self._time)
         # From the stage's unit and upwards axis to metres and +Y.
         self._metres = float(UsdGeom.LinearUnits.centimeters)
@@ -200,7 +203,7 @@ class _Reader:
 
     def _note(self, prim: Any) -> None:
         """What of a mesh is shown otherwise than it asks for."""
-        if prim.HasRelationship("skel:skeleton"):
+        if prim.HasRelationship("skel:skeleton") and not is_posed(prim):
             self.warnings.append(f"'{prim.GetPath()}': its skeleton is left out: it stands at rest")
 
     def _instances(self, prim: Any, root: F64) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 _LOST = {
     **dict.fromkeys(("cornerIndices", "creaseIndices"), "edges of subdivided meshes are smooth"),
     "subdivisionScheme": "the cage of a subdivided mesh is shown, with smooth normals",
-    **dict.fromkeys(("primvars:displayOpacity", "skel:blendShapeTargets"), "left out"),
+    "primvars:displayOpacity": "left out",
     **dict.fromkeys(("inputs:diffuse", "inputs:specular"), "lights light all of a surface"),
     **dict.fromkeys(("light:filters", "portals", "treatAsLine"), "left out"),
     "inputs:texture:file": "the light has one colour",

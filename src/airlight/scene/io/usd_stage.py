@@ -82,8 +82,10 @@ def opened_stage(path: Path) -> Any:
                         raise SceneError(f"has over {_MOST_LAYERS:,} layers")
                     seen.add(layer.identifier)
                     todo.append(layer)
-        # The layers are within bounds: now the stage may compose them.
-        stage = Usd.Stage.Open(first, None, _resolver_context(path), Usd.Stage.LoadAll)
+        # The layers are within bounds: now the stage may compose them, with one over them that no
+        # file has, for what is worked out from them.
+        own = Sdf.Layer.CreateAnonymous()
+        stage = Usd.Stage.Open(first, own, _resolver_context(path), Usd.Stage.LoadAll)
     except Tf.ErrorException as error:
         raise SceneError(f"is no readable USD ({_said(error)})") from None
     # Composition may bring in others still.
