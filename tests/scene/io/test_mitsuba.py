@@ -929,3 +929,44 @@ def test_a_thin_principled_sheet_passes_light_and_an_image_of_it_counts_by_its_m
     assert (made.two_sided, made.has_black_back) == (True, False)
     assert any("'spec_trans' the mean is taken" in text for text in told)
     assert any("to its other side is left out" in text for text in told)
+
+
+def written_attributes(path: Path) -> None:
+    """Two triangles of four vertices, whose corners and faces have colours."""
+    head = ["ply", "format binary_little_endian 1.0", "element vertex 4"]
+    head += [f"property float {name}" for name in ("x", "y", "z", "color_0", "color_1", "color_2")]
+    head += ["element face 2", "property list uchar int vertex_indices"]
+    head += [f"property float color_{k}" for k in range(3)] + ["end_header", ""]
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    rows = [struct.pack("<6f", *at, 0.1 * k, 0.5, 0.25) for k, at in enumerate(corners)]
+    rows += [struct.pack("<B3i3f", 3, 0, 1, 2, 1, 0, 0), struct.pack("<B3i3f", 3, 0, 2, 3, 0, 1, 0)]
+    path.write_bytes("\n".join(head).encode() + b"".join(rows))
+
+
+@pytest.mark.parametrize("attribute", ["vertex_color", "face_color", "face_weight", ""])
+def test_colours_that_a_mesh_names_are_those_of_its_corners_or_faces(
+    tmp_path: Path, attribute: str
+) -> None:
+    written_attributes(tmp_path / "m.ply")
+    texture = (
+        f'<texture type="mesh_attribute" name="reflectance"><string name="name" '
+        f'value="{attribute}"/></texture>'
+    )
+    made = scene(
+        tmp_path,
+        '<shape type="ply"><string name="filename" value="m.ply"/><bsdf type="twosided">'
+        f'<bsdf type="diffuse">{texture if attribute else ""}</bsdf></bsdf></shape>',
+    )
+    (mesh,) = made.meshes
+    colors, faces = mesh.geometry.colors, mesh.geometry.indices
+    if attribute == "vertex_color":
+        np.testing.assert_allclose(colors[:, :3], [(0.1 * k, 0.5, 0.25) for k in range(4)])
+    elif attribute == "face_color":
+        np.testing.assert_allclose(colors[faces[0], :3], [(1, 0, 0)] * 3)
+        np.testing.assert_allclose(colors[faces[1], :3], [(0, 1, 0)] * 3)
+    else:
+        assert colors is None
+    if attribute in ("vertex_color", "face_color"):
+        assert mesh.material.base_color == (1.0, 1.0, 1.0)
+    told = [text for text in made.warnings if "only colours" in text]
+    assert len(told) == (attribute == "face_weight")

@@ -6,8 +6,8 @@ less.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,10 +39,11 @@ _TYPES = {
 _LIST = "list "
 
 
-def read_ply(path: Path) -> Geometry:
+def read_ply(path: Path, attribute: str = "") -> Geometry:
     """The mesh of a PLY file; uv as stored, colours linear where they are floats.
 
-    Raises SceneError.
+    `attribute`: what a scene calls the colours that its material asks for, as Mitsuba names the
+    properties NAME_0 to NAME_2: vertex_NAME or face_NAME. Raises SceneError.
     """
     # What Mitsuba itself writes is read here, all else by the general reader.
     raw = read_bytes(path)
@@ -61,7 +62,7 @@ def read_ply(path: Path) -> Geometry:
     if face_count and (faces["count"] != 3).any():
         return _by_meshfile(path)
     try:
-        return _geometry(vertices, faces["index"])
+        return _geometry(vertices, faces, attribute)
     except SceneError as error:
         raise SceneError(error.problem, where=path, remedy=error.remedy) from None
 
@@ -89,42 +90,66 @@ def _header(
         elif words[:1] == ["property"] and current and len(words) >= 3:
             fields[current].append((words[-1], " ".join(words[1:-1])))
     # Vertices and triangles of types that one row each can have.
-    if list(counts) != ["vertex", "face"] or len(fields["face"]) != 1:
+    if list(counts) != ["vertex", "face"] or not fields["face"]:
         return None
     kind = fields["face"][0][1]
     # A list's count is a byte, and its indices of any type that is known.
     index_type = _TYPES.get(kind.removeprefix("list uchar ").removeprefix("list uint8 "))
     if not kind.startswith(_LIST) or index_type is None:
         return None
-    if not all(kind in _TYPES for _, kind in fields["vertex"]):
+    if not all(kind in _TYPES for _, kind in (*fields["vertex"], *fields["face"][1:])):
         return None
-    # One row type each.
+    # One row type each; faces may have attributes behind their corners.
     vertex = np.dtype([(name, _TYPES[kind]) for name, kind in fields["vertex"]])
-    face = np.dtype([("count", "u1"), ("index", index_type, (3,))])
+    more = [(name, _TYPES[kind]) for name, kind in fields["face"][1:]]
+    face = np.dtype([("count", "u1"), ("index", index_type, (3,)), *more])
     return counts["vertex"], vertex, counts["face"], face, end + len(b"end_header\n")
 
 
-def _geometry(vertices: NDArray[np.void], faces: NDArray[Any]) -> Geometry:
-    def columns(*names: str) -> F32 | None:
-        if not set(names) <= set(vertices.dtype.names or ()):
-            return None
-        return np.stack([vertices[name].astype(np.float32) for name in names], axis=1)
+def _columns(rows: NDArray[np.void], *names: str) -> F32 | None:
+    if not set(names) <= set(rows.dtype.names or ()):
+        return None
+    return np.stack([rows[name].astype(np.float32) for name in names], axis=1)
 
-    positions = columns("x", "y", "z")
+
+def _geometry(vertices: NDArray[np.void], faces: NDArray[np.void], attribute: str) -> Geometry:
+    positions = _columns(vertices, "x", "y", "z")
     if positions is None:
         raise SceneError("its vertices have no x, y, z")
     # Texture coordinates go by one of two pairs of names.
-    uvs = columns("u", "v")
+    uvs = _columns(vertices, "u", "v")
     if uvs is None:
-        uvs = columns("s", "t")
-    # Only float colours are taken for reflectances.
-    colors = columns("r", "g", "b")
-    if colors is not None and vertices.dtype["r"].kind == "f":
-        colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
-    else:
+        uvs = _columns(vertices, "s", "t")
+    normals = _columns(vertices, "nx", "ny", "nz")
+    indices = np.asarray(faces["index"])
+    # Only float colours are taken for reflectances; they are there whether or not they are asked.
+    colors = _columns(vertices, "r", "g", "b")
+    if colors is not None and vertices.dtype["r"].kind != "f":
         colors = None
-    normals = columns("nx", "ny", "nz")
-    return Geometry(positions, np.asarray(faces), normals=normals, uvs=uvs, colors=colors)
+    # What a material asks for by name, of the vertices or of the faces.
+    of, _, name = attribute.partition("_")
+    channels = [f"{name}_{k}" for k in range(3)]
+    asked = _columns(faces if of == "face" else vertices, *channels)
+    if asked is None:
+        return _coloured(Geometry(positions, indices, normals=normals, uvs=uvs), colors)
+    if of == "vertex":
+        return _coloured(Geometry(positions, indices, normals=normals, uvs=uvs), asked)
+    # Faces of colours of their own share no vertices.
+    corners = indices.astype(np.int64).ravel()
+    apart = Geometry(
+        positions[corners],
+        np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+        normals=None if normals is None else normals[corners],
+        uvs=None if uvs is None else uvs[corners],
+    )
+    return _coloured(apart, np.repeat(asked, 3, axis=0))
+
+
+def _coloured(geometry: Geometry, colors: F32 | None) -> Geometry:
+    if colors is None:
+        return geometry
+    opaque = np.ones((len(colors), 1), np.float32)
+    return replace(geometry, colors=np.concatenate([colors, opaque], axis=1))
 
 
 def _by_meshfile(path: Path) -> Geometry:

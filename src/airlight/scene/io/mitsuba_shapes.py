@@ -14,7 +14,7 @@ from ...errors import SceneError, nearest
 from ..checks import F64
 from ..mesh import Geometry
 from .mitsuba_nodes import Node
-from .mitsuba_textures import Source
+from .mitsuba_textures import Source, color_attribute
 
 ROUND_STEPS = 96  # around a sphere, a cylinder or a disk
 
@@ -93,7 +93,7 @@ def _from_file(node: Node, source: Source) -> list[Placed]:
     if node.kind == "ply":
         from .mitsuba_ply import read_ply
 
-        parts = [Placed(read_ply(path), np.eye(4))]
+        parts = [Placed(read_ply(path, color_attribute(node)), np.eye(4))]
         flip_v = bool(node.get("flip_tex_coords", False))
     elif node.kind == "serialized":
         from .mitsuba_serialized import read_serialized

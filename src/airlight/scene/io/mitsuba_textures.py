@@ -22,6 +22,10 @@ CHECKER_PX = 128
 FLOAT_SUFFIXES = (".exr", ".hdr", ".pic", ".rgbe", ".pfm")
 
 
+COLOURED = ("vertex_color", "face_color")
+"""Attributes of meshes that are colours, by how their names begin."""
+
+
 @dataclass
 class Source:
     """Where a scene's files lie, and what there is to tell about it."""
@@ -85,6 +89,20 @@ def scalar_input(
     return (r if r == g == b else (r + g + b) / 3.0), texture
 
 
+def color_attribute(shape: Node) -> str:
+    """What the material of a shape calls the colours of its mesh; "" where it asks for none."""
+    todo = shape.all("bsdf")
+    while todo:
+        node = todo.pop()
+        for child in node.children:
+            if child.kind == "mesh_attribute":
+                name = str(child.values.get("name", ""))
+                if name.startswith(COLOURED):
+                    return name
+        todo += node.all("bsdf")
+    return ""
+
+
 def mean_input(node: Node, name: str, default: float, source: Source) -> float:
     """A parameter that is one number here: of an image the mean, which a note tells."""
     factor, texture = scalar_input(node, name, default, source)
@@ -101,11 +119,11 @@ def _texture_input(node: Node, source: Source, is_color: bool) -> tuple[Rgb, Tex
         return ((found[1],) * 3, found[0]) if found else ((0.5,) * 3, None)
     if node.kind == "checkerboard":
         return (1.0, 1.0, 1.0), _checkerboard(node, source, is_color)
-    # Colours of vertices multiply every material here already.
+    # Colours of a mesh multiply every material here already.
     if node.kind == "mesh_attribute":
-        if node.get("name") == "vertex_color" and node.get("scale", 1.0) == 1.0:
-            return (1.0, 1.0, 1.0), None
-        source.note(f"{node}: only the attribute vertex_color is read")
+        if is_color and str(node.get("name", "")).startswith(COLOURED):
+            return (float(node.get("scale", 1.0)),) * 3, None
+        source.note(f"{node}: only colours of vertices and faces are read, a mid grey stands in")
         return (0.5, 0.5, 0.5), None
     source.note(f"{node} is unknown, a mid grey stands in")
     return (0.5, 0.5, 0.5), None
