@@ -970,3 +970,21 @@ def test_colours_that_a_mesh_names_are_those_of_its_corners_or_faces(
         assert mesh.material.base_color == (1.0, 1.0, 1.0)
     told = [text for text in made.warnings if "only colours" in text]
     assert len(told) == (attribute == "face_weight")
+
+
+def test_a_spot_has_the_mean_of_the_texture_that_it_projects(tmp_path: Path) -> None:
+    """Of a white disk in a black square: only the circle that the cone shows counts."""
+    y, x = np.mgrid[-1:1:65j, -1:1:65j]
+    disk = (255 * (x * x + y * y <= 1.0)).astype(np.uint8)
+    PIL.Image.fromarray(disk).save(tmp_path / "t.png")
+    made = scene(
+        tmp_path,
+        '<emitter type="spot"><rgb name="intensity" value="4 2 1"/><texture name="texture" '
+        'type="bitmap"><string name="filename" value="t.png"/></texture></emitter>'
+        '<shape type="cube"/>',
+    )
+    np.testing.assert_allclose(made.lights[0].intensity, (4.0, 2.0, 1.0), rtol=1e-6)
+    assert any("the mean is taken, in its circle" in text for text in made.warnings)
+    PIL.Image.fromarray(disk // 2).save(tmp_path / "t.png")
+    half = load(tmp_path / "scene.xml").lights[0].intensity
+    np.testing.assert_allclose(half, 0.2122 * np.array([4.0, 2.0, 1.0]), rtol=2e-3)  # 127 decoded

@@ -10,6 +10,7 @@ from typing import cast
 import numpy as np
 
 from ...errors import SceneError, nearest
+from ...maths.colour import srgb_decode
 from ...maths.transforms import triple
 from ..checks import F32, F64
 from ..environment import Environment
@@ -17,7 +18,7 @@ from ..lights import DirectionalLight, Light, PointLight, SpotLight
 from ..material import Material
 from .images import read_radiance
 from .mitsuba_nodes import Node
-from .mitsuba_textures import Source, color_input
+from .mitsuba_textures import Source, color_input, texture_input
 
 MAX_HALF_ANGLE_DEG = 89.0
 _LEFT_OUT = ("projector", "directionalarea", "sunsky", "timed_sunsky", "sky", "sun", "collimated")
@@ -88,8 +89,10 @@ def _spot(node: Node, source: Source) -> Light:
         texture.read.update(texture.values)
     if ours:  # what reference/mitsuba_lights.py projects is our own fall-off
         inner = float(ours.group(1))
-    elif texture is not None:
-        source.note(f"{node}: the texture it projects is left out")
+    mean = np.ones(3)
+    if texture is not None and not ours:
+        source.note(f"{node}: of the texture it projects the mean is taken, in its circle")
+        mean = _mean_in_circle(texture, source)
     # What our cone cannot be.
     if not ours and inner < outer:
         source.note(f"{node}: its fall-off, linear in the angle, is read as our smooth one")
@@ -99,10 +102,24 @@ def _spot(node: Node, source: Source) -> Light:
     return SpotLight(
         triple(matrix[:3, 3]),
         triple(matrix[:3, 2]),
-        color_input(node, "intensity", 1.0, source)[0],
+        triple(mean * color_input(node, "intensity", 1.0, source)[0]),
         inner_deg=min(inner, outer),
         outer_deg=outer,
     )
+
+
+def _mean_in_circle(node: Node, source: Source) -> F64:
+    """The mean (3,) of what a texture shows in the circle that touches its sides."""
+    factor, texture = texture_input(node, source, is_color=True)
+    if texture is None:
+        return np.array(factor)
+    values: F64 = texture.pixels[..., :3] / 255.0
+    values = np.asarray(srgb_decode(values)) if texture.is_srgb else values
+    height, width = values.shape[:2]
+    y, x = np.meshgrid(np.linspace(-1, 1, height), np.linspace(-1, 1, width), indexing="ij")
+    inside = x * x + y * y <= 1.0
+    mean: F64 = np.array(factor) * values[inside].mean(axis=0)
+    return mean
 
 
 def _envmap(node: Node, source: Source) -> Environment:

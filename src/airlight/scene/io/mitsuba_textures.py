@@ -67,7 +67,7 @@ def color_input(
     # A texture, by its kind; any other plugin cannot be a colour.
     node.read.add(name)
     if child.tag == "texture":
-        return _texture_input(child, source, is_color)
+        return texture_input(child, source, is_color=is_color)
     source.note(f"{node}: a {child.tag} as '{name}' is left out")
     return (default,) * 3, None
 
@@ -112,7 +112,8 @@ def mean_input(node: Node, name: str, default: float, source: Source) -> float:
     return factor * float(texture.pixels[..., 0].mean()) / 255.0
 
 
-def _texture_input(node: Node, source: Source, is_color: bool) -> tuple[Rgb, Texture | None]:
+def texture_input(node: Node, source: Source, *, is_color: bool) -> tuple[Rgb, Texture | None]:
+    """A texture as factor and image, as `color_input`."""
     # A bitmap that cannot be read leaves a mid grey where it is data.
     if node.kind == "bitmap":
         found = bitmap(node, source, is_color=is_color)
