@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import struct
 
 import numpy as np
 import pytest
 
 from airlight.app.cli import run
 from airlight.errors import SceneError
+from airlight.scene.io import ktx2
 from airlight.scene.io.gltf import load_gltf
 
 
@@ -105,7 +107,7 @@ def test_parts_of_material_extensions_and_light_ranges_are_named(draft):
     assert "its range is left out" in told
 
 
-def test_an_image_that_only_basisu_has_is_asked_for(draft):
+def test_an_image_that_only_basisu_has_is_asked_for(draft, monkeypatch):
     primitive = draft.triangle(TEXCOORD_0=draft.array([(0, 0), (1, 0), (0, 1)], "f4"))
     primitive["material"] = 0
     draft.single(primitive)
@@ -115,6 +117,13 @@ def test_an_image_that_only_basisu_has_is_asked_for(draft):
     draft.json["extensionsUsed"] = ["KHR_texture_basisu"]
     told = " ".join(load_gltf(draft.gltf()).warnings)
     assert "images[0] (a.ktx2): file not found; a magenta checker stands in" in told
+    # What is missing to read one is said with how to get it.
+    monkeypatch.setattr(ktx2, "has_transcoder", lambda: False)
+    written = draft.gltf()
+    header = struct.pack("<9I", 0, 1, 8, 8, 0, 0, 1, 1, 0)
+    (written.parent / "a.ktx2").write_bytes(ktx2.IDENTIFIER + header + bytes(99))
+    told = " ".join(load_gltf(written).warnings)
+    assert "opengl-basisu; a magenta checker stands in. Run: pip install 'airlight[gltf]'" in told
 
 
 def test_the_warnings_are_in_json_too(draft, capsys):

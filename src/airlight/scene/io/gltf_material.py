@@ -226,7 +226,10 @@ class Materials:
                 if not is_srgb:
                     self.warnings.append(f"{where}: {error.problem}; the surface goes without")
                     return None
-                self.warnings.append(f"{where}: {error.problem}; a magenta checker stands in")
+                # What can be installed is said where its lack is seen.
+                remedy = f". {error.remedy.rstrip('.')}" if "pip install" in error.remedy else ""
+                text = f"{where}: {error.problem}; a magenta checker stands in{remedy}"
+                self.warnings.append(text)
                 self._pixels[k, is_srgb] = missing_texture(where)
         return self._pixels[k, is_srgb]
 
