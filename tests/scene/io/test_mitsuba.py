@@ -988,3 +988,22 @@ def test_a_spot_has_the_mean_of_the_texture_that_it_projects(tmp_path: Path) -> 
     PIL.Image.fromarray(disk // 2).save(tmp_path / "t.png")
     half = load(tmp_path / "scene.xml").lights[0].intensity
     np.testing.assert_allclose(half, 0.2122 * np.array([4.0, 2.0, 1.0]), rtol=2e-3)  # 127 decoded
+
+
+@pytest.mark.parametrize("kind", ["heterogeneous", "homogeneous"])
+def test_a_constant_volume_fills_the_unit_cube_where_it_stands(tmp_path: Path, kind: str) -> None:
+    """Of a heterogeneous medium: what is around that cube is empty, within its shape, too."""
+    made = scene(
+        tmp_path,
+        f'<shape type="cube"><transform name="to_world"><scale value="2"/></transform>'
+        f'<bsdf type="null"/><medium name="interior" type="{kind}"><float name="scale" value="2"/>'
+        '<volume type="constvolume" name="sigma_t"><rgb name="value" value=".5 .25 .125"/>'
+        '<transform name="to_world"><translate x="-1"/></transform></volume></medium></shape>',
+    )
+    # Air that is the same everywhere fills its shape.
+    (air,) = made.volumes or (made.medium,)
+    if kind == "heterogeneous":
+        np.testing.assert_allclose(made.whole_bounds, [(-1, 0, 0), (0, 1, 1)], atol=1e-6)
+    else:
+        np.testing.assert_allclose(air.bounds, [(-2, -2, -2), (2, 2, 2)], atol=1e-6)
+    np.testing.assert_allclose(air.sigma_t, (1.0, 0.5, 0.25))

@@ -28,6 +28,10 @@ def extinction(node: Node, source: Source) -> tuple[F64 | F32, Bounds, F64 | Non
     if child is not None and child.kind == "gridvolume":
         values, bounds, matrix = _grid(child, source)
         return values * np.float32(scale), bounds, matrix
+    if child is not None and child.kind == "constvolume" and node.kind == "heterogeneous":
+        # It fills the unit cube where it stands, and what is outside of that is empty.
+        values = np.full((2, 2, 2, 3), rgb_of(child.get("value", 1.0)), np.float32)
+        return values * np.float32(scale), GRID, _placement(child)
     if "sigma_s" in node.values or "sigma_a" in node.values:
         sigma_s, sigma_a = (np.array(rgb_of(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
         return scale * (sigma_s + sigma_a), GRID, None
@@ -70,9 +74,14 @@ def _grid(node: Node, source: Source) -> tuple[F32, Bounds, F64]:
     channels = ("r", "g", "b") if count >= 3 else ("r",)
     grids = [read_volume(path, channels=c) for c in channels]
     values = np.stack([g.density for g in (grids if count >= 3 else grids * 3)], axis=-1)
-    matrix = node.get("to_world")
     bounds = grids[0].bounds if node.get("use_grid_bbox", False) else GRID
-    return values, bounds, np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
+    return values, bounds, _placement(node)
+
+
+def _placement(node: Node) -> F64:
+    """A volume's matrix (4, 4)."""
+    matrix = node.get("to_world")
+    return np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
 
 
 def _channel_count(path: Path) -> int:
