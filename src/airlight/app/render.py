@@ -74,6 +74,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
     airlight render builtin:atrium -o atrium.png
     airlight render room.toml -o room.exr --layers -t lpv -D resolution=48
     airlight render builtin:smoke -o smoke.png --time 2.5
+    airlight render 'plume/*.vdb' -o plume.png       grids that follow each other
     airlight render room.toml -o room.png --watch
     """
     reads(scene)

@@ -90,6 +90,7 @@ def command(scene: str, output: Path, **options: Any) -> None:
 
     \b
     airlight sequence builtin:smoke -o smoke.mp4 --frames 60 --size 480x270
+    airlight sequence plume/ -o plume.mp4            a folder of grids, or 'plume/*.vdb'
     airlight sequence flight.toml -o flight/ --format exr --layers
     airlight sequence flight.toml -o flight/ --resume --farm tcp://scheduler:8786
 
