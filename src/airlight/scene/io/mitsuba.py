@@ -26,6 +26,7 @@ from ..medium import FILL_MARGIN, medium_box
 from ..mesh import Mesh
 from ..scene import Scene
 from .files import naming
+from .mitsuba_bumps import has_bumps, on_mesh
 from .mitsuba_camera import camera_of
 from .mitsuba_emitters import emitter, with_emission
 from .mitsuba_lights import area_light, is_back
@@ -210,8 +211,10 @@ def _read_surface(node: Node, found: _Found, source: Source) -> None:
     if light is not None:
         found.lights.append(light)
         return
+    is_bumpy = has_bumps(node)
     for part in shape_geometries(node, source):
-        found.meshes.append(Mesh(part.geometry, made, part.world_from_object, name=node.id))
+        worn = on_mesh(made, part.geometry, part.world_from_object) if is_bumpy else made
+        found.meshes.append(Mesh(part.geometry, worn, part.world_from_object, name=node.id))
 
 
 def _glowing(node: Node, made: Material, source: Source) -> Material:

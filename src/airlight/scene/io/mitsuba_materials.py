@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ..material import SIDES, Material
 from .mitsuba_blend import blended, can_blend
+from .mitsuba_bumps import normals_of_heights
 from .mitsuba_lobes import (
     DEFAULT_INDEX,
     DIELECTRIC_REFLECTANCE,
@@ -105,9 +106,16 @@ def _normalmap(node: Node, source: Source) -> Material:
 
 
 def _bumpmap(node: Node, source: Source) -> Material:
-    source.note(f"{node}: bump maps are left out, the surface is smooth")
-    node.get("scale")
-    return _nested(node, source)
+    """Its heights as normals where a unit of the coordinates is a metre; `on_mesh` mends that."""
+    inner, child = _nested(node, source), node.first("texture")
+    scale = float(node.get("scale", 1.0))
+    is_bitmap = child is not None and child.kind == "bitmap"
+    found = bitmap(child, source, is_color=False) if child and is_bitmap else None
+    if found is None or scale == 0.0:
+        source.note(f"{node}: its bump map is left out, the surface is smooth")
+        return inner
+    normals, steepest = normals_of_heights(found[0])
+    return replace(inner, normal_texture=normals, normal_scale=scale * found[1] * steepest)
 
 
 def _blend(node: Node, source: Source) -> Material:
