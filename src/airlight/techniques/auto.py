@@ -33,7 +33,7 @@ _MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates
 _MOST_MERGED = 16  # volumes on one grid, beyond which it costs more than the lattice
 _ALIKE = 0.1  # of albedo and g, and of the ratios of extinctions
 _CELLS = 30  # along the longest side of surfaces and media
-_ACROSS = 2.0  # cells: smoke of 1.8 around a point light has .72 of its light in the lattice, .94 beyond 4
+_ACROSS = 2.0  # cells: with 1.8, smoke around a point light has .72 of its light in the lattice
 _DEEPEST = 10.0  # reduced optical depth of a cell: 20 is still right, 40 has 1.17 of the light
 # Of the room's cross section, from which on a volume's shade on surfaces counts.
 _SHADED_SHARE = 0.05
