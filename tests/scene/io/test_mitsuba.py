@@ -759,13 +759,13 @@ def test_a_film_and_a_focus_are_taken_without_a_word(tmp_path: Path) -> None:
 
 def test_spectra_are_light_in_emitters_and_seen_by_daylight_elsewhere(tmp_path: Path) -> None:
     """Mitsuba's numbers for both; a constant reflects grey, and as light it is illuminant E."""
-    lamp = "700:18.4, 400:0, 500:8, 600:15.6"
+    emitted = "700:18.4, 400:0, 500:8, 600:15.6"
     made = scene(
         tmp_path,
         f"""<shape type="cube"><bsdf type="diffuse">
           <spectrum name="reflectance" value="400:0.1, 500:.4, 600:.7, 700:.2"/></bsdf></shape>
         <shape type="cube"><bsdf type="diffuse"><spectrum name="reflectance" value=".5"/></bsdf>
-          <emitter type="area"><spectrum name="radiance" value="{lamp}"/></emitter></shape>
+          <emitter type="area"><spectrum name="radiance" value="{emitted}"/></emitter></shape>
         <emitter type="point"><spectrum name="intensity" value="2.5"/></emitter>
         <emitter type="point"><rgb name="intensity" value="2.5"/></emitter>""",
     )

@@ -236,7 +236,7 @@ def _glass(node: Node, source: Source) -> Material:
 
 
 def _polarizer(node: Node, source: Source) -> Material:
-    """As unpolarised light meets it: half of what it lets through passes, the rest is absorbed."""
+    """As unpolarised light meets it: half of its transmittance is left, the rest is absorbed."""
     source.note(f"{node}: light has no polarisation here, and half of it passes")
     node.get("theta")
     share = 0.5 * sum(color_input(node, "transmittance", 1.0, source)[0]) / 3.0

@@ -94,7 +94,7 @@ def _fullest(files: tuple[Path, ...], keys: Mapping[str, Any]) -> Path:
 
 
 def _shown(file: Path, keys: Mapping[str, Any]) -> tuple[Scene, VolumeGrid]:
-    """One file's grid as a scene that stands still, and that grid."""
+    """One file's grid as a static scene, and that grid."""
     # A scene file's functions, which this module must not need to be loaded.
     from .toml_meshes import world_from_mesh
     from .toml_volumes import upright_from_grid
