@@ -70,6 +70,18 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
+class InScattered:
+    """For which eye a lattice has what media scatter towards it, and where their light goes.
+
+    From the middle of a cell the eye counts as a cell farther back than it is, against `ahead`
+    (3,), unit length. `along`: xyz and luminance, as `AirLobes.scattered_along`.
+    """
+
+    along: Texture
+    ahead: F64
+
+
+@dataclass(frozen=True, eq=False)
 class LatticeSource:
     """Solved lattices of states (a, b): radiance `scale` * (a + `direct` g b.w) per sigma_s.
 
@@ -82,7 +94,7 @@ class LatticeSource:
     (wgsl/third_band.wgsl). `forward`: light that was only scattered forwards and is still near
     its beam. `mean`: the constant terms a of the three channels as rgb, for isotropic media: one
     load instead of three. `is_reduced_medium`: the light is that of the reduced medium
-    (similarity theory), through which it is marched. `is_inscattered`: `mean` is what media scatter
+    (similarity theory), through which it is marched. `inscattered`: `mean` is what media scatter
     towards the eye, per sigma_s, as their phase functions have it, and is all that there is of a.
     """
 
@@ -95,7 +107,7 @@ class LatticeSource:
     mean: Texture | None = None
     third: Texture | None = None
     is_reduced_medium: bool = False
-    is_inscattered: bool = False
+    inscattered: InScattered | None = None
 
     @property
     def levels(self) -> tuple[Placement, ...]:
@@ -180,15 +192,30 @@ class ReflectedLight:
 
 
 @dataclass(frozen=True, eq=False)
-class AirLight:
-    """What the rays of a gather meet in media, as reduced media have it (similarity theory).
+class AirLobes:
+    """Where the light of an `AirLight` goes, in the units of its `mean`'s texture.
 
-    `mean`: the mean radiance of all light, unscattered too; media scatter their share of it.
-    `unscattered`: that of lights and sky alone, in the units of `mean`'s texture.
+    `straight`: mean radiance of unscattered light, as the media themselves attenuate it. `along`,
+    `scattered_along`: of that light's luminance, and of the rest's, the mean over all directions
+    times these, x y z of the world; a of the second is the luminance.
+    """
+
+    straight: Texture
+    along: Texture
+    scattered_along: Texture
+
+
+@dataclass(frozen=True, eq=False)
+class AirLight:
+    """What the rays of a gather meet in media.
+
+    `mean`: the mean radiance of all light, unscattered too; reduced media (similarity theory)
+    scatter their share of it into rays from surfaces. `lobes`: what the media themselves scatter
+    into rays of their cells.
     """
 
     mean: LatticeSource
-    unscattered: Texture
+    lobes: AirLobes
 
 
 @dataclass(frozen=True, eq=False)

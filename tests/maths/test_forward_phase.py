@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from airlight.maths.forward_phase import COSINES, DEPTHS, fused_phase, fused_table, last_phase
+from airlight.maths.forward_phase import COSINES, DEPTHS, fused_phase, fused_table
 from airlight.maths.phase import ISOTROPIC, henyey_greenstein
 
 MU = 1.0 - 2.0 * np.linspace(0.0, 1.0, 4001) ** 3
@@ -24,13 +24,6 @@ def test_all_light_with_one_bend_or_none_is_there(g, u):
     assert total == pytest.approx(strayed * (never + once), rel=2e-3)
 
 
-@pytest.mark.parametrize(("g", "u"), CASES)
-def test_the_last_scattering_takes_all_that_went_straight_on(g, u):
-    total = _over_all_directions(last_phase(MU, g, u))
-    # What is cut off below zero comes on top.
-    assert 0.999 * (1.0 - np.exp(-g * u)) < total < 1.12 * (1.0 - np.exp(-g * u))
-
-
 def test_in_thin_air_light_scatters_twice():
     """Half of u: each scattering may be the one at the place. What bends twice is the lattice's."""
     g, u = 0.8, 1e-4
@@ -47,14 +40,14 @@ def test_a_homogeneous_medium_has_none():
 def test_tables_are_dense_enough():
     """Between rows and columns, as shaders read them."""
     g, table = 0.85, fused_table(0.85)
-    assert table.shape == (2, DEPTHS, COSINES)
+    assert table.shape == (DEPTHS, COSINES)
     rng = np.random.default_rng(2)
     mu, u = rng.uniform(-1.0, 1.0, 500), rng.uniform(0.0, 12.0, 500)
     x = (0.5 * (1.0 - mu)) ** 0.25 * (COSINES - 1)
     y = u / (1.0 + u) * (41.0 / 40.0) * (DEPTHS - 1)
     i, j = x.astype(int), y.astype(int)
     fx, fy = x - i, y - j
-    for k, exact in enumerate((fused_phase(mu, g, u), last_phase(mu, g, u))):
-        rows = [(1.0 - fx) * table[k, r, i] + fx * table[k, r, i + 1] for r in (j, j + 1)]
-        read = (1.0 - fy) * rows[0] + fy * rows[1]
-        assert np.linalg.norm(read - exact) < 0.01 * np.linalg.norm(exact)
+    exact = fused_phase(mu, g, u)
+    rows = [(1.0 - fx) * table[r, i] + fx * table[r, i + 1] for r in (j, j + 1)]
+    read = (1.0 - fy) * rows[0] + fy * rows[1]
+    assert np.linalg.norm(read - exact) < 0.01 * np.linalg.norm(exact)

@@ -20,7 +20,7 @@ from ..gpu.layout import Struct, u32, vec2u
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..media.gpu_media import GpuMedia
-from ..media.march.kernel import MAX_LEVELS_AT_ONCE, Variant, field_slots
+from ..media.march.kernel import LOBE_SLOTS, MAX_LEVELS_AT_ONCE, Variant, field_slots
 from ..media.march.kernel_wgsl import emission_wgsl
 from ..media.march.march import March, Steps, march_params
 from ..media.march.marched_light import MarchedLight, fading_of
@@ -38,6 +38,7 @@ class AirParams(Struct):
     rays = u32("of a point")
     segment = u32()
     is_reduced = u32("1: of all media; else of those that are not solved as sources")
+    has_lobes = u32("1: of lattices the media themselves, whose light goes about some way")
     shows_glow = u32("1: rays meet what media emit; else that is left to the lights they are")
 
 
@@ -88,7 +89,7 @@ class Air:
         variant = Variant(
             len(light.sources),
             fading_of(light.sources),
-            "mean" if lattice else "none",
+            ("lobes" if met.lobes else "mean") if lattice else "none",
             levels=levels,
         )
         if variant not in self._passes:
@@ -103,6 +104,7 @@ class Air:
                 rays=len(segment.numbers),
                 segment=segment.index,
                 is_reduced=int(met.is_reduced),
+                has_lobes=int(met.lobes is not None),
                 shows_glow=int(met.shows_glow),
             ),
             march=march_params(light, STEPS, min(cells, default=math.inf)),
@@ -110,6 +112,7 @@ class Air:
             reached=hits.positions,
             **self.media.medium_bound,
             **self._fields.bound(variant, light),
+            **(dict(zip(LOBE_SLOTS, met.lobes, strict=True)) if met.lobes else {}),
             air=air,
         )
 
@@ -117,16 +120,21 @@ class Air:
 class Met(NamedTuple):
     """Light that media along rays scatter, and whether all media there count as reduced ones.
 
-    `shows_glow`: whether rays meet what media emit, too.
+    `shows_glow`: whether rays meet what media emit, too. `lobes`: the textures of where lattices'
+    light goes (`LOBE_SLOTS`), for rays through their media themselves.
     """
 
     light: MarchedLight
     is_reduced: bool
     shows_glow: bool
+    lobes: tuple[Texture, ...] | None = None
 
 
-def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
-    """The light that media scatter along a gather's rays, or along mirrored ones."""
+def light_in(fields: Fields, *, is_mirrored: bool = False, is_from_air: bool = False) -> Met:
+    """The light that media scatter along a gather's rays, or along mirrored ones.
+
+    `is_from_air`: along rays of the cells of lattices.
+    """
     # Mirrored rays show volumes as the eye sees them, other rays what reduced media scatter.
     means = [None if is_mirrored else s.mean for s in fields.volumes]
     # Of volumes either all send what reduced media do, or all as they are seen from the eye.
@@ -137,4 +145,8 @@ def light_in(fields: Fields, *, is_mirrored: bool = False) -> Met:
     )
     light = MarchedLight(sources, fields.air.mean if fields.air else None)
     # What media emit reaches surfaces and cells as light of emitters, which mirrors do not show.
-    return Met(light, is_reduced, shows_glow=is_mirrored)
+    lobes = None
+    if is_from_air and fields.air:
+        one = fields.air.lobes
+        lobes = (one.straight, one.along, one.scattered_along)
+    return Met(light, is_reduced, is_mirrored, lobes)

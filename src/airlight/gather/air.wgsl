@@ -30,9 +30,10 @@ fn air_step(t: f32, step: f32) -> f32 {
     return max(limit, 2e-7 * t + 1e-7);
 }
 
-// Of the reduced medium; of a volume that is a source, where those count as reduced ones and scatter forwards.
+// Of the reduced medium, or of the lattices' media themselves; of a volume that is a source, where those count as
+// reduced ones and scatter forwards.
 fn met_sigma_t(m: u32) -> vec3f {
-    let sigma_t = reduced_sigma_t_of(m);
+    let sigma_t = select(reduced_sigma_t_of(m), sigma_t_of(m), params.has_lobes != 0u);
     if (params.is_reduced == 0u) {
         return sigma_t;
     }

@@ -2,6 +2,7 @@
 // Cells that sent no rays keep what they had: what the lattice solved, if they never did.
 //! use gather
 //! use cell_order
+//! use tone
 
 const NO_POINT = 0xffffffffu;
 const LARGEST_HALF = 65504.0;
@@ -17,9 +18,10 @@ const LARGEST_HALF = 65504.0;
     let first = points.x;
     if (first == NO_POINT) {
         if (params.number == 0u) {
-            let scattered = textureLoad(solved, texel, 0).rgb - textureLoad(unscattered, texel, 0).rgb;
+            let scattered = textureLoad(solved, texel, 0).rgb - textureLoad(straight, texel, 0).rgb;
             let mean = params.solved_scale * max(scattered, vec3f(0.0));
-            before[cell] = vec4f(mean, 0.0);
+            before[2u * cell] = vec4f(mean, 0.0);
+            before[2u * cell + 1u] = vec4f(0.0);
             textureStore(inscattered, texel, vec4f(min(params.scale * mean, vec3f(LARGEST_HALF)), 1.0));
         }
         return;
@@ -28,6 +30,7 @@ const LARGEST_HALF = 65504.0;
     let axis = textureLoad(axes, at, 0);
     let g = textureLoad(cosines, at, 0).rgb;
     var mean_radiance = vec3f(0.0);
+    var along = vec3f(0.0);
     var towards_eye = vec3f(0.0);
     let count = points.y * params.rays;
     var k = 0u;
@@ -42,13 +45,16 @@ const LARGEST_HALF = 65504.0;
         let cosine = -dot(direction, axis.xyz);
         let found = radiance / lobe_density(cosine, axis.w);
         mean_radiance += PHASE_ISOTROPIC * found;
+        along -= PHASE_ISOTROPIC * luminance(found) * direction;
         towards_eye += scattering_phase(cosine, g) * found;
         k++;
     }
     // What rays of the next sample meet in the air: the mean of all samples in which it sent rays, the later ones more.
-    let earlier = select(before[cell], vec4f(0.0), params.number == 0u);
+    let row = 2u * cell;
+    let earlier = select(before[row], vec4f(0.0), params.number == 0u);
     let weight = 2.0 / (earlier.a + 2.0);
-    before[cell] = vec4f(mix(earlier.rgb, mean_radiance / f32(count), weight), earlier.a + 1.0);
+    before[row] = vec4f(mix(earlier.rgb, mean_radiance / f32(count), weight), earlier.a + 1.0);
+    before[row + 1u] = mix(before[row + 1u], vec4f(along / f32(count), 0.0), weight);
     // The sum as marching reads it, scaled to half floats.
     let seen = params.scale / f32(count) * towards_eye;
     textureStore(inscattered, texel, vec4f(min(seen, vec3f(LARGEST_HALF)), 1.0));

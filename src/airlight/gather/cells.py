@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fields import AirLight, LatticeSource
+from ..fields import AirLight, InScattered, LatticeSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -94,7 +94,7 @@ class _CellSums(ComputePass):
         texture("axes", "2d", "unfilterable-float"),
         texture("cosines", "2d", "unfilterable-float"),
         texture("solved", "3d", "unfilterable-float"),
-        texture("unscattered", "3d", "unfilterable-float"),
+        texture("straight", "3d", "unfilterable-float"),
         image("inscattered", FILTERED, "3d"),
         storage("before", "vec4f", "read_write"),
     )
@@ -107,8 +107,9 @@ class _CellAir(ComputePass):
         uniform("params", CellAirParams),
         uniform("lattice", LatticeParams),
         storage("before", "vec4f"),
-        texture("unscattered", "3d", "unfilterable-float"),
+        texture("straight", "3d", "unfilterable-float"),
         image("air", FILTERED, "3d"),
+        image("scattered_along", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
     file = "cell_air.wgsl"
@@ -132,6 +133,8 @@ class CellPoints:
         )
         self._seen = Buffer(gpu, "seen cells", 4 * self.count)
         self._pass, self._media = _CellPoints(gpu, media), media
+        self.ahead = np.zeros(3)
+        """Unit length, where the eye looks."""
 
     @property
     def count(self) -> int:
@@ -155,7 +158,7 @@ class CellPoints:
         """Take the middles of the cells that were written; `walls` as of the blockers."""
         # Directions lead to a point behind the eye, so that the cell around it is seen, too.
         ahead = np.subtract(view.camera.target, view.camera.position)
-        ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
+        self.ahead = ahead / max(float(np.linalg.norm(ahead)), 1e-20)
         # Points of all lattices lie in one row; the last's go on to the end of its texels.
         ends = [begin for _, begin in seen.firsts[1:]] + [self.count]
         for placement, (first, begin), end in zip(placements, seen.firsts, ends, strict=True):
@@ -170,7 +173,7 @@ class CellPoints:
                     end=end,
                     width=_WIDTH,
                     eye=view.eye,
-                    ahead=ahead.tolist(),
+                    ahead=self.ahead.tolist(),
                 ),
                 lattice=placement.params(),
                 seen=self._seen,
@@ -195,11 +198,12 @@ class CellSums:
     def __init__(self, gpu: Gpu, cells: int, size: tuple[int, int, int]) -> None:
         """Of so many `cells` of all lattices; `size` in cells: of the textures that these share."""
         # Light towards the eye and light that rays meet, in textures of all lattices.
-        self._inscattered, self._air = (
+        self._inscattered, self._air, self._along = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
-            for name in ("gathered in-scattering", "gathered light in air")
+            for name in ("gathered in-scattering", "gathered light in air", "where that goes")
         )
-        self._before = Buffer(gpu, "light in air before", 16 * cells)
+        # Of each cell mean radiance and how many samples found it, and where it goes.
+        self._before = Buffer(gpu, "light in air before", 32 * cells)
         self._points_of_cells = Buffer(gpu, "points of cells", 8 * cells)
         self._cells, self._pass, self._next = cells, _CellSums(gpu), _CellAir(gpu)
 
@@ -245,12 +249,19 @@ class CellSums:
                 axes=points.normals,
                 cosines=points.cosines,
                 solved=air.mean.mean,
-                unscattered=air.unscattered,
+                straight=air.lobes.straight,
                 inscattered=self._inscattered,
                 before=self._before,
             )
         met = self._met(commands, air, scattered.levels)
-        seen = replace(scattered, mean=self._inscattered, is_inscattered=True)
+        # Nothing of it is beams, or comes through reduced media.
+        seen = replace(
+            scattered,
+            mean=self._inscattered,
+            inscattered=InScattered(self._along, points.ahead),
+            forward=None,
+            is_reduced_medium=False,
+        )
         return seen, met
 
     def _met(
@@ -266,13 +277,14 @@ class CellSums:
                 params=CellAirParams(first=first, scale=share / air.mean.scale),
                 lattice=placement.params(),
                 before=self._before,
-                unscattered=air.unscattered,
+                straight=air.lobes.straight,
                 air=self._air,
+                scattered_along=self._along,
             )
         # The fields of before, with these textures in place of theirs.
         in_air: dict[str, Any] = {f"lattice_{name}": self._air for name in ("red", "green", "blue")}
         met = replace(air.mean, bound=air.mean.bound | in_air, mean=self._air)
-        return replace(air, mean=met)
+        return replace(air, mean=met, lobes=replace(air.lobes, scattered_along=self._along))
 
 
 def _numbered(placements: tuple[Placement, ...]) -> list[tuple[int, Placement]]:

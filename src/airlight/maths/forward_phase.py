@@ -45,22 +45,6 @@ def fused_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
     return total * np.exp(-_STRAYED * np.square((1.0 - g) * u))
 
 
-def last_phase(mu: ArrayLike, g: float, depth: ArrayLike) -> F64:
-    """The same of light that goes straight on but for its last scattering, towards the eye.
-
-    `depth`: on the light's path alone; the medium itself takes from what goes to the eye.
-    exp(-g u) sum over k >= 2 of u^(k-1)/(k-1)! (HG(g^k) - (1 - g^(k-1))/4pi), never below 0.
-    """
-    m, u = np.broadcast_arrays(np.asarray(mu, np.float64), np.asarray(depth, np.float64))
-    total = np.zeros(m.shape)
-    # exp(-g u) u^(k-1)/(k-1)! from k = 2 on, each term from the one before.
-    share = u * np.exp(-g * u)
-    for k in range(2, _orders(u)):
-        total += share * (henyey_greenstein(m, g**k) - (1.0 - g ** (k - 1)) * ISOTROPIC)
-        share = share * u / k
-    return np.maximum(total, 0.0)
-
-
 def _orders(depth: F64) -> int:
     # The mean and eight deviations of a Poisson distribution.
     largest = float(np.max(depth, initial=0.0))
@@ -68,13 +52,13 @@ def _orders(depth: F64) -> int:
 
 
 def fused_table(g: float) -> F64:
-    """(2, DEPTHS, COSINES) of fused_phase and last_phase: rows at u/(1 + u), columns at
-    ((1 - mu)/2)^(1/4), both in equal steps; the last row is 40 optical depths.
+    """(DEPTHS, COSINES) of fused_phase: rows at u/(1 + u), columns at ((1 - mu)/2)^(1/4), both in
+    equal steps; the last row is 40 optical depths.
     """
     # Equal steps of the table's own coordinates; depths end where little light is left.
     t = np.linspace(0.0, 1.0, COSINES)
     share = np.linspace(0.0, _DEEPEST / (1.0 + _DEEPEST), DEPTHS)
     if g <= 0.0:  # no light goes straight on
-        return np.zeros((2, DEPTHS, COSINES))
+        return np.zeros((DEPTHS, COSINES))
     mu, depth = 1.0 - 2.0 * t**4, (share / (1.0 - share))[:, None]
-    return np.stack([fused_phase(mu, g, depth), last_phase(mu, g, depth)])
+    return fused_phase(mu, g, depth)

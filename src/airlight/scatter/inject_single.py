@@ -22,6 +22,7 @@ from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
 from ..media.stale_cells import ALL_CELLS, LISTED_CELLS, STALE_CELL_SLOTS, StaleCells
 from .cell_lights import CELL_LIGHT_SLOTS, CellLights
+from .reduced_media import SLANT_MEDIA
 
 
 class SingleParams(Struct):
@@ -31,25 +32,38 @@ class SingleParams(Struct):
     is_listed = u32("1: into cells of the list alone")
 
 
-# Fluence is kept where the light in cells is read, added to other light's or alone.
-_DROP = "fn keep_light(cell: u32, fluence: vec3f) {}\n"
-_KEEP = """
-fn keep_light(cell: u32, fluence: vec3f) {
-    light[cell] = vec4f(light_base[cell].rgb + fluence, 0.0);
+ROW_BYTES = 48
+"""Of a cell's unscattered light, as `CellFluence` has it."""
+
+# Light is kept where rays meet it in the air, added to other light's or alone.
+_DROP = """const KEEPS_LIGHT = false;
+fn keep_light(cell: u32, light: Arriving) {}
+"""
+_KEEP = """const KEEPS_LIGHT = true;
+fn keep_light(cell: u32, light: Arriving) {
+    let row = 3u * cell;
+    unscattered[row] = vec4f(unscattered_base[row].rgb + light.reduced, 0.0);
+    unscattered[row + 1u] = vec4f(unscattered_base[row + 1u].rgb + light.straight, 0.0);
+    unscattered[row + 2u] = vec4f(unscattered_base[row + 2u].rgb + light.along, 0.0);
 }
 """
-_KEEP_ALONE = """
-fn keep_light(cell: u32, fluence: vec3f) {
-    light[cell] = vec4f(fluence, 0.0);
+_KEEP_ALONE = """const KEEPS_LIGHT = true;
+fn keep_light(cell: u32, light: Arriving) {
+    let row = 3u * cell;
+    unscattered[row] = vec4f(light.reduced, 0.0);
+    unscattered[row + 1u] = vec4f(light.straight, 0.0);
+    unscattered[row + 2u] = vec4f(light.along, 0.0);
 }
 """
 
 
 @dataclass(frozen=True, eq=False)
 class CellFluence:
-    """Fluence of unscattered light in each cell, rgb W m^-2: `after` = `base` + the lights'.
+    """Unscattered light in each cell, three rows of rgb W m^-2: `after` = `base` + the lights'.
 
-    Its mean over what scatters in the cell. `base`: None where there is no other light.
+    Its fluence as reduced media attenuate it, and as the media themselves do; of that the flux of
+    its luminance, x y z of the world. Means over what scatters in the cell. `base`: None where there
+    is no other light.
     """
 
     base: Buffer | None
@@ -76,7 +90,10 @@ class InjectSingle(ComputePass):
         """
         self._media, self._is_first = media, is_first
         # Fluence is added to that of other light, or is the first.
-        kept = (storage("light_base", "vec4f"), storage("light", "vec4f", "read_write"))
+        kept = (
+            storage("unscattered_base", "vec4f"),
+            storage("unscattered", "vec4f", "read_write"),
+        )
         keep = _KEEP_ALONE if is_first else _KEEP
         self.slots = (  # type: ignore[misc]
             uniform("params", SingleParams),
@@ -89,7 +106,9 @@ class InjectSingle(ComputePass):
             *(STALE_CELL_SLOTS if is_first else ()),
         )
         cells = LISTED_CELLS if is_first else ALL_CELLS
-        super().__init__(gpu, generated=media.wgsl + cells + (keep if keeps_light else _DROP))
+        slants = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
+        kept_wgsl = keep if keeps_light else _DROP
+        super().__init__(gpu, generated=media.wgsl + cells + slants + kept_wgsl)
 
     def encode(
         self,
@@ -108,9 +127,9 @@ class InjectSingle(ComputePass):
         are computed; the others' light stays as it was.
         """
         # The light that is there already, and which cells are computed.
-        kept: dict[str, Any] = {"light": fluence.after} if fluence else {}
+        kept: dict[str, Any] = {"unscattered": fluence.after} if fluence else {}
         if fluence and fluence.base:
-            kept["light_base"] = fluence.base
+            kept["unscattered_base"] = fluence.base
         if stale:
             kept |= stale.bound
         self.dispatch(

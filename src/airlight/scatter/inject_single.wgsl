@@ -3,10 +3,12 @@
 //! use media_light
 //! use cell_light
 //! use lights_in_media
+//! use forward_depths
 //! use octants
 //! use cell_order
+//! use tone
 //! needs fn computed_cell(id: vec3u) -> vec3u
-//! needs fn keep_light(cell: u32, fluence: vec3f)
+//! needs fn keep_light(cell: u32, light: Arriving)
 
 // How far p is from a light, `cut` where that is the least that counts. A medium's own light is all
 // within it: of its samples nothing is cut off.
@@ -46,10 +48,34 @@ fn box_transmittance(depth: vec3f, sigma_t: vec3f, direction: vec3f, size: vec3f
     return min(result * exp(half - depth), vec3f(1.0));
 }
 
-// Irradiance of all lights, W m^-2, averaged over a box of sides `size` about p.
-fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
+// Light of all lights, averaged over a box or a cell, W m^-2.
+struct Arriving {
+    reduced: vec3f,     // as reduced media attenuate it
+    straight: vec3f,    // as the media themselves do
+    along: vec3f,       // of that its luminance, times the mean direction in which it travels
+}
+
+// The mean direction, of at most unit length, of a light's travel through a box of sides `size` that it may be in: of
+// both the mean squares of distance count.
+fn mean_travel(light: LightData, p: vec3f, size: vec3f) -> vec3f {
+    if (light.kind == LIGHT_DIRECTIONAL) {
+        return light.direction;
+    }
+    let offset = light.position - p;
+    return -offset / max(sqrt(dot(offset, offset) + dot(size, size) / 12.0), 1e-9);
+}
+
+// Of the light that reaches a box about p the part that the media themselves let straight through.
+fn with_straight(sum: Arriving, light: LightData, p: vec3f, size: vec3f, reduced: vec3f, forward: vec3f) -> Arriving {
+    let straight = reduced * exp(-forward);
+    let along = luminance(straight) * mean_travel(light, p, size);
+    return Arriving(sum.reduced + reduced, sum.straight + straight, sum.along + along);
+}
+
+// What arrives in a box of sides `size` about p.
+fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> Arriving {
     let radius = ball_radius(size);
-    var sum = vec3f(0.0);
+    var sum = Arriving(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < params.light_count; i++) {
         let light = lights[i];
         let in = incoming_in_media(light, p);
@@ -63,15 +89,25 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
             continue;
         }
         // Within the box irradiance varies with distance where the light is near, else by attenuation.
-        let depth = media_light_depth(light, i, p);
+        var depth = vec3f(0.0);
+        var forward = vec3f(0.0);
+        if (KEEPS_LIGHT) {
+            let depths = depths_towards(light, i, p, false);
+            depth = depths.reduced;
+            forward = depths.forward;
+        } else {
+            depth = media_light_depth(light, i, p);
+        }
+        var here = vec3f(0.0);
         if (is_near) {
-            sum += lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
+            here = lit * near_irradiance(light, p, size, sigma_t, exp(-depth));
         } else {
             let direction = lattice_from_world(lattice, in.to_light);
             let nearer = in.distance / reach;
-            sum += lit * in.irradiance * (nearer * nearer)
+            here = lit * in.irradiance * (nearer * nearer)
                 * box_transmittance(depth, sigma_t, direction, size);
         }
+        sum = with_straight(sum, light, p, size, here, forward);
     }
     return sum;
 }
@@ -87,20 +123,28 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> vec3f {
     let size = 0.5 * (high - low);
     var power = vec3f(0.0);
     var scattering = vec3f(0.0);
+    var straight = vec3f(0.0);
+    var along = vec3f(0.0);
     for (var k = 0u; k < 8u; k++) {
         let p = unwarped_point(lattice, id, octant_middle(k));
         let held = media_coefficients(p);
         if (any(held.scattering > vec3f(0.0))) {
-            power += held.scattering * arriving(p, size, held.extinction);
+            let light = arriving(p, size, held.extinction);
+            power += held.scattering * light.reduced;
+            straight += held.scattering * light.straight;
+            along += luminance(held.scattering) * light.along;
             scattering += held.scattering;
         }
     }
-    let fluence = power / max(scattering, vec3f(1e-20));
+    // Their means over what scatters.
+    let least = vec3f(1e-20);
+    let mean = Arriving(power / max(scattering, least), straight / max(scattering, least),
+        along / max(luminance(scattering), 1e-20));
     // Scattered isotropically: a constant term alone.
     power *= size.x * size.y * size.z;
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
     let cell = cell_in(lattice.count, id);
-    keep_light(cell, fluence);
+    keep_light(cell, mean);
     for (var channel = 0u; channel < 3u; channel++) {
         let index = channel * cells_in_all + cell;
         cells[index] = base[index] + vec4f(power[channel], 0.0, 0.0, 0.0);

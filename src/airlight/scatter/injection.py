@@ -30,7 +30,7 @@ from .cells import LatticeCells
 from .entering_light import EnteringLight
 from .forward import ForwardLight
 from .inject_border import InjectBorder, Outside
-from .inject_single import CellFluence
+from .inject_single import ROW_BYTES, CellFluence
 
 
 class Injection:
@@ -60,7 +60,7 @@ class Injection:
         self._fluences: list[Buffer] = []
         if light.keeps_light:
             self._fluences = [
-                Buffer(gpu, f"{name} in cells", 16 * count) for name in ("none", "sky", "light")
+                Buffer(gpu, f"{name} in cells", ROW_BYTES * count) for name in ("none", "sky", "light")
             ]
 
     @property
@@ -105,7 +105,7 @@ class Injection:
 
     @property
     def light_in_cells(self) -> Buffer:
-        """Fluence of all unscattered light in cells, where `EnteringLight` keeps it."""
+        """All unscattered light in cells (`CellFluence`), where `EnteringLight` keeps it."""
         return self._fluences[-1]
 
     @property

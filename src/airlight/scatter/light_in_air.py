@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..fields import AirLight, LatticeSource
+from ..fields import AirLight, AirLobes, LatticeSource
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
@@ -42,7 +42,8 @@ class _Pack(ComputePass):
         storage("track", "vec4f"),
         storage("light", "vec4f"),
         image("mean", FILTERED, "3d"),
-        image("unscattered", FILTERED, "3d"),
+        image("straight", FILTERED, "3d"),
+        image("along", FILTERED, "3d"),
     )
     workgroup = (32, 8, 1)
     file = "light_in_air.wgsl"
@@ -54,10 +55,16 @@ class LightInAir:
     def __init__(self, gpu: Gpu, kit: Kit) -> None:
         self._kit, self._pack, self.scale = kit, _Pack(gpu), 1.0
         size = kit.lattices.texture_size
-        # All light, and the part of it that is unscattered.
-        self._mean, self._unscattered = (
+        # All light; the part of it that is unscattered, and where that goes; of the rest, which
+        # comes from all sides, no direction is known.
+        self._mean, self._straight, self._along, self._turned = (
             Texture(gpu, name, size, FILTERED, dimension="3d", written=True)
-            for name in ("light in air", "unscattered light in air")
+            for name in (
+                "light in air",
+                "unscattered light in air",
+                "where it goes",
+                "where scattered light goes",
+            )
         )
 
     def encode(
@@ -70,7 +77,7 @@ class LightInAir:
         # Scaled as `Emission` scales: finer cells have smaller faces, of which marching knows.
         largest, place = self._kit.placement.cell, part.placement
         self.scale = half_scale(flux * largest)
-        # All light and the unscattered part of it, as mean radiance of each cell.
+        # All light and its unscattered part, as mean radiance of each cell.
         self._pack.dispatch(
             commands,
             place.count,
@@ -84,7 +91,8 @@ class LightInAir:
             track=track,
             light=part.injection.light_in_cells,
             mean=self._mean,
-            unscattered=self._unscattered,
+            straight=self._straight,
+            along=self._along,
         )
 
     def field(self, walls: dict[str, Any]) -> AirLight:
@@ -98,4 +106,4 @@ class LightInAir:
             finer=places[:-1],
             mean=self._mean,
         )
-        return AirLight(mean, self._unscattered)
+        return AirLight(mean, AirLobes(self._straight, self._along, self._turned))

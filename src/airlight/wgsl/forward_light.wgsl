@@ -41,8 +41,8 @@ fn forward_spread_here() -> f32 {
 // on its path to the eye is blurred, by .29 sqrt(2 (1 - g)) of the path.
 fn forward_light(
     p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f,
-) -> ForwardLight {
-    var sum = ForwardLight(vec3f(0.0), vec3f(0.0));
+) -> vec3f {
+    var sum = vec3f(0.0);
     if (lattice_at[0].w <= 0.0) { return sum; }
     let spread = forward_spread_here() * eye_path * eye_path;
     for (var i = 0u; i < own.forward_count; i++) {
@@ -54,7 +54,7 @@ fn forward_light(
         if (forward_table[i].kind != LIGHT_DIRECTIONAL) {
             direction = normalize(p - forward_table[i].position);
         }
-        // What each medium scatters of it: at last towards the eye, and on towards it.
+        // What each medium scatters of it.
         let mu = dot(direction, travel);
         for (var j = 0u; j < media_here(); j++) {
             let k = medium_here(j);
@@ -63,11 +63,9 @@ fn forward_light(
             let all = fused_phase(m, mu, light.a + eye_depth) * reduced_reached;
             let far = saturate(spread * (1.0 - media[m].g.g));
             let scattering = media_density_here[k] * lit_scattering_of(m);
-            sum.last += scattering * light.rgb * last_phase(m, mu, light.a) * reached;
-            sum.on += scattering
+            sum += scattering
                 * (light.rgb * before + mix(light.rgb, wide, far) * max(all - before, vec3f(0.0)));
         }
     }
-    let scale = own.forward_scale * inside_lattices();
-    return ForwardLight(scale * sum.last, scale * sum.on);
+    return own.forward_scale * inside_lattices() * sum;
 }

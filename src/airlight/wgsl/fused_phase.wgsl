@@ -1,5 +1,5 @@
 // Light scattered twice or more that is deflected once; see maths/forward_phase.py. The including pass binds
-// `fused`, two tables for each mean cosine g that media have: rgb by that of each channel.
+// `fused`, a table for each mean cosine g that media have: rgb by that of each channel.
 
 const FUSED_COSINES = 64u;
 const FUSED_DEPTHS = 32u;
@@ -11,11 +11,7 @@ fn fused_row(first: u32, column: u32, f: f32) -> vec3f {
 
 // Of medium m at a scattering depth, sr^-1.
 fn fused_phase(m: u32, mu: f32, depth: f32) -> vec3f {
-    return fused_table(2u * phase_of(m), mu, depth);
-}
-
-fn last_phase(m: u32, mu: f32, depth: f32) -> vec3f {
-    return fused_table(2u * phase_of(m) + 1u, mu, depth);
+    return fused_table(phase_of(m), mu, depth);
 }
 
 // Which of the mean cosines medium m has.

@@ -2,6 +2,6 @@
 
 fn forward_light(
     p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f,
-) -> ForwardLight {
-    return ForwardLight(vec3f(0.0), vec3f(0.0));
+) -> vec3f {
+    return vec3f(0.0);
 }

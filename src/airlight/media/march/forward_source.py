@@ -28,7 +28,7 @@ def forward_slots() -> tuple[Slot, ...]:
 
 
 def fused_rows(rows: Sequence[dict[str, Any]]) -> F32:
-    """(mean cosines * 2 * DEPTHS * COSINES, 4): the tables of `fused` for the rows of GpuMedia, one
+    """(mean cosines * DEPTHS * COSINES, 4): the tables of `fused` for the rows of GpuMedia, one
     for each `phase`."""
     # Media of one mean cosine share a table, and channels of one g are computed once.
     known: dict[float, Any] = {}

@@ -36,6 +36,7 @@ class MarchParams(Struct):
     forward_count = u32("of which so many shine")
     half_space_top = f32("m, of an endless medium")
     half_space_sigma_t = f32("m^-1, of an endless medium")
+    ahead = vec3f("unit length, where the eye looks that cells scatter towards")
 
 
 class SourceData(Struct):
@@ -54,12 +55,14 @@ class SourceData(Struct):
     fade_high_width = vec3f()
 
 
-LatticeForm = Literal["none", "mean", "two bands", "reduced medium", "in-scattering"]
+LatticeForm = Literal["none", "mean", "two bands", "reduced medium", "in-scattering", "lobes"]
 """What is read of a lattice: means alone, where phase functions are isotropic; both bands; means
 that reduced media scatter, with both bands for what they are at the eye; what media scatter towards
-the eye."""
-MEAN_FORMS: tuple[LatticeForm, ...] = ("mean", "reduced medium", "in-scattering")
+the eye; means with the directions of `fields.AirLobes`."""
+MEAN_FORMS: tuple[LatticeForm, ...] = ("mean", "reduced medium", "in-scattering", "lobes")
 """Those that read the texture of means."""
+LOBE_SLOTS = ["lobe_straight", "lobe_along", "lobe_scattered_along"]
+"""The textures of `fields.AirLobes`, of the form "lobes"."""
 SkyForm = Literal["none", "mean", "two bands", "three bands"]
 """Likewise; three bands where phase functions are strongly anisotropic."""
 Written = Literal["light and transmittance", "light", "transmittance"]
@@ -123,6 +126,8 @@ def field_slots(media: GpuMedia, variant: Variant) -> tuple[Slot, ...]:
         names += [f"sky_{name}" for name in ("red", "green", "blue")]
     # Means or a third band, as the form of reading wants them.
     names += ["lattice_mean"] * (variant.lattice in MEAN_FORMS)
+    names += LOBE_SLOTS * (variant.lattice == "lobes")
+    names += LOBE_SLOTS[-1:] * (variant.lattice == "in-scattering")
     names += ["sky_mean"] * (variant.sky == "mean")
     names += ["sky_third"] * (variant.sky == "three bands")
     made += [texture(name, "3d") for name in names]

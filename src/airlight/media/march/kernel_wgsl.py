@@ -42,7 +42,6 @@ def generated(variant: Variant) -> str:
     if variant.half_space_side:
         half_space = half_space_wgsl(variant.half_space_side, has_forward=variant.has_forward)
     reduced = f"const IS_REDUCED_MEDIUM = {str(variant.is_reduced_medium).lower()};\n"
-    reduced += f"const IS_INSCATTERED = {str(variant.lattice == 'in-scattering').lower()};\n"
     return (
         _targets_wgsl(variant)
         + reduced
@@ -55,8 +54,10 @@ def generated(variant: Variant) -> str:
 
 
 def emission_wgsl(variant: Variant) -> str:
-    """`emission_at` of a `variant` whose lattice, if there is one, is read as means alone."""
+    """`emission_at` of a `variant` whose lattice, if there is one, is read as means or lobes."""
     lattice = _isotropic_wgsl("lattice") if variant.has_lattice else ""
+    if variant.lattice == "lobes":
+        lattice = _LOBES_WGSL
     count = f"const LATTICES_AT_ONCE = {min(variant.levels, MAX_LEVELS_AT_ONCE)}u;\n"
     return _sources_wgsl(variant) + count + lattice
 
@@ -157,7 +158,7 @@ def _lattice_wgsl(variant: Variant) -> str:
         return count + _isotropic_wgsl("lattice") + two_bands
     emission = {
         "mean": _isotropic_wgsl("lattice"),
-        "in-scattering": _isotropic_wgsl("lattice", "lit_scattering_of"),
+        "in-scattering": _IN_SCATTERING_WGSL,
     }
     return count + _NO_TWO_BANDS + emission.get(variant.lattice, _emission_wgsl("lattice"))
 
@@ -242,16 +243,59 @@ fn sky_reduced_here() -> vec3f {
 """
 
 
-def _isotropic_wgsl(name: str, scattering: str = "reduced_sigma_s_of") -> str:
+_IN_SCATTERING_WGSL = """
+//! use air_lobes
+// What media scatter towards the eye, as cells have it from their middles, turned to where the ray is seen from.
+fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
+    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }
+    let seen = max(lattice_blended(lattice_mean, true).rgb, vec3f(0.0));
+    let flow = lattice_blended(lobe_scattered_along, true);
+    let to_eye = rays.eye - lattices[0].cell * march_step_share(p) * own.ahead - p;
+    let given = to_eye / max(length(to_eye), 1e-6);
+    let wanted = air_lobe(vec3f(flow.a), flow.xyz, travel);
+    let found = air_lobe(vec3f(flow.a), flow.xyz, given);
+    var sum = vec3f(0.0);
+    for (var j = 0u; j < media_here(); j++) {
+        let k = medium_here(j);
+        let m = ray_medium(k);
+        let turned = turned_lobe(wanted, found, media[m].g);
+        sum += media_density_here[k] * lit_scattering_of(m) * turned;
+    }
+    return own.lattice_scale * sum * seen;
+}
+"""
+
+_LOBES_WGSL = """
+//! use air_lobes
+// What media scatter of unscattered light and of all other, each of which goes about one way.
+fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
+    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }
+    let all = lattice_blended(lattice_mean, true).rgb;
+    let straight = lattice_blended(lobe_straight, true).rgb;
+    let first = air_lobe(straight, lattice_blended(lobe_along, true).rgb, travel);
+    let rest = air_lobe(all - straight, lattice_blended(lobe_scattered_along, true).rgb, travel);
+    var sum = vec3f(0.0);
+    for (var j = 0u; j < media_here(); j++) {
+        let k = medium_here(j);
+        let m = ray_medium(k);
+        let found = scattered_lobe(first, media[m].g) + scattered_lobe(rest, media[m].g);
+        sum += media_density_here[k] * lit_scattering_of(m) * found;
+    }
+    return own.lattice_scale * sum;
+}
+"""
+
+
+def _isotropic_wgsl(name: str) -> str:
     """The same for isotropic phase functions, or light that has been through them: of the means of
-    three channels. `scattering`: the coefficient of a medium."""
+    three channels."""
     # The mean is scattered into all directions alike; beyond the lattices there is none.
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
         "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
         "        let k = medium_here(j);\n"
-        f"        sum += media_density_here[k] * {scattering}(ray_medium(k));\n"
+        "        sum += media_density_here[k] * reduced_sigma_s_of(ray_medium(k));\n"
         f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

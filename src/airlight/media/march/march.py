@@ -29,6 +29,7 @@ from ..media_rows import member_bits
 from ..rays import Rays
 from .forward_source import fused_rows
 from .kernel import (
+    LOBE_SLOTS,
     MEAN_FORMS,
     MarchParams,
     SourceData,
@@ -176,6 +177,8 @@ class March:
             }
         if lattice is not None and variant.lattice in MEAN_FORMS:
             values["lattice_mean"] = lattice.mean
+        if lattice is not None and lattice.inscattered:
+            values[LOBE_SLOTS[-1]] = lattice.inscattered.along
         if sky is not None and variant.sky == "three bands":
             values["sky_third"] = sky.third
         if sky is not None and variant.sky == "mean":
@@ -239,6 +242,7 @@ def march_params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
     # What there is not counts nothing, and is one long step.
     lattice, sky, far = light.lattice, light.sky, light.half_space
     forward = lattice.forward if lattice else None
+    seen = lattice.inscattered if lattice else None
     return MarchParams(
         step=cell / steps.per_cell if math.isfinite(cell) else 1e9,
         max_steps=steps.most,
@@ -253,4 +257,5 @@ def march_params(light: MarchedLight, steps: Steps, cell: float) -> MarchParams:
         forward_count=forward.count if forward else 0,
         half_space_top=far.top if far else 0.0,
         half_space_sigma_t=far.sigma_t if far else 1.0,
+        ahead=seen.ahead.tolist() if seen else (0.0, 0.0, 0.0),
     )

@@ -6,7 +6,7 @@
 //! use end_plane
 //! use eye_ray
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
-//! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> ForwardLight
+//! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> vec3f
 //! needs fn lattice_begin()
 //! needs fn lattice_obliqueness(n: vec3f) -> f32
 //! needs fn lattice_interval(origin: vec3f, direction: vec3f, hull: vec2f) -> vec2f
@@ -24,10 +24,6 @@ var<private> own: MarchParams;
 var<private> eye_depth: f32;
 // Metres of that path in media that lattices light.
 var<private> eye_path: f32;
-
-// Light of lights one by one: scattered for the last time, towards the eye; and scattered on
-// towards it as well.
-struct ForwardLight { last: vec3f, on: vec3f }
 
 // A step through the reduced media: optical depth, the depth of the media's scattering (the mean of
 // three channels), and metres in media that lattices light.
@@ -147,15 +143,13 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
                     T_reduced * dt * mean_transmittance_of(reduced.depth, T_reduced_step);
                 eye_depth += 0.5 * reduced.scattered;
                 eye_path += reduced.path;
-                let own_light = forward_light(q, -ray.direction, reached, reduced_reached);
-                // Beside single scattering of the sky what is scattered forwards of it. Gathered light
-                // has that of lights but for their last scattering. What media emit is among lights.
+                // Beside single scattering of the sky what is scattered forwards of it. What media emit
+                // is among lights.
                 let forward = max(reduced_reached - reached, vec3f(0.0));
-                L_reduced += forward * sky_reduced_at();
-                if (!IS_INSCATTERED) {
-                    L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction) + own_light.on;
-                }
-                L_two_bands += reached * lattice_two_bands(q, -ray.direction) + own_light.last;
+                L_reduced += reduced_reached * reduced_emission_at(q, -ray.direction)
+                    + forward_light(q, -ray.direction, reached, reduced_reached)
+                    + forward * sky_reduced_at();
+                L_two_bands += reached * lattice_two_bands(q, -ray.direction);
                 eye_depth += 0.5 * reduced.scattered;
                 T_reduced *= T_reduced_step;
                 T_most = max(T_reduced.r, max(T_reduced.g, T_reduced.b));
@@ -171,11 +165,7 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
         // Close to surfaces two bands represent their light better.
         let is_sky = ray.distance >= EYE_RAY_FAR;
         let all = L_reduced + light_behind(eye, ray, t, T, T_reduced);
-        if (IS_INSCATTERED) {
-            L += all + L_two_bands;
-        } else {
-            L += mix(all, L_two_bands, select(T_reduced, vec3f(0.0), is_sky));
-        }
+        L += mix(all, L_two_bands, select(T_reduced, vec3f(0.0), is_sky));
     }
     return marched(vec4f(L, ray.distance), sky, T);
 }

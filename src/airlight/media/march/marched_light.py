@@ -55,7 +55,7 @@ def _lattice_form(lattice: LatticeSource | None, sharpest: float) -> LatticeForm
     # What the lattice was solved for decides, then how sharply media scatter.
     if lattice is None:
         return "none"
-    if lattice.is_inscattered:
+    if lattice.inscattered:
         return "in-scattering"
     if lattice.is_reduced_medium:
         return "reduced medium"
