@@ -1,9 +1,10 @@
 """Media along the rays of a gather: they dim what lies behind, and scatter light into the rays.
 
-All of it as reduced media have it (similarity theory): their light comes from `fields.AirLight` of
-a lattice, or from the sources of principal ordinates. Light that media scatter forwards alone goes
-on from lights as beams, which no ray meets; `fields.forward` is its irradiance. Mirrored rays meet
-volumes of principal ordinates as they are seen.
+Their light comes from `fields.AirLight` of a lattice, or from the sources of principal ordinates.
+Rays from cells of a lattice meet its media as they are. For rays from surfaces all is as reduced
+media have it (similarity theory): light that media scatter forwards alone goes on from lights as
+beams, which no ray meets; `fields.forward` is its irradiance. Mirrored rays meet volumes of
+principal ordinates as they are seen.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-// What media do to a segment of a path, in the reduced media of similarity theory: the light that they scatter into it,
-// and their transmittance. Where it leaves the scene that is of the media themselves:
+// What media do to a segment of a path, from cells of a lattice as they are, else as the reduced media of similarity
+// theory: the light that they scatter into it, and their transmittance. Where it leaves the scene that is of the media themselves:
 // light of the sky that they only scatter forwards is on surfaces already (beams.wgsl). So is what they emit: media are
 // lights (area/glowing.py), which send to surfaces and cells; mirrored rays alone see them glow.
 //! use media_here

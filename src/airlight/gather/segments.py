@@ -182,7 +182,8 @@ class PathSegments:
         """What media along a segment scatter into it, and how much light they let by."""
         assert self._air is not None
         with commands.stage("gather air"):
-            # Cells' rays go through the media themselves; those of what they meet, through reduced ones.
+            # Rays of cells go through the media themselves, those of what they meet through
+            # reduced ones.
             is_from_air = isinstance(sized, CellBatches) and segment.index == 0
             met = light_in(fields, is_from_air=is_from_air)
             self._air.encode(commands, sized.points.reduced, ends, segment, met, air)

@@ -10,7 +10,7 @@
                radial_grid: propagation; delta_beam, outgoing_light, point_light_beam, diffusion:
                beams (Elek2014); nested_diffusion: on finer grids; halved_cells: light between cells
    media       medium, mixtures, two_streams, voxels, empty_voxels, solid_voxels, half_space,
-               forward_phase, forward_beams, sky_phase, beam_phase
+               forward_phase, forward_beams, air_lobes, sky_phase, beam_phase
    space       transforms, octahedron, latlong, weld, closing, keyframes; rays, box_tree
    numbers     colour, tone, lut, half, chunks
 

@@ -11,53 +11,43 @@ Source: ours.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .phase import ISOTROPIC, scattering_phase
 from .colour import luminance
+from .phase import ISOTROPIC, scattering_phase
 
 F64 = NDArray[np.float64]
 
 
-class AirLobe(NamedTuple):
-    """`mean` (..., 3) radiance, and (...) its mean cosine `sharpness` to the way that it goes.
+def lobe_phase(light: ArrayLike, along: ArrayLike, travel: ArrayLike, g: ArrayLike) -> F64:
+    """The phase function, over isotropic scattering, into rays that `travel` (..., 3) some way.
 
-    `cosine` (...): of that way to a ray's direction of travel.
+    Of light of the luminance `light` (...) and `along` (..., 3), that times its mean direction, in
+    a medium of mean cosine `g` (..., 3).
     """
-
-    mean: F64
-    sharpness: F64
-    cosine: F64
-
-
-def air_lobe(mean: ArrayLike, along: ArrayLike, travel: ArrayLike) -> AirLobe:
-    """Of `mean` (..., 3) radiance, and `along` (..., 3): its luminance times the mean direction.
-
-    `travel` (..., 3): unit length.
-    """
-    light, flow = np.maximum(mean, 0.0), np.asarray(along, np.float64)
+    flow, way = np.asarray(along, np.float64), np.asarray(travel, np.float64)
     flux = np.linalg.norm(flow, axis=-1)
-    sharpness = np.minimum(flux / np.maximum(luminance(light), 1e-20), 1.0)
-    return AirLobe(light, sharpness, (flow * travel).sum(axis=-1) / np.maximum(flux, 1e-20))
+    sharpness = np.minimum(flux / np.maximum(light, 1e-20), 1.0)
+    cosine = (flow * way).sum(axis=-1) / np.maximum(flux, 1e-20)
+    sharper = sharpness[..., None] * np.asarray(g, np.float64)
+    return np.asarray(scattering_phase(cosine[..., None], sharper) / ISOTROPIC)
 
 
-def scattered_lobe(lobe: AirLobe, g: ArrayLike) -> F64:
-    """(..., 3): what a medium of mean cosine `g` (3,) scatters of it into the ray.
+def scattered_lobe(mean: ArrayLike, along: ArrayLike, travel: ArrayLike, g: ArrayLike) -> F64:
+    """(..., 3): what a medium scatters of light of a `mean` (..., 3) radiance into such rays.
 
     Radiance per length in the medium, times its scattering coefficient.
     """
-    phase = scattering_phase(lobe.cosine[..., None], lobe.sharpness[..., None] * np.asarray(g))
-    return np.asarray(lobe.mean * phase / ISOTROPIC)
+    light = np.maximum(np.asarray(mean, np.float64), 0.0)
+    return np.asarray(light * lobe_phase(luminance(light), along, travel, g))
 
 
-def turned_lobe(wanted: AirLobe, given: AirLobe, g: ArrayLike) -> F64:
-    """(..., 3): what a medium of mean cosine `g` (3,) scatters of a lobe along one way.
+def turned_lobe(flow: ArrayLike, travel: ArrayLike, given: ArrayLike, g: ArrayLike) -> F64:
+    """The same into rays that `travel` one way over that into those that travel a `given` one.
 
-    Over what it scatters along another; both lobes are the same light, seen along these.
+    `flow` (..., 4): `along` and the luminance.
     """
-    none = np.ones(3)
-    one, other = (scattered_lobe(lobe._replace(mean=none), g) for lobe in (wanted, given))
+    f = np.asarray(flow, np.float64)
+    one, other = (lobe_phase(f[..., 3], f[..., :3], way, g) for way in (travel, given))
     return np.asarray(one / other)

@@ -62,8 +62,8 @@ class CellFluence:
     """Unscattered light in each cell, three rows of rgb W m^-2: `after` = `base` + the lights'.
 
     Its fluence as reduced media attenuate it, and as the media themselves do; of that the flux of
-    its luminance, x y z of the world. Means over what scatters in the cell. `base`: None where there
-    is no other light.
+    its luminance, x y z of the world. Means over what scatters in the cell. `base`: None where
+    there is no other light.
     """
 
     base: Buffer | None

@@ -60,7 +60,8 @@ class Injection:
         self._fluences: list[Buffer] = []
         if light.keeps_light:
             self._fluences = [
-                Buffer(gpu, f"{name} in cells", ROW_BYTES * count) for name in ("none", "sky", "light")
+                Buffer(gpu, f"{name} in cells", ROW_BYTES * count)
+                for name in ("none", "sky", "light")
             ]
 
     @property

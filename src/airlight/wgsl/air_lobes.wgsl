@@ -2,26 +2,21 @@
 //! use phase
 //! use tone
 
-struct AirLobe {
-    mean: vec3f,        // radiance over all directions
-    sharpness: f32,     // mean cosine to the way that it goes
-    cosine: f32,        // of that way to a ray's direction of travel
-}
-
-// `mean`: radiance; `along`: of its luminance, times the mean direction.
-fn air_lobe(mean: vec3f, along: vec3f, travel: vec3f) -> AirLobe {
-    let light = max(mean, vec3f(0.0));
+// The phase function, over isotropic scattering, of light of a luminance and `along`, that times the mean direction, into
+// rays that travel some way in a medium of mean cosine g.
+fn lobe_phase(light: f32, along: vec3f, travel: vec3f, g: vec3f) -> vec3f {
     let flux = length(along);
-    let sharpness = min(flux / max(luminance(light), 1e-20), 1.0);
-    return AirLobe(light, sharpness, dot(along, travel) / max(flux, 1e-20));
+    let sharpness = min(flux / max(light, 1e-20), 1.0);
+    return scattering_phase(dot(along, travel) / max(flux, 1e-20), sharpness * g) / PHASE_ISOTROPIC;
 }
 
-// What a medium of mean cosine g scatters of it into the ray, per scattering coefficient.
-fn scattered_lobe(lobe: AirLobe, g: vec3f) -> vec3f {
-    return lobe.mean * scattering_phase(lobe.cosine, lobe.sharpness * g) / PHASE_ISOTROPIC;
+// What a medium scatters of light of a `mean` radiance into such rays, per scattering coefficient.
+fn scattered_lobe(mean: vec3f, along: vec3f, travel: vec3f, g: vec3f) -> vec3f {
+    let light = max(mean, vec3f(0.0));
+    return light * lobe_phase(luminance(light), along, travel, g);
 }
 
-// What it scatters along one way over what it scatters along another.
-fn turned_lobe(wanted: AirLobe, given: AirLobe, g: vec3f) -> vec3f {
-    return scattering_phase(wanted.cosine, wanted.sharpness * g) / scattering_phase(given.cosine, given.sharpness * g);
+// The same into rays that travel one way over that into those that travel another.
+fn turned_lobe(flow: vec4f, travel: vec3f, given: vec3f, g: vec3f) -> vec3f {
+    return lobe_phase(flow.w, flow.xyz, travel, g) / lobe_phase(flow.w, flow.xyz, given, g);
 }

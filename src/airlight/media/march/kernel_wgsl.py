@@ -245,20 +245,18 @@ fn sky_reduced_here() -> vec3f {
 
 _IN_SCATTERING_WGSL = """
 //! use air_lobes
-// What media scatter towards the eye, as cells have it from their middles, turned to where the ray is seen from.
+// What media scatter towards the eye, as cells have it from their middles, turned to the ray's way.
 fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
     if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }
     let seen = max(lattice_blended(lattice_mean, true).rgb, vec3f(0.0));
     let flow = lattice_blended(lobe_scattered_along, true);
     let to_eye = rays.eye - lattices[0].cell * march_step_share(p) * own.ahead - p;
     let given = to_eye / max(length(to_eye), 1e-6);
-    let wanted = air_lobe(vec3f(flow.a), flow.xyz, travel);
-    let found = air_lobe(vec3f(flow.a), flow.xyz, given);
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_here(); j++) {
         let k = medium_here(j);
         let m = ray_medium(k);
-        let turned = turned_lobe(wanted, found, media[m].g);
+        let turned = turned_lobe(flow, travel, given, media[m].g);
         sum += media_density_here[k] * lit_scattering_of(m) * turned;
     }
     return own.lattice_scale * sum * seen;
@@ -272,13 +270,14 @@ fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
     if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }
     let all = lattice_blended(lattice_mean, true).rgb;
     let straight = lattice_blended(lobe_straight, true).rgb;
-    let first = air_lobe(straight, lattice_blended(lobe_along, true).rgb, travel);
-    let rest = air_lobe(all - straight, lattice_blended(lobe_scattered_along, true).rgb, travel);
+    let along = lattice_blended(lobe_along, true).rgb;
+    let scattered_along = lattice_blended(lobe_scattered_along, true).rgb;
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_here(); j++) {
         let k = medium_here(j);
         let m = ray_medium(k);
-        let found = scattered_lobe(first, media[m].g) + scattered_lobe(rest, media[m].g);
+        let found = scattered_lobe(straight, along, travel, media[m].g)
+            + scattered_lobe(all - straight, scattered_along, travel, media[m].g);
         sum += media_density_here[k] * lit_scattering_of(m) * found;
     }
     return own.lattice_scale * sum;
