@@ -141,3 +141,14 @@ def test_air_beside_a_beam_has_what_its_phase_function_scatters_out_of_it():
         expected = scattered(g) / scattered(0.0)
         # Measured .81, .52 and .39 of .74, .49 and .41: cells are half as wide as the beam.
         assert light / found[0.0] == pytest.approx(expected, rel=0.12), g
+
+
+def test_a_sheet_alone_shades_all_air_below_it():
+    """Shadow maps end with the surfaces; air goes on beyond, and was lit there."""
+    sheet = rectangle(Y - 3 * X - 3 * Z, 6 * X, 6 * Z, PAINT_BLACK)
+    air = Medium((0.02,) * 3, (1.0,) * 3, bounds=((-2.0, -3.0, -2.0), (2.0, 0.5, 2.0)))
+    camera = Camera((0.0, -1.5, 4.0), (0.0, -1.5, 0.0), fov_y_deg=40.0)
+    scene = Scene((sheet,), (DirectionalLight((0, -1, 0), (1e3,) * 3),), camera=camera, medium=air)
+    settings = {**SETTINGS, "bounds": (-3.0, -3.2, -3.0, 3.0, 1.3, 3.0), "gather": "off"}
+    image = render(scene, "lpv-scatter", (12, 8), samples=1, settings=settings)
+    assert image.radiance.max() == 0.0

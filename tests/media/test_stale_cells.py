@@ -59,7 +59,7 @@ def fields(renderer: Renderer) -> dict[str, np.ndarray]:
     found = {n: b.read().reshape(3, nz, ny, nx, 4) for n, b in buffers.items()}
     found = {n: np.moveaxis(x, 0, -1) for n, x in found.items()}
     if injection._fluences:
-        found["fluence"] = injection._fluences[1].read().reshape(nz, ny, nx, 4)
+        found["fluence"] = injection._fluences[1].read().reshape(nz, ny, nx, 12)
     return {**found, "marched": media.sky.red.read(), "mean": media.sky.mean.read()}
 
 
