@@ -31,7 +31,7 @@ class ScatterSettings:
         choices=SCHEMES,
     )
     iterations: int = setting(
-        12,
+        24,
         "propagation steps on the fine lattice; cycles are one for four of them, rounded, at least "
         "one, so that 1 to 5 are the same",
         low=0,
@@ -50,8 +50,9 @@ class ScatterSettings:
         high=0.9,
     )
     acceleration: str = setting(
-        "cycle",
-        "coarser lattices for slow light: none, to finish with, or in multigrid cycles",
+        "regions",
+        "for slow light: none; coarser lattices, to finish with or in multigrid cycles; or regions "
+        "of the lattice, between which it is brought at once",
         choices=ACCELERATIONS,
     )
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
