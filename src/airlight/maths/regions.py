@@ -90,7 +90,8 @@ def sums_of(regions: ArrayLike, power: ArrayLike) -> F64:
     """The power (Z, Y, X) of each region, (REGIONS,)."""
     of = np.asarray(regions).ravel()
     inside = of >= 0
-    return np.bincount(of[inside], np.asarray(power).ravel()[inside], REGIONS)[:REGIONS]
+    sums = np.bincount(of[inside], np.asarray(power).ravel()[inside], REGIONS)
+    return np.asarray(sums[:REGIONS], dtype=np.float64)
 
 
 def gain(matrix: ArrayLike, regions: ArrayLike) -> F64:

@@ -1,8 +1,9 @@
-"""The sum of all states on a lattice, accelerated by coarser ones (geometric multigrid).
+"""The sum of all states on a lattice, accelerated by regions or by coarser lattices.
 
-Q = I + M Q is stepped; the residual that is left is solved for on a lattice whose hops are twice as
-long and whose cells are an eighth as many, and handed back as a correction
-(maths.lattice26_levels is the NumPy twin). `Schedule` says how often: a fixed number of dispatches,
+Q = I + M Q is stepped; what is under way is brought between regions of the lattice at once
+(`regions`). Or the residual that is left is solved for on a lattice whose hops are twice as long
+and whose cells are an eighth as many, and handed back as a correction (geometric multigrid;
+maths.lattice26_levels is the NumPy twin). `Schedule` says how often: a fixed number of dispatches,
 so that a frame never waits for a residual to come back from the device.
 
     source I -> step -> ... -> step --residual--> coarser level, likewise

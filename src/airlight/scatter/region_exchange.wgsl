@@ -9,25 +9,16 @@ var<workgroup> row: array<atomic<i32>, REGIONS>;
 const UNITS = 536870912.0;      // of all power of a region's cells, and as much again of their neighbours'
 const SLOWEST = 0.001;          // light is lost within so many steps, or a closed white room would have no answer
 
-fn cell_with(at: vec3i, channel: u32, power: f32) -> Cell {
-    let state = vec4f(power, 0.0, 0.0, 0.0);
-    let inside = vec3u(clamp(at, vec3i(0), vec3i(params.count) - 1));
-    if (IS_VARIED) {
-        return varied_cell(state, medium[index_in(params.count, inside, channel)]);
+fn cell_with(at: vec3i, channel: u32) -> Cell {
+    if (!IS_VARIED) {
+        return homogeneous_cell(coefficients[params.row + channel].gain);
     }
-    return homogeneous_cell(state * coefficients[params.row + channel].gain);
+    let inside = vec3u(clamp(at, vec3i(0), vec3i(params.count) - 1));
+    return varied_cell(vec4f(1.0), medium[index_in(params.count, inside, channel)]);
 }
 
 fn cell_beside(at: vec3i, channel: u32, step: vec3i) -> Cell {
-    return cell_with(at + step, channel, 1.0);
-}
-
-fn walls_at(cell: u32, channel: u32) -> Walls {
-    if (!HAS_WALLS) {
-        return no_walls();
-    }
-    let p = 4u * cell;
-    return unpacked_walls(array<vec4u, 4>(packs[p], packs[p + 1u], packs[p + 2u], packs[p + 3u]), channel);
+    return cell_with(at + step, channel);
 }
 
 fn region_at(at: vec3i) -> u32 {
@@ -37,35 +28,47 @@ fn region_at(at: vec3i) -> u32 {
     return regions[index_in(params.count, vec3u(at), 0u)] & 255u;
 }
 
-// Adds what a cell of `region` keeps and gets, by the region that it comes from.
+// How open a hop is, of the two packs of a cell from `first` on.
+fn open_share(first: u32, hop: u32) -> f32 {
+    if (!HAS_WALLS) {
+        return 1.0;
+    }
+    return unpack4x8unorm(packs[first + hop / 16u][(hop / 4u) & 3u])[hop & 3u];
+}
+
+// Adds what a cell of `region` keeps of its light and gets, by the region that it comes from: `exchange` of step26, of
+// light without direction.
 fn add_cell(cell: u32, region: u32, channel: u32, units: f32) {
     let at = vec3i(cell_at_index(params.count, cell));
-    let own = cell_with(at, channel, 1.0);
-    let no_own = cell_with(at, channel, 0.0);
+    let own = cell_with(at, channel);
     var c = coefficients[params.row + channel];
     if (IS_VARIED && HANDED_ON == 0.0) {
         c = varied_coefficients(own);
     }
-    var walls = walls_at(cell, channel);
-    var kept = vec4f(0.0);
+    var white = 0.0;
+    if (HAS_WALLS) {
+        white = unpack4x8unorm(packs[4u * cell + 3u].w)[channel];
+    }
+    var kept = 0.0;
     for (var hop = 0u; hop < 27u; hop++) {
-        let step = hop_offset(hop);
-        let far = region_at(at + step);
         if (hop == 13u) {
             continue;
         }
-        if (far == region) {
-            exchange(&kept, c, own, cell_beside(at, channel, step), &walls, step);
-            continue;
-        }
-        exchange(&kept, c, own, cell_with(at + step, channel, 0.0), &walls, step);
-        if (far < REGIONS) {
-            var came = vec4f(0.0);
-            exchange(&came, c, no_own, cell_beside(at, channel, step), &walls, step);
-            atomicAdd(&row[far], i32(round(came.x * units)));
+        let step = hop_offset(hop);
+        let k = hop_kind(step);
+        let far = cell_beside(at, channel, step);
+        // Its own light, through the open share and back from the other; then the neighbour's.
+        let open = open_share(4u * cell + 2u, hop);
+        kept += open * (c.kept[k] + own.q[k] * far.w[k]) + (1.0 - open) * (c.stopped[k] + white * c.returned[k]);
+        let came = open_share(4u * cell, hop) * (far.u[k] + far.q[k] * c.arriving[k]);
+        let sender = region_at(at + step);
+        if (sender == region) {
+            kept += came;
+        } else if (sender < REGIONS) {
+            atomicAdd(&row[sender], i32(round(came * units)));
         }
     }
-    atomicAdd(&row[region], i32(round(kept.x * units)));
+    atomicAdd(&row[region], i32(round(kept * units)));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) lane: u32,
