@@ -1,5 +1,4 @@
 // The power that a step has brought to each region: what is under way there. A workgroup for each region and channel.
-//! use channel_cells
 
 var<workgroup> parts: array<f32, WX>;
 
