@@ -29,7 +29,7 @@ from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .hidden import Hidden
-from .lattice_box import lattice_axes, lattice_extent, with_medium_around
+from .lattice_box import lattice_axes, lattice_extent, whole_lattice, with_medium_around
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
 from .sky import Sky
@@ -45,7 +45,7 @@ class SurfaceSettings:
     )
     follow_walls: bool = setting(
         True,
-        "whether the lattice turns to the directions of the walls, or follows the world's axes",
+        "whether the lattice turns to the walls and cells end at them; else it follows the world",
     )
     shadow_resolution: int = setting(
         2048,
@@ -295,5 +295,8 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
-    nest = nested(low, high, resolution, axes=axes)
+    whole = whole_lattice(
+        scene, low, high, resolution, axes=axes, follows_walls=settings.follow_walls
+    )
+    nest = nested(low, high, resolution, whole=whole)
     return with_medium_around(nest, scene, settings.bounds, resolution) if in_medium else nest

@@ -90,9 +90,9 @@ def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> 
     medium = scene.medium
     if medium is not None and (medium.bounds is not None or medium.endless):
         low, high = medium_box(medium, *scene.bounds, scene.camera.position)
-        # A lattice reaches up to two cells further than what it is fitted to (`fitted`); that far
-        # inside it a medium may end, as one without bounds does.
-        inner = placement.cell * 2.0
+        # A lattice reaches up to two and a half cells further than what it is fitted to
+        # (`at_walls`); that far inside it a medium may end, as one without bounds does.
+        inner = placement.cell * 2.5
         first, last = placement.bounds
         least, most = box_along(np.array(placement.axes).T, first + inner, last - inner)
         varies = varies or bool((least < low).any() or (most > high).any())
