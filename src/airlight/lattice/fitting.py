@@ -24,6 +24,8 @@ Walls = tuple[tuple[F64, F64], ...]
 _FACING = np.cos(np.radians(2.0))
 _LARGEST, _SIZES = 1.1, 11
 """Times as large cells at most, and how many sizes are tried."""
+_WORTH = 0.5
+"""Of the mean square distance: what a lattice must leave at most to be moved."""
 _OFFSETS = 64
 """Places within a cell that are tried."""
 _BINS = 64
@@ -64,7 +66,7 @@ def at_walls(placement: Placement, low: F64, high: F64, walls: Walls) -> Placeme
     area = sum(float(areas.sum()) for _, areas in inside)
     if area <= 0.0:
         return placement
-    least, best = np.inf, placement
+    least, best = _WORTH * _off(placement, inside) / area, placement
     for larger in np.linspace(0.0, _LARGEST - 1.0, _SIZES):
         cell = float((1.0 + larger) * placement.cell)
         found = [_offset(places, areas, cell) for places, areas in inside]
@@ -85,6 +87,15 @@ def _binned(places: F64, areas: F64, low: float, high: float, cell: float) -> tu
     total = np.asarray(np.bincount(bins, areas), dtype=np.float64)
     mean = np.bincount(bins, areas * places) / np.maximum(total, 1e-300)
     return mean[total > 0.0], total[total > 0.0]
+
+
+def _off(placement: Placement, walls: list[tuple[F64, F64]]) -> float:
+    """The sum of area by distances squared, in cells, from the faces of a lattice."""
+    total = 0.0
+    for begin, (places, areas) in zip(placement.origin, walls, strict=True):
+        off = (places - begin) / placement.cell
+        total += float(areas @ (off - np.round(off)) ** 2)
+    return total
 
 
 def _offset(places: F64, areas: F64, cell: float) -> tuple[float, float]:

@@ -23,13 +23,13 @@ from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
 from ..lattice.lookup import LatticeTextures
 from ..lattice.nested import Nest, nested
-from ..lattice.placement import STRAIGHT, Hull, Placement
+from ..lattice.placement import STRAIGHT, Hull, Placement, fitted
 from ..maths.transforms import F64, triple
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from ..surface.geometry import GpuScene
 from .hidden import Hidden
-from .lattice_box import lattice_axes, lattice_extent, whole_lattice, with_medium_around
+from .lattice_box import lattice_axes, lattice_extent, with_medium_around
 from .lights import Lights
 from .shadow_rays import SceneRays, ShadowRays
 from .sky import Sky
@@ -295,8 +295,6 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
-    whole = whole_lattice(
-        scene, low, high, resolution, axes=axes, follows_walls=settings.follow_walls
-    )
+    whole = fitted(low, high, resolution, axes)
     nest = nested(low, high, resolution, whole=whole)
     return with_medium_around(nest, scene, settings.bounds, resolution) if in_medium else nest
