@@ -24,8 +24,8 @@ Walls = tuple[tuple[F64, F64], ...]
 _FACING = np.cos(np.radians(2.0))
 _LARGEST, _SIZES = 1.1, 11
 """Times as large cells at most, and how many sizes are tried."""
-_WORTH = 0.5
-"""Of the mean square distance: what a lattice must leave at most to be moved."""
+_WORTH = 0.05
+"""Cells squared: where more than that is left walls lie anywhere, and lattices stay as they are."""
 _OFFSETS = 64
 """Places within a cell that are tried."""
 _BINS = 64
@@ -66,7 +66,7 @@ def at_walls(placement: Placement, low: F64, high: F64, walls: Walls) -> Placeme
     area = sum(float(areas.sum()) for _, areas in inside)
     if area <= 0.0:
         return placement
-    least, best = _WORTH * _off(placement, inside) / area, placement
+    least, best = min(_WORTH, _off(placement, inside) / area), placement
     for larger in np.linspace(0.0, _LARGEST - 1.0, _SIZES):
         cell = float((1.0 + larger) * placement.cell)
         found = [_offset(places, areas, cell) for places, areas in inside]
