@@ -31,6 +31,7 @@ SMALL = {
     "surfels": 40_000,
     "ambient_occlusion": False,
     "gather": "off",
+    "follow_walls": False,  # cells that end at walls are of another size in each lattice
 }
 SUN = DirectionalLight((0.5, -0.8, 0.35), (4.0, 3.8, 3.4))
 LIGHT = PointLight((0.3, 1.2, 0.4), (6.0, 5.0, 4.0))
