@@ -105,7 +105,9 @@ def _offset(places: F64, areas: F64, cell: float) -> tuple[float, float]:
     offsets = np.arange(_OFFSETS) / _OFFSETS
     off = places[:, None] / cell - offsets
     off -= np.round(off)
-    best = int((areas @ off**2).argmin())
+    # The first of those that are as good, so that rounding does not choose.
+    sums = areas @ off**2
+    best = int((sums <= sums.min() + 1e-6 * areas.sum()).argmax())
     # As far on as walls are in the mean.
     more = float(areas @ off[:, best] / areas.sum())
     return float(offsets[best] + more), float(areas @ (off[:, best] - more) ** 2)
@@ -122,5 +124,5 @@ def _around(placement: Placement, low: F64, high: F64, cell: float, offsets: F64
     first, last = np.floor(begin - 0.5 + hair), np.ceil(end + 0.5 - hair)
     # Pairs of cells: one more where the margin is smaller.
     count = tiled((last - first).astype(np.int64))
-    first -= (count - (last - first) > 0.5) & (begin - first < last - end)
+    first -= (count - (last - first) > 0.5) & (begin - first < last - end - hair)
     return replace(placement, origin=triple((first + offsets) * cell), cell=cell, count=count)

@@ -49,14 +49,15 @@ def flooded(count: Count, faces: ArrayLike) -> I64:
     is_middle = ((2 * part + 1) * count // (2 * np.array(grid)) == cells).all(axis=-1)
     number = (part[..., 2] * grid[1] + part[..., 1]) * grid[0] + part[..., 0]
     far = np.int64(2**32 - 1)
-    found = np.where(is_middle, number, far)
-    # From cell to cell through open faces; of regions as near the first has it.
+    found = np.where(is_middle, 256 * part.sum(axis=-1) + number, far)
+    # From cell to cell through open faces; of regions as near the one nearer to the lattice's
+    # corner has a cell, so that all axes are alike.
     is_open = np.asarray(faces) > OPEN
     for _ in range(FLOOD_STEPS):
         nearest = found
         for hop in range(6):
             beside = _came(found, 2 - hop // 2, 1 if hop % 2 == 0 else -1, far)
-            reached = np.where(is_open[hop] & (beside != far), beside + 256, far)
+            reached = np.where(is_open[hop] & (beside != far), beside + 65536, far)
             nearest = np.minimum(nearest, reached)
         found = nearest
     return np.where(found == far, -1, found & 255)

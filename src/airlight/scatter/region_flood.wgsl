@@ -1,15 +1,18 @@
 // One step of light that spreads from the regions' middles, a cell at a time through open faces: each cell knows how far the
-// nearest middle is and whose it is, as 256 times the steps plus the region. maths.regions.flooded is the NumPy twin.
+// nearest middle is and whose it is. maths.regions.flooded is the NumPy twin.
 //! use cell_order
 //! use entering_share
 
 const UNREACHED = 0xffffffffu;
+const STEP = 65536u;        // and multiples of 256 for the sum of the coordinates of a region, to which its number is added
 
 // The region in whose middle a cell lies: the cells' box is cut into params.regions equal boxes.
 fn middle_of(cell: vec3u) -> u32 {
     let part = cell * params.regions / params.count;
     let middle = (2u * part + 1u) * params.count / (2u * params.regions);
-    return select(UNREACHED, cell_in(params.regions, part), all(middle == cell));
+    // Of regions as near the one nearer to the lattice's corner has a cell, so that all axes are alike.
+    let ranked = 256u * (part.x + part.y + part.z) + cell_in(params.regions, part);
+    return select(UNREACHED, ranked, all(middle == cell));
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -32,7 +35,7 @@ fn middle_of(cell: vec3u) -> u32 {
         let is_open = params.has_walls == 0u || entering_share(face_visibility[index], hop) > OPEN;
         let far = before[cell_in(params.count, vec3u(beside))];
         if (is_open && far != UNREACHED) {
-            found = min(found, far + 256u);
+            found = min(found, far + STEP);
         }
     }
     after[index] = found;
