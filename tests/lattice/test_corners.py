@@ -28,12 +28,12 @@ def room(square, width, height, depth):
     return Scene(meshes, environment=Environment((5.0, 5.0, 5.0)), camera=camera)
 
 
-@pytest.mark.parametrize(("technique", "most"), [("lpv", 1.75), ("lpv-scatter", 2.3)])
+@pytest.mark.parametrize(("technique", "most"), [("lpv", 1.64), ("lpv-scatter", 1.85)])
 @pytest.mark.parametrize("size", [(3.3, 2.2, 5.1), (5.0, 2.9, 3.1)])
 def test_no_pixel_of_a_corner_is_bright(square, technique, most, size):
-    # The brightest pixel over the median: 1.53 and 2.0. Where a wall's share of a face counts what
+    # The brightest pixel over the median: 1.56 and 1.77. Where a wall's share of a face counts what
     # is behind the other walls of its corner it was 2.0 and 2.5 in the second room; where walls are
-    # known to .45 of a cell only, 7 and 8 in the first.
-    with Renderer(room(square, *size), technique, (96, 54)) as renderer:
+    # known to .45 of a cell only, or points in seams lie behind one of its walls, 7 and 8.
+    with Renderer(room(square, *size), technique, (192, 108)) as renderer:
         light = renderer.frame().layers["indirect"].mean(axis=-1)
     assert light.max() < most * np.median(light)

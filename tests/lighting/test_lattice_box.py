@@ -91,7 +91,8 @@ def around(scene: Scene, bounds: tuple[float, ...] = (), turn_rad: float = 0.0) 
     c, s = np.cos(turn_rad), np.sin(turn_rad)
     axes = ((c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c))
     low, high, resolution = lattice_extent(scene, (), 16, in_medium=True, axes=axes)
-    return medium_around(scene, bounds, nested(low, high, resolution, axes=axes))
+    whole = fitted(low, high, resolution, axes)
+    return medium_around(scene, bounds, nested(low, high, resolution, whole=whole))
 
 
 @pytest.mark.parametrize("turn_rad", [0.0, 0.3, 0.6])

@@ -34,11 +34,11 @@ def nest(gpu, commands, owned):
     """nest(inner, points, normals, powers) -> solved states of OUTER and of the inner lattice."""
 
     def solve(inner, points, normals, powers):
-        rows = OUTER.count[1] + inner.count[1]
-        size = (24, rows, 24)
-        inner = Placement(inner.origin, inner.cell, inner.count, first_row=OUTER.count[1])
+        # As nested lattices lie in their textures, the finer one first.
+        size = (24, OUTER.count[1] + inner.count[1], 24)
+        outer = Placement(OUTER.origin, OUTER.cell, OUTER.count, first_row=inner.count[1])
         power, units = texture_scale(POWER_W), fixed_point_scale(POWER_W)
-        textures = owned(LatticeTextures(gpu, OUTER, size))
+        textures = owned(LatticeTextures(gpu, outer, size))
         visibility_a, visibility_b, walls = (
             owned(Texture(gpu, name, size, format, dimension="3d"))
             for name, format in (("a", "rgba8unorm"), ("b", "rgba8unorm"), ("walls", "rgba8snorm"))
@@ -53,13 +53,13 @@ def nest(gpu, commands, owned):
         }
         faces = owned(Buffer(gpu, "faces", OUTER.cells * 32))
         found = []
-        for placement in (OUTER, inner):
+        for placement in (outer, inner):
             sums, nbytes = owned(new_sums(gpu, placement)), 3 * placement.cells * 16
             if placement is inner:
                 Border(gpu).encode(
                     commands,
                     InjectionTarget(inner, solved["lattice_walls"], sums, units),
-                    OUTER,
+                    outer,
                     {**solved, "linear_clamp": linear_sampler(gpu)},
                     faces,
                     power_scale=power,

@@ -54,8 +54,9 @@ def test_a_single_cycle_holds_nearly_all_light(gpu, commands, lattice):
     assert abs(ours - 1.0) < 0.5 * (1.0 - alone)
 
 
-def test_only_cycles_are_rescaled():
+def test_only_cycles_and_regions_are_rescaled():
     assert schedule("cycle", 8, COUNT).is_rescaled
+    assert schedule("regions", 8, COUNT).is_rescaled
     assert not schedule("none", 8, COUNT).is_rescaled
     assert not schedule("finish", 8, COUNT).is_rescaled
 

@@ -22,6 +22,14 @@ def test_levels_go_down_to_four_cells():
     assert schedule("finish", 0, (32, 32, 32)).is_empty
 
 
+def test_regions_are_corrected_after_the_first_step_and_every_third():
+    plan = schedule("regions", 8, (32, 32, 32))
+    assert plan.counts((32, 32, 32)) == [(32, 32, 32)]
+    assert plan.region_steps == 8
+    assert [k for k in range(8) if plan.is_corrected(k)] == [0, 2, 5]
+    assert not schedule("cycle", 8, (32, 32, 32)).has_regions
+
+
 def test_iterations_pay_for_cycles():
     assert [schedule("cycle", n, (32, 32, 32)).cycles for n in (1, 8, 16)] == [1, 2, 4]
     assert schedule("cycle", 8, (32, 32, 32)).iterations == 8
@@ -56,9 +64,9 @@ def test_thicker_air_takes_longer():
 
 def test_stills_take_more_iterations_unless_somebody_says_how_many():
     usual = ScatterSettings()
-    assert [iterations_of(usual, is_still=still) for still in (False, True)] == [12, 48]
+    assert [iterations_of(usual, is_still=still) for still in (False, True)] == [24, 48]
     few = ScatterSettings(still_iterations=20)
-    assert [iterations_of(few, is_still=still) for still in (False, True)] == [12, 20]
+    assert [iterations_of(few, is_still=still) for still in (False, True)] == [24, 20]
     for asked in (ScatterSettings(iterations=5), ScatterSettings(iterations=5, residual=0.1)):
         assert iterations_of(asked, is_still=True) == 5
-    assert iterations_of(ScatterSettings(residual=0.1), is_still=True) == 12
+    assert iterations_of(ScatterSettings(residual=0.1), is_still=True) == 24

@@ -1,6 +1,6 @@
 """Dispatches that stay the same from frame to frame: recorded once, then encoded in a tight loop.
 
-A lattice's multigrid cycles are hundreds of dispatches, each with the pipeline, bind group,
+A lattice's steps are a hundred dispatches, each with the pipeline, bind group,
 parameters and workgroups that it had in the frame before; to look them up again takes longer than
 to hand them over.
 """

@@ -1,7 +1,8 @@
 """Lattices: where cells are, what is injected into them, what blocks, how light is read.
 
    placement, nested    cells in the world; finer lattices ahead of the camera
-   facing               the axes along which cells are laid: those of the scene's walls
+   facing, fitting      the axes along which cells are laid: those of the scene's walls; cells that
+                        end at those
    gaps                 how far apart surfaces are, and how many lattices that asks for
    bodies, rooms        closed bodies, which side of them blocks, which hold the eye or a light
    surfels -> blockers  samples of all surfaces -> visibility and reflectance of cell faces

@@ -44,6 +44,7 @@ class PackParams(Struct):
     low = vec3f("m along its axes, as the origin: corner of a box beyond which it is dark")
     high = vec3f("m")
     beams = f32("W sr^-1 per W m of beams; 0: there are none")
+    is_finest = u32("1: no finer lattice takes in its light, and no cell shows less than none")
 
 
 class Pack(ComputePass):
@@ -140,6 +141,8 @@ class LatticeTextures(ChannelTextures):
                 high=hull[1],
                 # Fluence is read off as irradiance, whatever the lookup's scale.
                 beams=1.0 / (4.0 * math.pi * LOOKUP_SCALE * placement.cell) if light.beams else 0.0,
+                # Lattices share the textures, the finest first.
+                is_finest=int(placement.first_row == 0),
             ),
             injected=light.injected,
             propagated=light.propagated,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..maths.transforms import triple
-from .placement import F64, STRAIGHT, Axes, Fade, Placement, Triple, fitted, tiled
+from .placement import F64, Fade, Placement, Triple, fitted, tiled
 
 AHEAD = 0.5
 """How far ahead of the eye a lattice's centre is, in halves of its sides."""
@@ -73,10 +73,10 @@ def nested(
     count: int = 1,
     ratio: float = 2.0,
     finest_m: float = 0.0,
-    axes: Axes = STRAIGHT,
+    whole: Placement | None = None,
 ) -> Nest:
     """At most `count` lattices of up to `resolution` cells a side for the box low..high (metres
-    along `axes`).
+    along the axes of `whole`, the coarsest of them; the world's, and `fitted`, if not given).
 
     Cells of neighbours differ by `ratio`. The coarsest covers the box: nothing is dark for being
     beyond all lattices. With `finest_m` the finest has sides of that many metres, and the coarsest
@@ -84,7 +84,7 @@ def nested(
     left out. Raises SettingsError for an empty box.
     """
     # Cells from the coarsest lattice down by the ratio, or from the finest side up.
-    whole = fitted(low, high, resolution, axes)
+    whole = whole or fitted(low, high, resolution)
     cells = [whole.cell / ratio**k for k in range(count - 1, -1, -1)]
     if finest_m > 0.0:
         finer = [finest_m / resolution * ratio**k for k in range(count - 1)]
@@ -96,7 +96,7 @@ def nested(
         placement = replace(whole, first_row=row)
         if cell < whole.cell:
             needed = np.minimum(np.ceil(box / cell - 1e-9) + 2 * MARGIN, resolution)
-            placement = Placement(whole.origin, cell, tiled(needed), row, axes=axes)
+            placement = Placement(whole.origin, cell, tiled(needed), row, axes=whole.axes)
         levels.append(placement)
         row += placement.count[1]
     return Nest(triple(np.asarray(low)), triple(np.asarray(high)), tuple(levels))

@@ -8,13 +8,15 @@ fn is_beyond(cell: vec3u) -> bool {
     return any(low + params.cell < params.low + slack) || any(low > params.high - slack);
 }
 
-// With beams that the lattice does not hold, by their fluence and flux.
-fn with_beams(state: vec4f, index: u32) -> vec4f {
-    if (params.beams == 0.0) {
-        return state;
+// What surfaces read of a state. Light enters finer lattices from these textures as it is; no surface has less than none.
+fn seen(state: vec4f, index: u32) -> vec4f {
+    var all = state;
+    // With beams that the lattice does not hold, by their fluence and flux.
+    if (params.beams != 0.0) {
+        let light = beams[index];
+        all += params.beams * vec4f(light.x, 3.0 * light.yzw);
     }
-    let light = beams[index];
-    return state + params.beams * vec4f(light.x, 3.0 * light.yzw);
+    return select(all, vec4f(0.0), all.x < 0.0 && params.is_finest != 0u);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -30,7 +32,7 @@ fn with_beams(state: vec4f, index: u32) -> vec4f {
     let b = injected[cell + 2u * cells] * own + propagated[cell + 2u * cells];
     let texel = id + vec3u(0u, params.first_row, 0u);
     let scale = select(params.scale, 0.0, is_beyond(id));
-    textureStore(red, texel, with_beams(r, cell) * scale);
-    textureStore(green, texel, with_beams(g, cell + cells) * scale);
-    textureStore(blue, texel, with_beams(b, cell + 2u * cells) * scale);
+    textureStore(red, texel, seen(r, cell) * scale);
+    textureStore(green, texel, seen(g, cell + cells) * scale);
+    textureStore(blue, texel, seen(b, cell + 2u * cells) * scale);
 }

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 
 from ..lattice.gaps import narrow_gap, nested_count
 from ..lattice.nested import Nest, nested
-from ..lattice.placement import fitted
 from ..scene.light_shapes import furnished
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .kit import SurfaceSettings
-from .lattice_box import lattice_axes, lattice_extent, with_medium_around
+from .lattice_box import lattice_axes, lattice_extent, whole_lattice, with_medium_around
 
 
 @dataclass(frozen=True)
@@ -60,17 +59,20 @@ def cascades_nest(
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
+    whole = whole_lattice(
+        scene, low, high, resolution, axes=axes, follows_walls=settings.follow_walls
+    )
     # As many as it takes for a cell to fit the narrowest gap.
     count, ratio = settings.cascades, settings.cascade_ratio
     if count == 0:
-        cell = fitted(low, high, resolution, axes).cell
-        count = nested_count(narrow_gap(furnished(scene).meshes, axes), cell, ratio)
+        gap = narrow_gap(furnished(scene).meshes, axes)
+        count = nested_count(gap, whole.cell, ratio)
     # The coarsest covers the box, each next one is finer by the ratio.
     nest = nested(
         low,
         high,
         resolution,
-        axes=axes,
+        whole=whole,
         count=count,
         ratio=ratio,
         finest_m=settings.cascade_extent,

@@ -23,7 +23,7 @@ from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lattice.lattices import Lattices, MakeBlockers
 from ..lattice.lookup import LatticeTextures
 from ..lattice.nested import Nest, nested
-from ..lattice.placement import STRAIGHT, Hull, Placement
+from ..lattice.placement import STRAIGHT, Hull, Placement, fitted
 from ..maths.transforms import F64, triple
 from ..scene.scene import Scene
 from ..scene.settings import setting
@@ -45,7 +45,7 @@ class SurfaceSettings:
     )
     follow_walls: bool = setting(
         True,
-        "whether the lattice turns to the directions of the walls, or follows the world's axes",
+        "whether the lattice turns to the walls and cells end at them; else it follows the world",
     )
     shadow_resolution: int = setting(
         2048,
@@ -295,5 +295,6 @@ def scene_nest(scene: Scene, settings: SurfaceSettings, *, in_medium: bool = Fal
     low, high, resolution = lattice_extent(
         scene, settings.bounds, settings.resolution, in_medium=in_medium, axes=axes
     )
-    nest = nested(low, high, resolution, axes=axes)
+    whole = fitted(low, high, resolution, axes)
+    nest = nested(low, high, resolution, whole=whole)
     return with_medium_around(nest, scene, settings.bounds, resolution) if in_medium else nest

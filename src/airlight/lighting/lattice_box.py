@@ -9,8 +9,9 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..lattice.facing import wall_axes
+from ..lattice.fitting import at_walls, walls_along
 from ..lattice.nested import Box, Nest, surrounded
-from ..lattice.placement import STRAIGHT, Axes, fitted
+from ..lattice.placement import STRAIGHT, Axes, Placement, fitted
 from ..maths.transforms import box_along, triple
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
@@ -95,6 +96,16 @@ def lattice_extent(
         return low, high, resolution
     # One cell of margin at either end is added again.
     return first + cell * (1.0 - below), first + cell * (count + above - 1.0), more
+
+
+def whole_lattice(
+    scene: Scene, low: Any, high: Any, resolution: int, *, axes: Axes, follows_walls: bool = True
+) -> Placement:
+    """The lattice over a box, metres along `axes`, whose cells end at the scene's walls."""
+    placement = fitted(low, high, resolution, axes)
+    if not follows_walls:
+        return placement
+    return at_walls(placement, low, high, walls_along(furnished(scene).meshes, axes))
 
 
 def _with_medium(scene: Scene, turn: F64) -> tuple[F64, F64]:

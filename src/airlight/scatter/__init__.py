@@ -10,8 +10,9 @@
                    |                                   |
                    +----------------+------------------+
                                     |
-                  levels: steps (propagate), multigrid cycles (level_passes,
-                          line_search, schedule), global power_rescaling
+                  levels: steps (propagate, schedule) with corrections by regions
+                          (region_passes) or multigrid cycles (level_passes,
+                          line_search), global power_rescaling
                                     |
                        sum of states Q, its track T Q
                          |                        |

@@ -17,7 +17,7 @@ from .cells import LatticeCells
 from .entering_light import EnteringLight
 from .injection import Injection
 from .levels import Levels
-from .schedule import Schedule, cycles_to, iterations_to, schedule
+from .schedule import Schedule, cycles_to, iterations_to, region_steps_to, schedule
 from .settings import ScatterSettings, densest_medium, is_varied, iterations_of
 
 
@@ -85,6 +85,8 @@ def _schedule(
     steps = iterations_of(s, is_still=is_still)
     if s.residual > 0.0 and faster == "cycle":
         steps = cycles_to(s.residual)
+    elif s.residual > 0.0 and faster == "regions":
+        steps = region_steps_to(s.residual)
     elif s.residual > 0.0:
         steps = iterations_to(s.residual, sigma_s, sigma_t, placement.cell, count)
     return schedule(faster, steps, count)

@@ -1,8 +1,9 @@
-"""The sum of all states on a lattice, accelerated by coarser ones (geometric multigrid).
+"""The sum of all states on a lattice, accelerated by regions or by coarser lattices.
 
-Q = I + M Q is stepped; the residual that is left is solved for on a lattice whose hops are twice as
-long and whose cells are an eighth as many, and handed back as a correction
-(maths.lattice26_levels is the NumPy twin). `Schedule` says how often: a fixed number of dispatches,
+Q = I + M Q is stepped; what is under way is brought between regions of the lattice at once
+(`regions`). Or the residual that is left is solved for on a lattice whose hops are twice as long
+and whose cells are an eighth as many, and handed back as a correction (geometric multigrid;
+maths.lattice26_levels is the NumPy twin). `Schedule` says how often: a fixed number of dispatches,
 so that a frame never waits for a residual to come back from the device.
 
     source I -> step -> ... -> step --residual--> coarser level, likewise
@@ -30,6 +31,7 @@ from .level_passes import LevelParams, Prolong, Restrict, RestrictFaces, Restric
 from .line_search import LineSearch
 from .power_rescaling import PowerRescaling
 from .propagate import Count, Operator, Step, StepMedium
+from .regions import Regions
 from .schedule import Schedule
 
 
@@ -68,6 +70,10 @@ class Levels:
         self._restrict_medium = RestrictMedium(gpu) if kind.is_varied else None
         self._restrict_faces = RestrictFaces(gpu) if kind.has_walls else None
         self._line_search, self._rescaling = LineSearch(gpu), PowerRescaling(gpu)
+        self._regions: Regions | None = None
+        if schedule.has_regions:
+            self._regions = Regions(gpu, count, has_walls=kind.has_walls, is_varied=kind.is_varied)
+        self._is_parted = self._is_exchanged = False  # into regions; whose light is known
         self._recorded = Recorded(gpu, "cycles of a lattice")
 
     def set_homogeneous(self, sigma_s: Sequence[float], sigma_t: Sequence[float]) -> None:
@@ -85,12 +91,14 @@ class Levels:
                 rows += paper_rows(sigma_s, sigma_t, level.cell, is_gamma_fixed=fixed)
         self._coefficients.write(pack_array(StepCoefficients, rows))
         self._tracks = [tuple(mean_track(sigma_t, level.cell).tolist()) for level in self.levels]
+        self._is_exchanged = False
 
     def set_varied(self, commands: Commands, medium: Buffer) -> None:
         """Take on a medium, (sigma_s, sigma_t) m^-1 per channel and cell, and its coarser means."""
         if self.kind.scheme != "deposit":  # the rows of a vacuum: cells have their own gains
             self.set_homogeneous((0.0,) * CHANNELS, (0.0,) * CHANNELS)
         self.levels[0].medium = medium
+        self._is_exchanged = False
         # Coarser levels scatter as the means of the cells that they stand for.
         for k in range(1, len(self.levels)):
             assert self._restrict_medium
@@ -107,6 +115,7 @@ class Levels:
         if self._visibility is None or self._restrict_faces is None:
             return
         self.levels[0].face_visibility, self.levels[0].reflectance = face_visibility, reflectance
+        self._is_parted = self._is_exchanged = False
         # Coarse faces and colours are means of finer ones; the visibility of hops follows.
         for k, level in enumerate(self.levels):
             if k:
@@ -133,9 +142,20 @@ class Levels:
         """(sum, track) of all states, W and W m, from `source` (W per cell), itself the first."""
         finest = self.levels[0]
         finest.source = source
+        self._prepare_regions(commands)
         # Recorded for a schedule, its buffers and the numbers that its parameters hold.
         key = (self.schedule, source, finest.medium, finest.face_visibility, *self._tracks)
         return self._recorded.encode(commands, key, partial(self._solved, commands))
+
+    def _prepare_regions(self, commands: Commands) -> None:
+        """Part the cells where walls changed, and find what regions exchange where anything did."""
+        level = self.levels[0]
+        if self._regions is None or self._is_exchanged:
+            return
+        if not self._is_parted:
+            self._regions.take_walls(commands, level.count, level.face_visibility)
+        self._regions.take_medium(commands, self._medium(0))
+        self._is_parted = self._is_exchanged = True
 
     def _solved(self, commands: Commands) -> tuple[Buffer, Buffer]:
         level = self.levels[0]
@@ -145,6 +165,9 @@ class Levels:
         current = level.source
         for _ in range(self.schedule.cycles):
             current = self._cycle(commands, 0, current)
+        # Or steps do, with corrections by regions between them.
+        for step in range(self.schedule.region_steps):
+            current = self._stepped_by_regions(commands, step, current)
         # What is still under way is a smooth global mode: the power that was lost says how much.
         if self.schedule.is_rescaled:
             stepped = self._smoothed(commands, 0, current)
@@ -155,6 +178,14 @@ class Levels:
             commands, medium, Operator.TRACK, before=current, source=self._zero, after=level.track
         )
         return current, level.track
+
+    def _stepped_by_regions(self, commands: Commands, step: int, current: Buffer) -> Buffer:
+        """Step `step` of Q in `current`, corrected where it is due; returns where it is."""
+        level = self.levels[0]
+        stepped = self._smoothed(commands, 0, current)
+        if self._regions and self.schedule.is_corrected(step):
+            self._regions.correct(commands, level.count, current=current, stepped=stepped)
+        return stepped
 
     def _cycle(self, commands: Commands, k: int, current: Buffer) -> Buffer:
         """Smooth, correct by the next level, smooth; returns where the sum is."""

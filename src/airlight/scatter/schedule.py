@@ -4,6 +4,7 @@ none     the given number of iterations on the fine lattice
 finish   those, then 8 at half and 16 at a quarter of the resolution for what is still under way
 cycle    a W(1, 1) multigrid cycle for every 4 iterations, which is about what it costs: close to
          the converged field after two
+regions  those, and after each third what later steps will bring to regions of the lattice at once
 """
 
 from __future__ import annotations
@@ -19,11 +20,13 @@ from ..maths.lattice26 import RHO, hops, mean_hop_length
 from ..maths.medium import mean_absorption_depth
 
 Count = tuple[int, int, int]
-ACCELERATIONS = ("none", "finish", "cycle")
+ACCELERATIONS = ("none", "finish", "cycle", "regions")
 _SMALLEST = 4  # cells along the longest side of the coarsest lattice
 _MOST = 512
 _CYCLE_ITERATIONS = 4  # that a cycle costs about as much as
 _CYCLE_LEAVES = 0.3  # of the light under way, in a dense medium; measured
+_CORRECTED = 3  # steps for each correction by regions
+_STEP_LEAVES = 0.86  # of the light under way, with these corrections, around two walls; measured
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,16 @@ class Schedule:
     iterations: int = 0
     is_empty: bool = False
     is_rescaled: bool = False
+    region_steps: int = 0  # with corrections by regions between them
+
+    @property
+    def has_regions(self) -> bool:
+        """Whether there are corrections by regions."""
+        return self.region_steps > 0
+
+    def is_corrected(self, step: int) -> bool:
+        """Whether regions get what is under way after a step: the first, and each third."""
+        return step == 0 or step % _CORRECTED == _CORRECTED - 1
 
     def counts(self, count: Count) -> list[Count]:
         """The cells of each level's lattice."""
@@ -65,6 +78,15 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
         )
     if iterations < 1:
         return Schedule((0,), (0,), is_empty=True)
+    if acceleration == "regions":
+        return Schedule(
+            (0,),
+            (0,),
+            cycles=0,
+            iterations=iterations,
+            is_rescaled=True,
+            region_steps=iterations,
+        )
     # Levels are halved until the longest side has _SMALLEST cells.
     coarser = 0
     while max(count) / 2**coarser > _SMALLEST:
@@ -82,6 +104,11 @@ def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
     return Schedule(
         (*ones, 8), (*ones, 0), visits=2, cycles=cycles, iterations=iterations, is_rescaled=True
     )
+
+
+def region_steps_to(residual: float) -> int:
+    """Iterations that leave about `residual` of the light under way, with regions."""
+    return math.ceil(math.log(max(residual, 1e-6)) / math.log(_STEP_LEAVES)) + _CORRECTED
 
 
 def cycles_to(residual: float) -> int:

@@ -31,7 +31,7 @@ class ScatterSettings:
         choices=SCHEMES,
     )
     iterations: int = setting(
-        12,
+        24,
         "propagation steps on the fine lattice; cycles are one for four of them, rounded, at least "
         "one, so that 1 to 5 are the same",
         low=0,
@@ -50,8 +50,9 @@ class ScatterSettings:
         high=0.9,
     )
     acceleration: str = setting(
-        "cycle",
-        "coarser lattices for slow light: none, to finish with, or in multigrid cycles",
+        "regions",
+        "for slow light: none; coarser lattices, to finish with or in multigrid cycles; or regions "
+        "of the lattice, between which it is brought at once",
         choices=ACCELERATIONS,
     )
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
@@ -89,9 +90,9 @@ def is_varied(scene: Scene, placement: Placement, settings: ScatterSettings) -> 
     medium = scene.medium
     if medium is not None and (medium.bounds is not None or medium.endless):
         low, high = medium_box(medium, *scene.bounds, scene.camera.position)
-        # A lattice reaches up to two cells further than what it is fitted to (`fitted`); that far
-        # inside it a medium may end, as one without bounds does.
-        inner = placement.cell * 2.0
+        # A lattice reaches up to two and a half cells further than what it is fitted to
+        # (`at_walls`); that far inside it a medium may end, as one without bounds does.
+        inner = placement.cell * 2.5
         first, last = placement.bounds
         least, most = box_along(np.array(placement.axes).T, first + inner, last - inner)
         varies = varies or bool((least < low).any() or (most > high).any())

@@ -10,6 +10,10 @@ override DAMPING: f32 = 0.0;
 override HAS_NEAR_FIELD: bool = false;  // near surfaces' own light replaces what they hide
 override RETURNED: f32 = 0.0;           // 1: the lattice's light bounces between near surfaces
 
+// Cells towards the eye, which sees no wall from behind: where walls meet, rounding has some points behind one of them,
+// and how far walls lie from faces is known to .004 of a cell.
+const TOWARDS_EYE = 0.02;
+
 struct LatticeLight {
     sky: SkyReflected,
     indirect: vec3f,     // radiance, W m^-2 sr^-1
@@ -61,7 +65,7 @@ fn gathered(position: vec2f, d: f32, p: vec3f, r: Reflector, n: vec3f, v: vec3f)
     // From the finest lattice outwards, each by its weight at the point.
     var at = lattice_step(0u, 1.0, p);
     loop {
-        let uvw = lattice_coordinates(lattice_of(at.k), p, n_own);
+        let uvw = lattice_coordinates(lattice_of(at.k), p + TOWARDS_EYE * lattice_of(at.k).cell * v, n_own);
         let light = lattice_light(at.k, uvw, p, r, n_own, v_own, n_v, near, mirrors);
         out.direct += at.weight * light.sky.shown;
         out.indirect += at.weight * light.indirect;

@@ -1,0 +1,109 @@
+"""Regions of a lattice between which slow light is brought at once, in NumPy.
+
+With M one iteration and I the injected state, the sum of all states obeys Q = I + M Q. Power per
+cell is taken to be alike within each region; A is then what I - M does between regions, and after a
+step the power r under way in them is still to become A^-1 r. Of that a step has added r itself.
+Source: ours, after aggregation (Koury1984), with weights that do not depend on the light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+Count = tuple[int, int, int]
+
+REGIONS = 64
+"""At most: lanes of the workgroup that inverts their matrix."""
+FLOOD_STEPS = 16
+"""Cells that light spreads from a region's middle."""
+OPEN = 0.5
+"""Share of a face above which a region reaches through it."""
+SLOWEST = 1e-3
+"""Least share of its power that a region is taken to lose in a step."""
+
+
+def region_grid(count: Count) -> Count:
+    """How many regions there are along x, y, z: about cubes, at most REGIONS of them."""
+    side = 1.0
+    while True:
+        x, y, z = (max(1, round(n / side)) for n in count)
+        if x * y * z <= REGIONS:
+            return x, y, z
+        side *= 1.02
+
+
+def flooded(count: Count, faces: ArrayLike) -> I64:
+    """The region of each cell (Z, Y, X), -1 for none.
+
+    `faces` (6, Z, Y, X): open shares of hops that come in along x, back, along y, back, z, back.
+    """
+    grid, shape = region_grid(count), count[::-1]
+    cells = np.moveaxis(np.indices(shape), 0, -1)[..., ::-1]
+    # The middle of each of the grid's boxes; the others are yet to be reached.
+    part = cells * grid // count
+    is_middle = ((2 * part + 1) * count // (2 * np.array(grid)) == cells).all(axis=-1)
+    number = (part[..., 2] * grid[1] + part[..., 1]) * grid[0] + part[..., 0]
+    far = np.int64(2**32 - 1)
+    found = np.where(is_middle, 256 * part.sum(axis=-1) + number, far)
+    # From cell to cell through open faces; of regions as near the one nearer to the lattice's
+    # corner has a cell, so that all axes are alike.
+    is_open = np.asarray(faces) > OPEN
+    for _ in range(FLOOD_STEPS):
+        nearest = found
+        for hop in range(6):
+            beside = _came(found, 2 - hop // 2, 1 if hop % 2 == 0 else -1, far)
+            reached = np.where(is_open[hop] & (beside != far), beside + 65536, far)
+            nearest = np.minimum(nearest, reached)
+        found = nearest
+    return np.where(found == far, -1, found & 255)
+
+
+def _came(cells: I64, axis: int, step: int, far: np.int64) -> I64:
+    """Values moved by `step` along `axis`, `far` coming in."""
+    moved = np.roll(cells, step, axis)
+    end: list[slice | int] = [slice(None)] * 3
+    end[axis] = 0 if step > 0 else -1
+    moved[tuple(end)] = far
+    return moved
+
+
+def exchange(regions: ArrayLike, step: Callable[[F64], F64]) -> F64:
+    """A (REGIONS, REGIONS): what of 1 W in each cell of region j is missing in region i (i = j)
+    after a step, or comes there (negative).
+
+    `step` makes M Q, power alone, of a power Q (Z, Y, X) without direction.
+    """
+    of = np.asarray(regions)
+    counts = sums_of(of, np.ones(of.shape))
+    matrix = np.diag(np.where(counts > 0.0, (1.0 + SLOWEST) * counts, 1.0))
+    for j in range(REGIONS):
+        if counts[j]:
+            matrix[:, j] -= sums_of(of, step((of == j).astype(np.float64)))
+    return matrix
+
+
+def sums_of(regions: ArrayLike, power: ArrayLike) -> F64:
+    """The power (Z, Y, X) of each region, (REGIONS,)."""
+    of = np.asarray(regions).ravel()
+    inside = of >= 0
+    sums = np.bincount(of[inside], np.asarray(power).ravel()[inside], REGIONS)
+    return np.asarray(sums[:REGIONS], dtype=np.float64)
+
+
+def gain(matrix: ArrayLike, regions: ArrayLike) -> F64:
+    """What power under way in region j, which a step has added, is yet to become in a cell of i."""
+    of = np.asarray(regions)
+    counts = np.maximum(sums_of(of, np.ones(of.shape)), 1.0)
+    return np.asarray(np.linalg.inv(np.asarray(matrix)) - np.diag(1.0 / counts))
+
+
+def corrected(before: ArrayLike, stepped: ArrayLike, regions: ArrayLike, gained: F64) -> F64:
+    """Power (Z, Y, X) after a step, with what later steps will bring to regions."""
+    after, of = np.asarray(stepped, dtype=np.float64), np.asarray(regions)
+    share = gained @ sums_of(of, after - np.asarray(before))
+    return after + np.where(of >= 0, share[of], 0.0)
