@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.maths.two_streams import layer
+from airlight.maths.two_streams import columns, layer
 
 
 def test_white_layers_keep_all_light() -> None:
@@ -32,3 +32,13 @@ def test_two_layers_are_one(depths: tuple[float, float], albedo: float) -> None:
     reflected, transmitted = layer(sum(depths), albedo)
     assert transmitted == pytest.approx(t1 * t2 * between, rel=1e-9)
     assert reflected == pytest.approx(r1 + t1 * t1 * r2 * between, rel=1e-9)
+
+
+@pytest.mark.parametrize("albedo", [0.0, 0.9])
+def test_columns_let_more_through_than_their_mean_depth(albedo: float) -> None:
+    """Half of a face in the open passes half of the light, however dense the rest is."""
+    reflected, transmitted = columns([0.0, 400.0], albedo)
+    assert reflected == pytest.approx(0.5 * layer(400.0, albedo)[0], rel=1e-12)
+    assert transmitted == pytest.approx(0.5, abs=1e-3)
+    assert transmitted > 5.0 * layer(200.0, albedo)[1]
+    np.testing.assert_allclose(columns([3.0] * 4, albedo), layer(3.0, albedo), rtol=1e-12)

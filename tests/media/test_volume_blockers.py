@@ -12,7 +12,7 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
-from airlight.maths.two_streams import layer
+from airlight.maths.two_streams import columns, layer
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.volume_blockers import VolumeBlockers
 from airlight.scene import Scene, Volume
@@ -69,12 +69,37 @@ def test_what_collides_is_absorbed_or_goes_either_way(
 
 
 def test_white_air_keeps_all_light(gpu: Gpu, owned: Callable[[Any], Any]) -> None:
-    got = faces(gpu, owned, Volume((3.0,) * 3, shape="sphere"), 0.0)["faces"]
+    ball = Volume((3.0,) * 3, shape="sphere", bounds=((-0.8,) * 3, (0.8,) * 3))
+    got = faces(gpu, owned, ball, 0.0)["faces"]
     np.testing.assert_allclose(got[..., :6, 0], got[..., :6, 3], atol=1.2 * UNORM)
     assert got[..., :6, 3].max() > 0.2
     # Hop +x of a cell is closed as much as the next cell says of what comes in from it.
     np.testing.assert_allclose(1.0 - got[:, :, :-1, 0, 3], got[:, :, 1:, 6, 0], atol=1.2 * UNORM)
     assert got[0, 0, 0, 1, 3] == 0.0, "the ball does not reach into the corner"
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_light_passes_beside_what_fills_a_part_of_a_cell(
+    gpu: Gpu, owned: Callable[[Any], Any], axis: int
+) -> None:
+    # Filled up to .2 m into the third cell, of which two of five rows of samples know.
+    sigma, albedo, high = 6.0, 0.8, [2.0] * 3
+    high[axis] = 0.2
+    air = Volume((sigma,) * 3, shape="box", albedo=(albedo,) * 3, bounds=((-2,) * 3, tuple(high)))
+    got = np.moveaxis(faces(gpu, owned, air, 0.0)["faces"], 2 - axis, 0)
+    # Along the border: three fifths of the light pass.
+    reflected, through = columns([0.5 * sigma] * 2 + [0.0] * 3, albedo)
+    for along in ((axis + 1) % 3, (axis + 2) % 3):
+        met = got[2, ..., 2 * along : 2 * along + 2, :]
+        np.testing.assert_allclose(met[..., 3], 1 - through, atol=UNORM)
+        np.testing.assert_allclose(met[..., 0], reflected, atol=UNORM)
+    assert through > 0.6
+    # Across it: from the middle of the second cell a layer as thick as there is of the medium.
+    reflected, through = layer(0.45 * sigma, albedo)
+    np.testing.assert_allclose(got[1, ..., 2 * axis, 3], 1 - through, atol=UNORM)
+    np.testing.assert_allclose(got[2, ..., 2 * axis + 1, 0], reflected, atol=UNORM)
+    # Beyond the third cell's middle there is nothing.
+    np.testing.assert_array_equal(got[2, ..., 2 * axis, :], 0.0)
 
 
 def test_walls_beyond_the_boxes_of_known_ones_are_black(

@@ -54,8 +54,8 @@ class Cascade:
 def cascades(kit: Kit, settings: LpvSettings, steps: int) -> list[Cascade]:
     """The light of all lattices of `kit`, the finest first, nothing in them yet."""
     scene, levels = kit.context.scene, kit.lattices.levels
-    # Media themselves change the direction of light: hops keep the least spread.
-    steps = 0 if scene.medium or scene.volumes else steps
+    # A medium everywhere changes the direction of light: hops keep the least spread.
+    steps = 0 if scene.medium else steps
     made = []
 
     # A step of its own kind for each lattice: what hops keep of spread follows from its cells.

@@ -27,3 +27,9 @@ def layer(depth: ArrayLike, albedo: ArrayLike) -> tuple[F64, F64]:
     rise = 2.0 * x * np.where(twice < 1e-6, 1.0 - 0.5 * twice, -np.expm1(-safe) / safe)
     lost = 1.0 + far * far + (1.0 - 0.5 * a) * rise
     return np.asarray(0.5 * a * rise / lost), np.asarray(2.0 * far / lost)
+
+
+def columns(depths: ArrayLike, albedo: ArrayLike) -> tuple[F64, F64]:
+    """The same of layers side by side, of optical `depths` (..., column): each has as much light."""
+    reflected, transmitted = layer(depths, np.asarray(albedo, np.float64)[..., None])
+    return np.asarray(reflected.mean(axis=-1)), np.asarray(transmitted.mean(axis=-1))

@@ -2,7 +2,8 @@
 
 Light that propagates to the next cell collides with the reduced extinction of both cells. Scattered
 light goes to both sides alike, and collides again. This is the two-stream model (Schuster1905, of
-light in fog), as shares that a face reflects and stops; see `maths.two_streams`.
+light in fog), as shares that a face reflects and stops; see `maths.two_streams`. A cell that is
+filled in part has a layer in each of 25 columns: light passes beside dense media.
 """
 
 from __future__ import annotations
@@ -21,14 +22,15 @@ from ..lattice.placement import LatticeParams, Placement
 from ..maths.transforms import F64
 from .gpu_media import GpuMedia
 
-SAMPLES = 3
-"""Samples of the density along each axis of a cell."""
+_SPREAD_BYTES = 80  # this and the next two as in `wgsl/column_spread.wgsl`
+_SAMPLES, _HALVES = 125, 150
 
 
 class VolumeBlockerParams(Struct):
-    """How finely volumes are sampled."""
+    """Counts of loops, which drivers unroll where they are constants."""
 
-    samples = u32("along each axis of a cell")
+    samples = u32("of the density in a cell")
+    halves = u32("of columns of samples")
 
 
 class FaceParams(Struct):
@@ -46,6 +48,7 @@ class _Cells(ComputePass):
             uniform("params", VolumeBlockerParams),
             uniform("lattice", LatticeParams),
             storage("cells", "vec4f", "read_write"),
+            storage("spread", "u32", "read_write"),
             *media.medium_slots,
         )
         super().__init__(gpu, generated=media.medium_wgsl)
@@ -56,6 +59,7 @@ class _Faces(ComputePass):
         uniform("params", FaceParams),
         uniform("lattice", LatticeParams),
         storage("cells", "vec4f"),
+        storage("spread", "u32"),
         storage("walls", "vec4u"),
         storage("boxes", "mat4x4f"),
         storage("faces", "vec4u", "read_write"),
@@ -75,6 +79,7 @@ class VolumeBlockers:
     def __init__(self, gpu: Gpu, media: GpuMedia, cells: int) -> None:
         self._media = media
         self._cells = Buffer(gpu, "media in cells", 16 * cells)
+        self._spread = Buffer(gpu, "how media fill cells", _SPREAD_BYTES * cells)
         self.faces = Buffer(gpu, "cell faces in media", 32 * cells)
         self.known_faces = Buffer(gpu, "cell faces in media, walls far off black", 32 * cells)
         self._sample, self._combine = _Cells(gpu, media), _Faces(gpu)
@@ -98,9 +103,10 @@ class VolumeBlockers:
         self._sample.dispatch(
             commands,
             placement.count,
-            params=VolumeBlockerParams(samples=SAMPLES),
+            params=VolumeBlockerParams(samples=_SAMPLES, halves=_HALVES),
             lattice=lattice,
             cells=self._cells,
+            spread=self._spread,
             **self._media.medium_bound,
         )
         if boxes:
@@ -112,6 +118,7 @@ class VolumeBlockers:
             params=FaceParams(boxes=len(boxes)),
             lattice=lattice,
             cells=self._cells,
+            spread=self._spread,
             walls=walls,
             boxes=self._boxes,
             faces=self.faces,

@@ -4,10 +4,10 @@
 //! use cell_order
 //! use lattice_axes
 //! use medium
+//! use column_spread
 
-// What a hop between two cells meets: rgb reflected, a blocked; see maths/two_streams.py.
-fn met(one: vec4f, other: vec4f) -> vec4f {
-    let depth = 0.5 * (one + other) * lattice.cell;
+// What a layer of reduced depth `depth.a` reflects, rgb, and blocks, a; see maths/two_streams.py.
+fn layer(depth: vec4f) -> vec4f {
     let albedo = min(depth.rgb / max(depth.a, 1e-12), vec3f(1.0));
     // What collides is absorbed, or scattered to both sides alike, again and again.
     let decay = sqrt(1.0 - albedo);
@@ -18,16 +18,42 @@ fn met(one: vec4f, other: vec4f) -> vec4f {
     return vec4f(0.5 * albedo * rise / lost, 1.0 - (onwards.r + onwards.g + onwards.b) / 3.0);
 }
 
-fn cell_at(cell: vec3i) -> vec4f {
+// A cell's index, inside the lattice.
+fn index_at(cell: vec3i) -> u32 {
     let inside = clamp(cell, vec3i(0), vec3i(lattice.count) - 1);
-    return cells[cell_in(lattice.count, vec3u(inside))];
+    return cell_in(lattice.count, vec3u(inside));
 }
 
-// Towards hop 0..5 (+x -x +y -y +z -z).
-fn beside(cell: vec3u, hop: u32) -> vec4f {
+// The largest half of a column in a cell over their mean; 0: they are alike.
+fn largest_half(cell: u32) -> f32 {
+    return bitcast<f32>(spread[SPREAD_WORDS * cell + LARGEST_WORD]);
+}
+
+// The extinction of half a column over the cell's; `largest` as above.
+fn half_of(cell: u32, face: u32, column: u32, largest: f32) -> f32 {
+    let h = half_column(face, column);
+    let bits = spread[SPREAD_WORDS * cell + h / HALVES_PER_WORD] >> (4u * (h % HALVES_PER_WORD));
+    return select(1.0, largest * f32(bits & 15u) / HALF_STEPS, largest > 0.0);
+}
+
+// What hop 0..5 (+x -x +y -y +z -z) between a cell and the next meets: rgb reflected, a blocked.
+fn met(cell: vec3u, hop: u32) -> vec4f {
     var step = vec3i(0);
     step[hop / 2u] = select(1, -1, (hop & 1u) == 1u);
-    return cell_at(vec3i(cell) + step);
+    let one = index_at(vec3i(cell));
+    let other = index_at(vec3i(cell) + step);
+    let half = 0.5 * lattice.cell;
+    let near = largest_half(one);
+    let far = largest_half(other);
+    if (near == 0.0 && far == 0.0) {
+        return layer(half * (cells[one] + cells[other]));
+    }
+    // A medium that fills a part of a cell stops a part of its light: columns side by side, each a layer.
+    var sum = vec4f(0.0);
+    for (var c = 0u; c < COLUMNS; c++) {
+        sum += layer(half * (half_of(one, hop, c, near) * cells[one] + half_of(other, hop ^ 1u, c, far) * cells[other]));
+    }
+    return sum / f32(COLUMNS);
 }
 
 // What a wall and media reflect and stop together of light that leaves.
@@ -61,11 +87,10 @@ fn known_wall(wall: u32, cell: vec3u, hop: u32) -> u32 {
         return;
     }
     let cell = cell_in(lattice.count, id);
-    let here = cells[cell];
     // Media on the six hops, then walls and media together, packed as lattice.blockers.Blockers.faces.
     var hops = array<vec4f, 6>();
     for (var hop = 0u; hop < 6u; hop++) {
-        hops[hop] = met(here, beside(id, hop));
+        hops[hop] = met(id, hop);
     }
     let side = walls[2u * cell];
     let rest = walls[2u * cell + 1u];

@@ -1,7 +1,8 @@
-// The reduced coefficients of volumes in the cells of a lattice, m^-1.
+// The reduced coefficients of volumes in the cells of a lattice, m^-1, and how the extinction is spread in each.
 //! use media
 //! use lattice_axes
 //! use cell_order
+//! use column_spread
 
 // Whether a cell touches a medium's box at all; most do not, and sampling costs.
 fn touches(m: u32, centre: vec3f) -> bool {
@@ -14,14 +15,55 @@ fn touches(m: u32, centre: vec3f) -> bool {
     return all(inside > -reach) && all(inside < 1.0 + reach);
 }
 
+// Depths that differ by less than this let through the same share of light, to a unit in 255.
+const ALIKE = 0.2;
+
+// The extinction of a cell's samples, m^-1.
+var<private> samples: array<f32, SAMPLE_COUNT>;
+
+// Of half a column towards a face, the middle sample's share is a half.
+fn half_extinction(h: u32) -> f32 {
+    let face = h / COLUMNS;
+    let column = h % COLUMNS;
+    let axis = face / 2u;
+    let stride = vec3u(1u, SAMPLES, SAMPLES * SAMPLES);
+    var at = column % SAMPLES * stride[(axis + 1u) % 3u] + column / SAMPLES * stride[(axis + 2u) % 3u];
+    at += SAMPLES / 2u * stride[axis];
+    let one = select(stride[axis], 0u - stride[axis], (face & 1u) == 1u);
+    return 0.4 * (0.5 * samples[at] + samples[at + one] + samples[at + 2u * one]);
+}
+
+// How the samples of a cell of mean extinction `mean` are spread.
+fn store_spread(cell: u32, mean: f32) {
+    var largest = 0.0;
+    var least = 1e30;
+    for (var h = 0u; h < params.halves; h++) {
+        let here = half_extinction(h);
+        largest = max(largest, here);
+        least = min(least, here);
+    }
+    let is_alike = (largest - least) * lattice.cell < ALIKE;
+    spread[SPREAD_WORDS * cell + LARGEST_WORD] = bitcast<u32>(select(largest / max(mean, 1e-20), 0.0, is_alike));
+    if (is_alike) { return; }
+    for (var word = 0u; word * HALVES_PER_WORD < params.halves; word++) {
+        var bits = 0u;
+        for (var k = 0u; k < HALVES_PER_WORD; k++) {
+            let h = min(HALVES_PER_WORD * word + k, HALVES - 1u);
+            bits |= u32(round(HALF_STEPS * half_extinction(h) / largest)) << (4u * k);
+        }
+        spread[SPREAD_WORDS * cell + word] = bits;
+    }
+}
+
 // rgb: scattering of the reduced medium; a: its extinction, the mean of three channels; m^-1.
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
     }
-    let n = params.samples;
     var scattering = vec3f(0.0);
-    var extinction = vec3f(0.0);
+    for (var s = 0u; s < params.samples; s++) {
+        samples[s] = 0.0;
+    }
     let centre = world_from_cells(lattice, vec3f(id) + 0.5);
     // Turned cells reach farther along the world's axes.
     let reach = 0.8660254 * lattice.cell;
@@ -32,18 +74,26 @@ fn touches(m: u32, centre: vec3f) -> bool {
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
-        let count = select(0u, n * n * n, touches(m, centre));
+        let count = select(0u, params.samples, touches(m, centre));
+        // Similarity theory: sigma_s (1 - g), and the absorption as it is.
+        let scattered = media[m].sigma_t * media[m].albedo;
+        let lost = media[m].sigma_t - scattered * media[m].g;
+        let extinction = (lost.r + lost.g + lost.b) / 3.0;
         var density = 0.0;
         for (var s = 0u; s < count; s++) {
-            let inside = (vec3f(cell_at_index(vec3u(n), s)) + 0.5) / f32(n);
-            density += medium_density(m, world_from_cells(lattice, vec3f(id) + inside));
+            let inside = (vec3f(cell_at_index(vec3u(SAMPLES), s)) + 0.5) / f32(SAMPLES);
+            let here = medium_density(m, world_from_cells(lattice, vec3f(id) + inside));
+            density += here;
+            samples[s] += here * extinction;
         }
-        // Similarity theory: sigma_s (1 - g), and the absorption as it is.
-        density /= f32(n * n * n);
-        let scattered = media[m].sigma_t * media[m].albedo;
         scattering += density * scattered * (1.0 - media[m].g);
-        extinction += density * (media[m].sigma_t - scattered * media[m].g);
+    }
+    var extinction = 0.0;
+    for (var s = 0u; s < params.samples; s++) {
+        extinction += samples[s];
     }
     let cell = cell_in(lattice.count, id);
-    cells[cell] = vec4f(scattering, (extinction.r + extinction.g + extinction.b) / 3.0);
+    let mean = vec4f(scattering, extinction) / f32(SAMPLE_COUNT);
+    cells[cell] = mean;
+    store_spread(cell, mean.a);
 }
