@@ -30,6 +30,6 @@ def layer(depth: ArrayLike, albedo: ArrayLike) -> tuple[F64, F64]:
 
 
 def columns(depths: ArrayLike, albedo: ArrayLike) -> tuple[F64, F64]:
-    """The same of layers side by side, of optical `depths` (..., column): each has as much light."""
+    """The same of layers side by side, `depths` (..., column): each has as much light."""
     reflected, transmitted = layer(depths, np.asarray(albedo, np.float64)[..., None])
     return np.asarray(reflected.mean(axis=-1)), np.asarray(transmitted.mean(axis=-1))
