@@ -133,3 +133,18 @@ def test_rays_of_the_gather_do_not_meet_light_that_emitters_send(technique: str)
     assert direct > 0.0
     # Measured .0007; rays that met the fire brought 1.17 of the direct light once more.
     assert abs(indirect) < 0.01 * direct
+
+
+def reflected(roughness: float, samples: int) -> float:
+    """What a plate of metal under a fire sends to the eye."""
+    scene = over_a_floor(0.9, 1.0, roughness)
+    layers = render(scene, "auto", (48, 36), samples=samples).layers
+    return float(layers["direct"].sum() + layers["indirect"].sum())
+
+
+def test_metal_mirrors_a_fire_once() -> None:
+    """By rays, or as highlights of the fire's lights; by a part of each, in between."""
+    # Rough metal in a frame has highlights alone; measured .86, with both 1.72.
+    assert reflected(0.3, 8) == pytest.approx(reflected(0.3, 1), rel=0.2)
+    # Smooth metal in a still has rays alone: measured .000005; with highlights, too, .23.
+    assert reflected(0.1, 8) == pytest.approx(reflected(0.0, 8), rel=0.01)

@@ -28,7 +28,7 @@ class Emitter:
 
     `row`: of the first of the lights that stand for it in the scene's table, `row_count` of them,
     for the transmittance of media. `is_outlined`: its polygon's outline is that of the surface that
-    is seen, which glows alike all over.
+    is seen, which glows alike all over. `is_medium`: it is a part of a medium that glows.
     """
 
     shape: Shape
@@ -37,3 +37,4 @@ class Emitter:
     row_count: int = 1
     spot: SpotLight | None = None
     is_outlined: bool = False
+    is_medium: bool = False

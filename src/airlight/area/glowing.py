@@ -199,6 +199,7 @@ class GlowingMedia:
                 Shape(Kind.SAMPLES, np.array(light.position), _UP, np.array(light.intensity)),
                 tuple(self._sample(rows, k, index) for k, rows in enumerate(group.strata)),
                 first_row + number,
+                is_medium=True,
             )
             for number, (group, light) in enumerate(zip(self.groups, self.lights, strict=True))
         )

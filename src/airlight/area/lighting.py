@@ -73,6 +73,7 @@ class AreaLightingParams(Struct):
     map_texel = vec2f("of a hemisphere's and a cube's maps, of the distance along a view's axis")
     map_scale = vec2f("1 over what they span at distance 1")
     many = u32("samples of an emitter, from which on half may tell what all see")
+    has_mirrors = u32("1: rays follow what smooth surfaces mirror")
 
 
 class _AreaLighting(FullscreenPass):
@@ -223,12 +224,14 @@ class AreaLighting:
         *,
         emission: Texture | None = None,
         is_still: bool = False,
+        has_mirrors: bool = False,
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
         `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights;
         `emission`: in place of the G-buffer's. In frames (not `is_still`) half of an emitter's
-        samples do where they see all of it or nothing.
+        samples do where they see all of it or nothing. `has_mirrors`: rays follow what smooth
+        surfaces mirror, media that glow included.
         """
         # One texture for images of one size.
         if self._lit is None or self._lit.size[:2] != gbuffer.size:
@@ -247,6 +250,7 @@ class AreaLighting:
                 map_texel=(spans[0] / resolution, spans[1] / resolution),
                 map_scale=(1.0 / spans[0], 1.0 / spans[1]),
                 many=_NONE if is_still else MANY,
+                has_mirrors=int(has_mirrors),
             ),
             **gbuffer.bound,
             **({} if emission is None else {"emission": emission}),

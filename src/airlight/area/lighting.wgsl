@@ -4,6 +4,7 @@
 //! use area_shadow
 //! use segment_light
 //! use specular_cosine
+//! use glow_share
 //! use sampling
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
@@ -30,6 +31,7 @@ struct Seen {
     n: vec3f,
     v: vec3f,
     r: Reflector,
+    mirrored: f32,  // share of highlights of media that mirrored rays show
 }
 
 // Irradiance of radiance 1, and the share of the lobe: x, y.
@@ -153,7 +155,9 @@ fn summed(e: EmitterData, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_glos
                 let into = lobe.inverse * transpose(frame) * turned;
                 reflected = segment_light(sample, sample.normal * turned, at, s.r, into, lobe.albedos, is_glossy);
             } else if (HAS_GLOSS) {
-                reflected = sent * reflection(s.r, at.n, -at.own * inverseSqrt(true_squared), at.v);
+                let l = -at.own * inverseSqrt(true_squared);
+                let left = select(0.0, s.mirrored, e.is_medium != 0u);
+                reflected = sent * mix(reflection(s.r, at.n, l, at.v), matt_reflection(s.r, l, at.v), left);
             } else {
                 reflected = sent / PI * s.r.diffuse;
             }
@@ -229,6 +233,10 @@ fn emitter_light(i: u32, s: Seen, frame: mat3x3f, lobe: SpecularCosine, is_gloss
     s.n = normalize(bent.xyz);
     s.r = reflector(base.rgb, base.a, bent.w, glow.a);
     let n_v = dot(s.n, s.v);
+    // What mirrored rays show of media that glow is no highlight.
+    if (HAS_GLOSS && params.has_mirrors != 0u) {
+        s.mirrored = medium_glow_share(s.r.alpha) * glossy_share(specular_albedo(s.r, max(n_v, 1e-4)), sqrt(s.r.alpha));
+    }
     // Axes of normal and view.
     let flat = s.v - n_v * s.n;
     let x = select(orthonormal_frame(s.n)[0], normalize(flat), dot(flat, flat) > 1e-10);

@@ -47,6 +47,7 @@ class EmitterData(Struct):
     depth = vec2f("in its maps: x less y, m, over the distance along the view's axis")
     nearest = f32("m^2, squares of distances from the samples of a flat one are no smaller")
     row_count = u32("of those lights")
+    is_medium = u32("1: a medium that glows, which mirrored rays meet")
 
 
 class SampleData(Struct):
@@ -202,6 +203,7 @@ def emitter_rows(emitters: Sequence[Emitter], low: F64, high: F64) -> Any:
                 "sample_count": len(emitter.samples),
                 "row": emitter.row,
                 "row_count": emitter.row_count,
+                "is_medium": emitter.is_medium,
                 "depth": depth_terms(*reach(emitter, low, high)),
                 "nearest": float(np.mean([_nearest(s) for s in emitter.samples])),
             }

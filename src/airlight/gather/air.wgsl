@@ -1,9 +1,11 @@
 // What media do to a segment of a path, from cells of a lattice as they are, else as the reduced media of similarity
 // theory: the light that they scatter into it, and their transmittance. Where it leaves the scene that is of the media themselves:
 // light of the sky that they only scatter forwards is on surfaces already (beams.wgsl). So is what they emit: media are
-// lights (area/glowing.py), which send to surfaces and cells; mirrored rays alone see them glow.
+// lights (area/glowing.py), which send to surfaces and cells; mirrored rays alone see them glow, as far as their
+// surface is too smooth for highlights of those lights.
 //! use media_here
 //! use tone
+//! use glow_share
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn lattice_begin()
 
@@ -56,7 +58,9 @@ struct Air {
     passed: vec3f,
 }
 
-fn air_along(origin: vec3f, direction: vec3f, reach: f32) -> Air {
+fn air_along(start: vec4f, direction: vec3f, reach: f32) -> Air {
+    let origin = start.xyz;
+    let shown = select(0.0, unpacked_glow_share(start.w), params.shows_glow != 0u);
     var out = Air(vec3f(0.0), 0.0, vec3f(1.0));
     var passed = vec3f(1.0);            // by the media themselves
     let hull = media_enter(origin, direction, reach);
@@ -72,8 +76,7 @@ fn air_along(origin: vec3f, direction: vec3f, reach: f32) -> Air {
         let p = origin + (t + 0.5 * dt) * direction;
         densities_at(p, t + 0.5 * dt);
         let depth = reduced_depth_here(t, dt);
-        let glow = select(vec3f(0.0), emitted_here, params.shows_glow != 0u);
-        let light = glow + emission_at(p, -direction);
+        let light = shown * emitted_here + emission_at(p, -direction);
         let arriving = out.passed * dt * mean_transmittance_rgb(depth) * light;
         out.light += arriving;
         out.inverse_m += luminance(arriving) / (t + 0.5 * dt);
@@ -103,7 +106,7 @@ fn air_along(origin: vec3f, direction: vec3f, reach: f32) -> Air {
         // Where a ray left the scene, its direction.
         let offset = select(end.xyz, end.xyz - start.xyz, end.w > 0.0);
         let reach = select(FARTHEST, length(offset), end.w > 0.0);
-        found = air_along(start.xyz, normalize(offset), reach);
+        found = air_along(start, normalize(offset), reach);
     }
     let row = 2u * (id.y * params.reduced.x + id.x);
     air[row] = vec4f(found.light, found.inverse_m);

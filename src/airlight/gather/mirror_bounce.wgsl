@@ -3,6 +3,7 @@
 //! use gather_hit
 //! use packed_pixel
 //! use ggx_sampling
+//! use glow_share
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.batch)) {
@@ -26,7 +27,7 @@
             let numbers = later_numbers(pixel.x, pixel.y, params.sample, params.segment);
             let mirrored = reflect(-v, visible_normal(v, gloss.alpha, numbers));
             if (mirrored.z > 0.0) {
-                start = vec4f(place.xyz + params.raised * n, 1.0);
+                start = vec4f(place.xyz + params.raised * n, packed_glow_share(glow_share(gloss.alpha)));
                 hit = gather_hit(start.xyz, frame * mirrored);
             }
         }

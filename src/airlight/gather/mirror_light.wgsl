@@ -2,10 +2,8 @@
 //! use hit_code
 //! use surface_reflection
 //! use specular_cosine
+//! use glow_share
 //! needs fn air_of(row: u32) -> Air
-
-const SHARP = 0.01;         // of alpha: smoother metals show lights as rays meet them
-const BLURRED = 0.16;       // rougher ones as if they were matt
 
 struct Air {
     light: vec3f,           // W m^-2 sr^-1, that media scatter into a ray
@@ -33,7 +31,7 @@ fn shown(at: vec2u, hit: vec4f, seen_glow: f32) -> Shown {
     let lights = textureLoad(lit, at, 0).rgb;
     let goes_on = f32(params.goes_on != 0u);
     let share = goes_on * gloss.metallic;
-    out.glow = 1.0 - smoothstep(SHARP, BLURRED, gloss.alpha);
+    out.glow = glow_share(gloss.alpha);
     // What the next ray shows of a coat is no paint, and neither is the light that the coat keeps from what lies under it.
     let v = normalize(textureLoad(starts, at, 0).xyz - hit.xyz);
     let n_v = max(dot(normalize(textureLoad(hit_normals, at, 0).xyz), v), 1e-4);

@@ -5,6 +5,7 @@
 //! use packed_pixel
 //! use flat_normal
 //! use ggx_sampling
+//! use glow_share
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.batch)) {
@@ -24,14 +25,15 @@
         var v = normalize(away) * frame;
         v.z = max(v.z, 1e-4);
         // A microfacet that the eye sees, and the direction that it mirrors.
-        let h = visible_normal(v, max(facing.w * facing.w, 0.002), ray_numbers(pixel.x, pixel.y, params.sample));
+        let alpha = max(facing.w * facing.w, 0.002);
+        let h = visible_normal(v, alpha, ray_numbers(pixel.x, pixel.y, params.sample));
         let mirrored = reflect(-v, h);
         if (mirrored.z > 0.0) {
             // What relief and smooth normals mirror below their surface comes back up.
             var direction = frame * mirrored;
             let flat = flat_normal(vec2i(pixel), p, n);
             direction -= 2.0 * min(dot(direction, flat), 0.0) * flat;
-            start = vec4f(ray_start(vec4f(p, length(away)), n), 1.0);
+            start = vec4f(ray_start(vec4f(p, length(away)), n), packed_glow_share(medium_glow_share(alpha)));
             hit = gather_hit(start.xyz, direction);
         }
     }

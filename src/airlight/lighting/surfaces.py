@@ -83,7 +83,8 @@ class Surfaces:
         meshes = self.kit.meshes
         with commands.stage("g-buffer"):
             view.gbuffer.encode(commands, meshes, view.clip_from_world)
-        self._emission = self._emitted(commands, view)
+        has_mirrors = gathered is not None and gathered.mirrored is not None
+        self._emission = self._emitted(commands, view, has_mirrors=has_mirrors)
         # Rays look for shadows in stills, and where rays gather light anyway.
         is_traced = view.is_still or gathered is not None
         self._shadows = self.kit.shadow_rays(commands) if is_traced else None
@@ -111,7 +112,7 @@ class Surfaces:
                 part = "rest"
             self._light(commands, view, part, irradiance, sky)
 
-    def _emitted(self, commands: Commands, view: View) -> Texture:
+    def _emitted(self, commands: Commands, view: View, *, has_mirrors: bool) -> Texture:
         """Draw emission, and the light of emitters."""
         # Without lights with extent, emission is that of the G-buffer.
         if self._area is None:
@@ -122,7 +123,13 @@ class Surfaces:
             table = self.kit.lights.table
             emission, is_still = self._covered(commands, view), view.is_still
             return self._area.encode(
-                commands, view.gbuffer, camera, table, emission=emission, is_still=is_still
+                commands,
+                view.gbuffer,
+                camera,
+                table,
+                emission=emission,
+                is_still=is_still,
+                has_mirrors=has_mirrors,
             )
 
     def _covered(self, commands: Commands, view: View) -> Texture:

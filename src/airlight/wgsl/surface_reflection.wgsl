@@ -44,7 +44,13 @@ fn reflection(r: Reflector, n: vec3f, l: vec3f, v: vec3f) -> vec3f {
     let f = fresnel(r.f0, saturate(dot(v, h)));
     let specular = f * ggx_distribution(saturate(dot(n, h)), r.alpha)
         * smith_visibility(n_l, n_v, r.alpha);
-    return (vec3f(1.0) - f) * r.diffuse / PI + specular;
+    return matt_reflection(r, l, v) + specular;
+}
+
+// What of it is matt: light that passes into the surface and comes out again.
+fn matt_reflection(r: Reflector, l: vec3f, v: vec3f) -> vec3f {
+    let f = fresnel(r.f0, saturate(dot(v, normalize(l + v))));
+    return (vec3f(1.0) - f) * r.diffuse / PI;
 }
 
 // Share of light from all around that the specular part reflects (Karis2014, analytic fit).
