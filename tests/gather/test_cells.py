@@ -76,9 +76,11 @@ def test_air_that_scatters_anisotropically_shows_what_its_phase_function_says():
             target = (0.0, 1.25, 0.0)
             camera = Camera(eye, target, fov_y_deg=4.0)
             scene = Scene((floor,), (sun,), camera=camera, medium=air)
-            settings = {**SETTINGS, "gather_air": 32, "march_resolution": "full"}
+            cells = {"resolution": 12, "gather_air": 32}
+            settings = {**SETTINGS, **cells, "march_resolution": "full"}
             image = render(scene, "lpv-scatter", (8, 6), samples=8, settings=settings)
             found[name, g] = image.layers["multiple_scatter"].mean()
+    # Of the level view at g .7 it is .563, .531, .526, .517 with 8, 12, 16, 24 cells.
     # Everywhere the floor sends .8: the mean of the phase function over the square, as it is seen
     # from places along the view, 1.25 m above it.
     u = (np.arange(160) + 0.5) / 160 * 4.0 - 2.0
@@ -98,8 +100,8 @@ def test_air_that_scatters_anisotropically_shows_what_its_phase_function_says():
     for name, g in found:
         ratio = found[name, g] / found[name, 0.0]
         expected = scattered(name, g) / scattered(name, 0.0)
-        # 256 rays of each of eight cells along the view, which stand for places near them.
-        assert ratio == pytest.approx(expected, rel=0.08), (name, g)
+        # 256 rays of each of twelve cells along the view, which stand for places near them.
+        assert ratio == pytest.approx(expected, rel=0.05), (name, g)
 
 
 def test_air_beside_a_beam_has_what_its_phase_function_scatters_out_of_it():

@@ -51,10 +51,10 @@ def test_walls_within_the_box_count_by_their_area():
     placement = over((wall, step), low, high)
     assert off_faces(placement, 2, 3.3) < 1e-3
     # Sizes that a small thing alone asks for are not taken where a larger wall is worse off.
-    assert off_faces(placement, 1, 4.05) < 0.02
+    assert off_faces(placement, 1, 4.05) < 0.025
 
 
-def test_the_lattice_holds_the_box_with_half_a_cell_to_spare():
+def test_the_lattice_holds_the_box_with_a_cell_to_spare():
     rng = np.random.default_rng(3)
     for _ in range(50):
         low = rng.uniform(-5.0, 5.0, 3)
@@ -64,8 +64,8 @@ def test_the_lattice_holds_the_box_with_half_a_cell_to_spare():
         usual = fitted(low, high, 32)
         begin, end = made.bounds
         for margin in ((low - begin) / made.cell, (end - high) / made.cell):
-            assert margin.min() > 0.5 - 1e-3
-            assert margin.max() < 2.5 + 1e-3
+            assert margin.min() > 1.0 - 1e-3
+            assert margin.max() < 3.0 + 1e-3
         assert usual.cell <= made.cell <= 1.1001 * usual.cell
         assert max(made.count) <= 32
         assert all(n % 2 == 0 for n in made.count)

@@ -21,12 +21,14 @@ from .cascades import surface_points
 from .panels import Request, exposure_of, rendered
 from .truths import averaged, smoothed, told_of, truth_of
 
-_SEEN: Mapping[str, Any] = {"surfel_source": "views", "bounces": False}
+# One lattice with the last box and without it, whatever faces it has.
+_ALL: Mapping[str, Any] = {"bounces": False, "follow_walls": False}
+_SEEN: Mapping[str, Any] = {**_ALL, "surfel_source": "views"}
 MODES: Mapping[str, Mapping[str, Any]] = {
     "paper's scheme, seen once": {**_SEEN, "scheme": "paper", "peel_layers": 1},
     "paper's scheme, peeled": {**_SEEN, "scheme": "paper", "peel_layers": 8},
     "our scheme, seen once": {**_SEEN, "peel_layers": 1},
-    "ours": {"bounces": False},
+    "ours": _ALL,
 }
 """The first two as the paper has it; the last two differ in where blockers come from alone."""
 BOXES_Z_M = (1.6, -0.2, -2.2)

@@ -62,37 +62,45 @@ def at_walls(placement: Placement, low: F64, high: F64, walls: Walls) -> Placeme
 
     `placement` is what it is without them, and what comes of no walls; its cells are the smallest.
     """
-    inside = [_binned(*walls[axis], low[axis], high[axis], placement.cell) for axis in range(3)]
+    # All counts from the first wall along each axis, so that it does not matter where the scene
+    # lies, nor what the box has beside walls.
+    inside = [_inside(*walls[axis], low[axis], high[axis], placement.cell) for axis in range(3)]
+    first = np.array([places.min(initial=high[k]) for k, (places, _) in enumerate(inside)])
+    low, high = low - first, high - first
+    inside = [_binned(p - first[k], areas, placement.cell) for k, (p, areas) in enumerate(inside)]
     area = sum(float(areas.sum()) for _, areas in inside)
     if area <= 0.0:
         return placement
-    least, best = min(_WORTH, _off(placement, inside) / area), placement
+    least, best = min(_WORTH, _off(placement, first, inside) / area), placement
     for larger in np.linspace(0.0, _LARGEST - 1.0, _SIZES):
         cell = float((1.0 + larger) * placement.cell)
         found = [_offset(places, areas, cell) for places, areas in inside]
         off = sum(left for _, left in found) / area + _PRICE * larger
-        made = _around(placement, low, high, cell, np.array([at for at, _ in found]))
+        made = _around(placement, (low, high), first, cell, np.array([at for at, _ in found]))
         if off < least - 1e-9 and max(made.count) <= max(placement.count):
             least, best = off, made
     return best
 
 
-def _binned(places: F64, areas: F64, low: float, high: float, cell: float) -> tuple[F64, F64]:
-    """Walls of the box, those that are close to each other in one: mean places, and areas."""
+def _inside(places: F64, areas: F64, low: float, high: float, cell: float) -> tuple[F64, F64]:
+    """Walls of the box."""
     hair = 1e-3 * cell
-    inside = (places > low - hair) & (places < high + hair)
-    places, areas = places[inside], areas[inside]
-    bins = np.round((places - low) / cell * _BINS).astype(np.int64)
-    bins -= bins.min(initial=0)
+    found = (places > low - hair) & (places < high + hair)
+    return places[found], areas[found]
+
+
+def _binned(places: F64, areas: F64, cell: float) -> tuple[F64, F64]:
+    """Walls from 0 on, those that are close to each other in one: mean places, and areas."""
+    bins = np.round(places / cell * _BINS).astype(np.int64)
     total = np.asarray(np.bincount(bins, areas), dtype=np.float64)
     mean = np.bincount(bins, areas * places) / np.maximum(total, 1e-300)
     return mean[total > 0.0], total[total > 0.0]
 
 
-def _off(placement: Placement, walls: list[tuple[F64, F64]]) -> float:
-    """The sum of area by distances squared, in cells, from the faces of a lattice."""
+def _off(placement: Placement, first: F64, walls: list[tuple[F64, F64]]) -> float:
+    """The sum of area by distances squared, in cells, of `walls` from the faces of a lattice."""
     total = 0.0
-    for begin, (places, areas) in zip(placement.origin, walls, strict=True):
+    for begin, (places, areas) in zip(placement.origin - first, walls, strict=True):
         off = (places - begin) / placement.cell
         total += float(areas @ (off - np.round(off)) ** 2)
     return total
@@ -113,16 +121,19 @@ def _offset(places: F64, areas: F64, cell: float) -> tuple[float, float]:
     return float(offsets[best] + more), float(areas @ (off[:, best] - more) ** 2)
 
 
-def _around(placement: Placement, low: F64, high: F64, cell: float, offsets: F64) -> Placement:
-    """The lattice of faces at `offsets` around a box, half a cell to two and a half beyond it.
+def _around(
+    placement: Placement, box: tuple[F64, F64], origin: F64, cell: float, offsets: F64
+) -> Placement:
+    """The lattice of faces at `offsets` around a box, one cell to three beyond it.
 
-    Nearer to the lattice's border a wall would close no faces.
+    The box counts from the `origin`. Nearer to the lattice's border a wall would close no faces.
     """
     # Faces are numbered from the one at the offset; a hair, so that rounding adds no cells.
-    begin, end = np.asarray(low) / cell - offsets, np.asarray(high) / cell - offsets
+    begin, end = (corner / cell - offsets for corner in box)
     hair = 1e-6
-    first, last = np.floor(begin - 0.5 + hair), np.ceil(end + 0.5 - hair)
+    first, last = np.floor(begin - 1.0 + hair), np.ceil(end + 1.0 - hair)
     # Pairs of cells: one more where the margin is smaller.
     count = tiled((last - first).astype(np.int64))
     first -= (count - (last - first) > 0.5) & (begin - first < last - end - hair)
-    return replace(placement, origin=triple((first + offsets) * cell), cell=cell, count=count)
+    moved = triple(origin + (first + offsets) * cell)
+    return replace(placement, origin=moved, cell=cell, count=count)

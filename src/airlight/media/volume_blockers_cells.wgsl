@@ -15,7 +15,7 @@ fn touches(m: u32, centre: vec3f) -> bool {
     return all(inside > -reach) && all(inside < 1.0 + reach);
 }
 
-// Depths that differ by less than this let through the same share of light, to a unit in 255.
+// Depths that differ by less than this have the same transmittance, to a unit in 255.
 const ALIKE = 0.2;
 
 // The extinction of a cell's samples, m^-1.

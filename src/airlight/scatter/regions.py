@@ -68,7 +68,7 @@ class Regions:
     def take_walls(
         self, commands: Commands, count: tuple[int, int, int], face_visibility: Buffer
     ) -> None:
-        """Part the cells anew; `face_visibility` as lattice.blockers has it."""
+        """Find the regions of the cells; `face_visibility` as lattice.blockers has it."""
         # From the regions' middles through open faces, in turn; the last step is in `regions`.
         turns = self.regions, self._spare
         for step in range(FLOOD_STEPS + 1):
