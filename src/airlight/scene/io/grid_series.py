@@ -31,8 +31,8 @@ def is_series(path: Path) -> bool:
 def series_of(path: Path) -> tuple[Path, ...]:
     """The grids that the folder or pattern `path` names, by the numbers in their names.
 
-    None where `path` is no series. Raises SceneError where it names no grids, or those of more than
-    one sequence.
+    There are none where `path` is no series. Raises SceneError where it is one that names no grids,
+    or grids of more than one sequence.
     """
     if not is_series(path):
         return ()
