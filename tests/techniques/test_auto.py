@@ -83,8 +83,42 @@ def test_volumes_in_fog_are_part_of_its_lattice_where_cells_resolve_them(smoke_o
     assert recipe_for(dataclasses.replace(foggy, volumes=(forwards,))) == "lpv-scatter"
 
 
+@pytest.mark.parametrize("turn_rad", [0.2, 0.5, 0.785])
+def test_turning_a_scene_does_not_change_how_its_volumes_are_solved(smoke_over_floor, turn_rad):
+    foggy = dataclasses.replace(smoke_over_floor, medium=Medium(sigma_t=(0.05,) * 3))
+    turn, (c, s) = np.eye(4), (np.cos(turn_rad), np.sin(turn_rad))
+    turn[:3, :3] = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]
+    (smoke,), (floor,), camera = foggy.volumes, foggy.meshes, foggy.camera
+    turned_floor = dataclasses.replace(floor, world_from_object=turn @ floor.world_from_object)
+    # Volumes a bit smaller and larger than two cells of .267 m, and a light a bit nearer and
+    # farther than as much.
+    found = []
+    for half, beside_m in ((0.25, 2.0), (0.29, 2.0), (0.29, 0.78), (0.29, 0.88)):
+        box = ((-half, 1.5 - half, -half), (half, 1.5 + half, half))
+        puff = dataclasses.replace(smoke, sigma_t=(0.05,) * 3, bounds=box)
+        place = np.array([beside_m, 1.5, 0.0])
+        straight, turned = (
+            dataclasses.replace(
+                foggy,
+                meshes=(mesh,),
+                volumes=(dataclasses.replace(puff, world_from_volume=matrix),),
+                camera=dataclasses.replace(
+                    camera,
+                    position=tuple(matrix[:3, :3] @ camera.position),
+                    target=tuple(matrix[:3, :3] @ camera.target),
+                ),
+                lights=(PointLight(tuple(matrix[:3, :3] @ place), (1.0,) * 3),),
+            )
+            for mesh, matrix in ((floor, np.eye(4)), (turned_floor, turn))
+        )
+        found.append(recipe_for(straight))
+        assert recipe_for(turned) == found[-1], (half, beside_m)
+    grid, lattice = "lpv-scatter with pop", "lpv-scatter"
+    assert found == [grid, lattice, grid, lattice]
+
+
 def test_smoke_of_another_solver_keeps_from_fog_what_it_absorbs(foggy_box, smoke_over_floor):
-    # Ash around the lamp, of which fog outside, and what it lights, get the rest.
+    # Ash around the point light, of which fog outside, and what it lights, get the rest.
     (smoke,) = smoke_over_floor.volumes
     around = ((-0.13, 0.87, -0.13), (0.13, 1.13, 0.13))
     ash = dataclasses.replace(smoke, sigma_t=(11.0,) * 3, albedo=(0.0,) * 3, bounds=around)

@@ -21,8 +21,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..lattice.placement import STRAIGHT
-from ..lighting.lattice_box import lattice_box
+from ..lighting.lattice_box import lattice_axes, lattice_box
 from ..maths.transforms import F64
 from ..pop.settings import MOST_ALONE
 from ..scene.coefficients import grouped
@@ -34,7 +33,7 @@ _MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates
 _MOST_MERGED = 16  # volumes on one grid, beyond which it costs more than the lattice
 _ALIKE = 0.1  # of albedo and g, and of the ratios of extinctions
 _CELLS = 30  # along the longest side of surfaces and media
-_ACROSS = 2.0  # cells, to be safe: in the sun white puffs of .7 and 1.4 have .95 to .99 of theirs
+_ACROSS = 2.0  # cells, to be safe: puffs of .7 and 1.4 in open air have .95 to .99 of their light
 _DEEPEST = 10.0  # reduced optical depth of a cell: 20 is still right, 40 has 1.17 of the light
 # Of the room's cross section, from which on a volume's shade on surfaces counts.
 _SHADED_SHARE = 0.05
@@ -54,7 +53,8 @@ def recipe_for(scene: Scene) -> str:
 
 def _are_resolved(scene: Scene) -> bool:
     """Whether cells of the lattice, as it is by default, say enough of each volume."""
-    low, high = lattice_box(scene, (), in_medium=True, axes=STRAIGHT)
+    # Along the walls, and volumes along their own boxes: however the scene is turned.
+    low, high = lattice_box(scene, (), in_medium=True, axes=lattice_axes(scene))
     cell = float((high - low).max()) / _CELLS
     return all(
         _is_resolved(volume, cell) and not _has_local_light(scene, volume, cell)
@@ -68,20 +68,27 @@ def _is_resolved(volume: Volume, cell: float) -> bool:
     kept = (1.0 - w * g for w, g in zip(volume.albedo, volume.g, strict=True))
     densest = 1.0 if volume.density is None else float(volume.density.max(initial=0.0))
     depth = max(t * k for t, k in zip(volume.sigma_t, kept, strict=True)) * densest * cell
-    low, high = volume_world_bounds(volume)
-    return depth <= _DEEPEST and float((high - low).min()) >= _ACROSS * cell
+    low, high = np.array(volume.bounds)
+    return depth <= _DEEPEST and float(((high - low) * _scale(volume)).min()) >= _ACROSS * cell
+
+
+def _scale(volume: Volume) -> F64:
+    """Metres of the world per metre along each axis of a volume's own box, (3,)."""
+    return np.asarray(np.linalg.norm(volume.world_from_volume[:3, :3], axis=0))
 
 
 def _has_local_light(scene: Scene, volume: Volume, cell: float) -> bool:
     """Whether what falls off faster than cells resolve is scattered in it: its own light, too."""
     if volume.emission is not None:
         return True
-    # Within two cells of its box.
-    low, high = volume_world_bounds(volume)
     local = [x.position for x in scene.lights if not isinstance(x, DirectionalLight)]
     places = [np.reshape(local, (-1, 3)), *(group.positions for group in scene.light_groups)]
-    near = [((low - _ACROSS * cell < p) & (p < high + _ACROSS * cell)).all(axis=1) for p in places]
-    return bool(np.concatenate(near).any())
+    # Within two cells of its box, along that.
+    inverse = np.linalg.inv(volume.world_from_volume)
+    own = np.concatenate(places) @ inverse[:3, :3].T + inverse[:3, 3]
+    low, high = np.array(volume.bounds)
+    margin = _ACROSS * cell / _scale(volume)
+    return bool(((own > low - margin) & (own < high + margin)).all(axis=1).any())
 
 
 def _are_many(scene: Scene) -> bool:
