@@ -55,7 +55,7 @@ class Masks:
             floats[index, 32] = material.alpha_cutoff / max(material.alpha, 1e-6)
             self.rows[index, 36] = int(material.is_blended)
             self.rows[index, 33] = WRAP_BITS[texture.wrap[0]] | WRAP_BITS[texture.wrap[1]] << 2
-        self._parts.append(np.zeros(-self._first % 8, np.uint32))  # to whole pairs of rows
+        self._parts.append(np.zeros(-self._first % 4, np.uint32))  # to whole rows
         self.texels: U32 = np.concatenate(self._parts)
 
     @cached_property

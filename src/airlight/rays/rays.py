@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
-from ..gpu.memory import Buffer
 from ..scene.mesh import Mesh, world_boxes
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from .hierarchy import F32, INDEX_MASK, LEAF, U32, build, child_boxes
 from .masks import INSTANCE_WORDS, Masks, is_gone
 from .mesh_tree import MeshTree, StillTree
+from .rows import Rows
 from .slots import RAY_SLOTS
 from .words import NODE_WORDS, moved_children, node_words
 
@@ -33,11 +33,11 @@ MOST_STILL = 1 << 20
 """Triangles of still instances that are laid out in the world; further ones share geometries."""
 INSTANCE_LEVELS = 10
 _LOOSE = 2e-6  # of its farthest coordinate, by which an instance's box is wider than it
-_ROW = 4 * NODE_WORDS  # bytes of a node, and of a triangle
+_ROWS = NODE_WORDS // 4  # of a node, and of a triangle
 
 
 class RayScene:
-    """The buffers of RAY_SLOTS for the meshes of a `GpuScene`.
+    """The textures of RAY_SLOTS for the meshes of a `GpuScene`.
 
     A pass has `//! use rays` in its shader, RAY_SLOTS among its slots, `constants` among its own,
     and `bound` among the values that it is given. Instances and materials are numbered as in the
@@ -58,18 +58,18 @@ class RayScene:
         self._with_holes = {
             key for key, hole in zip(self._keys, self._masks.has_holes, strict=True) if hole
         }
-        # What lies in the buffers.
+        # What lies in the textures.
         self._meshes: Sequence[Mesh] | None = None
         self._rooms: dict[int, int] = {}
         self._packed: tuple[bytes, ...] = ()
-        self._buffers: list[Buffer] = []
+        self._rows: list[Rows] = []
         self._take(scene.current)
 
     @property
     def bound(self) -> dict[str, Any]:
         """The values of RAY_SLOTS."""
         names = [slot.name for slot in RAY_SLOTS]
-        return dict(zip(names, self._buffers, strict=True))
+        return dict(zip(names, (rows.texture for rows in self._rows), strict=True))
 
     @property
     def constants(self) -> dict[str, float]:
@@ -86,7 +86,7 @@ class RayScene:
         return {
             "triangles": sum(len(tree.order) for tree in trees),
             "instances": len(self._keys),
-            "bytes": sum(buffer.nbytes for buffer in self._buffers),
+            "bytes": sum(rows.nbytes for rows in self._rows),
         }
 
     def update(self, scene: Scene) -> None:
@@ -117,9 +117,9 @@ class RayScene:
         changed = {-1} if self.still.hide(hidden) else set()
         placed = np.flatnonzero(~is_still & self._is_there)
         changed |= self._grow({self._keys[i]: ordered[i] for i in placed})
-        # Buffers are made again where a tree is new or has outgrown its room.
+        # Textures are made again where a tree is new or has outgrown its room.
         if (
-            not self._buffers
+            not self._rows
             or self.trees.keys() != self._rooms.keys() - {-1}
             or any(len(tree.nodes) > self._rooms[key] for key, tree in self.trees.items())
         ):
@@ -145,7 +145,7 @@ class RayScene:
         return changed
 
     def _lay(self) -> None:
-        """Make the buffers: nodes of the instances, of the still ones, of each mesh; triangles."""
+        """Make the textures: nodes of the instances, of the still ones, of each mesh; triangles."""
         # Where each tree begins, the static one first.
         node, triangle = len(self._keys) + 1, 0
         self._firsts: dict[int, tuple[int, int]] = {}
@@ -154,25 +154,25 @@ class RayScene:
         for key, tree in shown.items():
             self._firsts[key], self._rooms[key] = (node, triangle), len(tree.nodes)
             node, triangle = node + len(tree.nodes), triangle + len(tree.tree.order)
-        # Buffers of that size replace the old ones.
-        for buffer in self._buffers:
-            buffer.release()
-        words = 4 * (INSTANCE_WORDS * (len(self._keys) + 1) + self._masks.texels.size)
-        self._buffers = [
-            Buffer(self.gpu, "ray nodes", _ROW * node),
-            Buffer(self.gpu, "ray triangles", _ROW * max(1, triangle)),
-            Buffer(self.gpu, "ray instances", words),
+        # Textures of that size replace the old ones.
+        for rows in self._rows:
+            rows.release()
+        words = INSTANCE_WORDS * (len(self._keys) + 1) + self._masks.texels.size
+        self._rows = [
+            Rows(self.gpu, "ray nodes", _ROWS * node),
+            Rows(self.gpu, "ray triangles", _ROWS * triangle),
+            Rows(self.gpu, "ray instances", words // 4),
         ]
         self._packed = ()
 
     def _write(self, key: int) -> None:
-        # Children count within a tree; in the buffer they count from where it lies.
+        # Children count within a tree; in the texture they count from where it lies.
         tree = self.still if key == -1 else self.trees[key]
         node, triangle = self._firsts[key]
         words = tree.nodes.copy()
         words[:, 12:16] = moved_children(words[:, 12:16], node, triangle)
-        self._buffers[0].write(words, _ROW * node)
-        self._buffers[1].write(tree.triangles, _ROW * triangle)
+        self._rows[0].write(words, _ROWS * node)
+        self._rows[1].write(tree.triangles, _ROWS * triangle)
 
     def _place(self, ordered: Sequence[Mesh], placed: NDArray[np.int64]) -> None:
         """Build the hierarchy over the instances that have moved, and all still ones."""
@@ -189,7 +189,7 @@ class RayScene:
         if packed == self._packed:
             return
         self._packed = packed
-        self._buffers[2].write(np.concatenate([rows.ravel(), self._masks.texels]))
+        self._rows[2].write(np.concatenate([rows.ravel(), self._masks.texels]))
 
         # One instance to a leaf.
         tree = build(low, high, most=1, levels=INSTANCE_LEVELS)
@@ -198,7 +198,7 @@ class RayScene:
         # Leaves lead to instances themselves, not to a place in an order.
         is_leaf = tree.children >= LEAF
         words[:, 12:16][is_leaf] = LEAF | items[tree.order][tree.children[is_leaf] & INDEX_MASK]
-        self._buffers[0].write(words)
+        self._rows[0].write(words)
 
     def _boxes(self, ordered: Sequence[Mesh], placed: NDArray[np.int64]) -> tuple[F32, F32, U32]:
         """Boxes a little wider than what they are around, and their instances' rows."""

@@ -1,8 +1,8 @@
 """Nodes and triangles of hierarchies as shaders read them, in words of 32 bits.
 
 A node is NODE_WORDS: the corner of its box (3 float32); the steps of its grid, upper halves of
-float32 (x, y in one word, z with `axes`); lows and highs of its four children on that grid, a byte
-each (a word per axis); its children. A triangle is TRIANGLE_WORDS: three corners (9 float32); the
+float32 (x, y in one word, z with `axes` and which children there are); lows and highs of its four
+children on that grid, a byte each (a word per axis); its children. A triangle is TRIANGLE_WORDS: three corners (9 float32); the
 instance that it belongs to where it stands in the world, else SHARED, and HOLES; texture
 coordinates of the first corner (2 float32) and of the edges (4 float16); three normals (octahedra,
 2 x 10 bits each).
@@ -22,6 +22,8 @@ NODE_WORDS, TRIANGLE_WORDS = 16, 16
 SHARED, HOLES = 1 << 30, 1 << 31
 """Of a triangle's instance: any instance of its geometry shows it; its material may have holes."""
 INSTANCE_MASK = SHARED - 1
+PRESENT_SHIFT = 6
+"""Of a bit for each child, behind the axes of a node."""
 _HALF_MAX = 65504.0
 
 
@@ -39,7 +41,8 @@ def node_words(tree: Hierarchy, lows: F32, highs: F32) -> U32:
     rows[:, 0:3] = corner.astype(np.float32).view(np.uint32)
     bits = step.view(np.uint32)
     rows[:, 3] = bits[:, 0] >> 16 | bits[:, 1]
-    rows[:, 4] = bits[:, 2] | tree.axes
+    present = ((tree.children > 0) << np.arange(4)).sum(axis=1).astype(np.uint32)
+    rows[:, 4] = bits[:, 2] | tree.axes | present << PRESENT_SHIFT
     # The children's boxes on it; one without a box is empty, from the far end to the near one.
     scale = 1.0 / np.maximum(step.astype(np.float64), 1e-300)[:, None, :]
     is_there = np.isfinite(lows[..., :1])

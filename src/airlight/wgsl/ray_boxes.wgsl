@@ -1,10 +1,10 @@
-//! needs fn ray_rows(pair: RayPair) -> RayRows
-//! needs fn ray_link(node: u32, slot: u32) -> u32
+//! use ray_rows
 
 // Rays against the boxes of a hierarchy's nodes, which rays/words.py lays out.
 
 const RAY_LEAF = 0x80000000u;
 const RAY_INDEX = 0x0fffffffu;
+const RAY_PRESENT_SHIFT = 6u;    // of a bit for each child that a node has
 
 // A ray in the space of the boxes and triangles that it is tested against.
 struct RayIn {
@@ -38,12 +38,9 @@ fn ray_bytes(word: u32) -> vec4f {
 // The children of a node that a ray meets between t_min and t_max: its number << 7, for each of the three axes that
 // divide it whether the ray comes from the upper side << 4, and a bit for each child, the nearest side's lowest.
 fn ray_group(node: u32, ray: RayIn, t_min: f32, t_max: f32) -> u32 {
-    let front = ray_rows(ray_nodes[2u * node]);
-    let back = ray_rows(ray_nodes[2u * node + 1u]);
-    let a = front.first;
-    let b = front.second;
-    let c = back.first;
-    let children = back.second;
+    let a = ray_node_row(4u * node);
+    let b = ray_node_row(4u * node + 1u);
+    let c = ray_node_row(4u * node + 2u);
 
     // A child's box begins and ends at begin + step * byte along each axis. What rounding can do to these is added
     // to both ends, so that no box is missed whose triangles are hit.
@@ -60,8 +57,8 @@ fn ray_group(node: u32, ray: RayIn, t_min: f32, t_max: f32) -> u32 {
         max(first.z + step.z * ray_bytes(near.z), vec4f(t_min)));
     let leave = min(min(last.x + step.x * ray_bytes(far.x), last.y + step.y * ray_bytes(far.y)),
         min(last.z + step.z * ray_bytes(far.z), vec4f(t_max)));
-    let met = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), (enter <= leave) & (children != vec4u(0u)));
-    var mask = met.x | met.y | met.z | met.w;
+    let met = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), enter <= leave);
+    var mask = (met.x | met.y | met.z | met.w) & (b.x >> RAY_PRESENT_SHIFT);
 
     // Children in the order of the halves that the ray comes to first.
     let axes = (vec3u(b.x) >> vec3u(0u, 2u, 4u)) & vec3u(3u);
@@ -78,5 +75,5 @@ fn ray_child(group: u32) -> u32 {
     let rank = select(select(select(3u, 2u, (group & 4u) != 0u), 1u, (group & 2u) != 0u), 0u, (group & 1u) != 0u);
     let half = (rank >> 1u) ^ ((group >> 4u) & 1u);
     let slot = half << 1u | ((rank & 1u) ^ ((group >> (5u + half)) & 1u));
-    return ray_link(group >> 7u, slot);
+    return ray_node_row(4u * (group >> 7u) + 3u)[slot];
 }

@@ -1,6 +1,6 @@
 //! use ray_boxes
+//! use ray_rows
 //! use ray_triangles
-//! needs fn ray_rows(pair: RayPair) -> RayRows
 
 // Rays against the triangles of a scene, through hierarchies laid out by rays/words.py: one of all that is static,
 // in the world, and one of the instances that have moved, whose leaves lead to those of meshes. Who uses it binds
@@ -12,7 +12,7 @@ override RAYS_MEET_INSTANCES: bool = true;  // whether any has moved
 const NO_HIT = 0xffffffffu;
 const RAY_LEVELS = 25u;                     // of nodes, of instances and of a mesh together, and one
 const RAY_NO_INSTANCE = 0xffffffffu;
-const RAY_INSTANCE_PAIRS = 5u;
+const RAY_INSTANCE_ROWS = 10u;
 
 // `instance` is its row in the scene's order; `bary` are the shares of the second and of the third corner.
 struct RayHit {
@@ -23,21 +23,21 @@ struct RayHit {
 }
 
 fn ray_in_instance(instance: u32, origin: vec3f, direction: vec3f) -> RayIn {
-    let a = ray_rows(ray_instances[RAY_INSTANCE_PAIRS * instance]);
-    let x = bitcast<vec4f>(a.first);
-    let y = bitcast<vec4f>(a.second);
-    let z = bitcast<vec4f>(ray_rows(ray_instances[RAY_INSTANCE_PAIRS * instance + 1u]).first);
+    let row = RAY_INSTANCE_ROWS * instance;
+    let x = bitcast<vec4f>(ray_instance_row(row));
+    let y = bitcast<vec4f>(ray_instance_row(row + 1u));
+    let z = bitcast<vec4f>(ray_instance_row(row + 2u));
     let point = vec4f(origin, 1.0);
     return ray_in(vec3f(dot(x, point), dot(y, point), dot(z, point)),
         vec3f(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction)));
 }
 
 fn ray_still_node() -> u32 {
-    return ray_rows(ray_instances[4u]).first.z;
+    return ray_instance_row(8u).z;
 }
 
 fn ray_first_node(instance: u32) -> u32 {
-    return ray_rows(ray_instances[RAY_INSTANCE_PAIRS * instance + 3u]).first.x;
+    return ray_instance_row(RAY_INSTANCE_ROWS * instance + 6u).x;
 }
 
 // Each turn visits a node, tests a triangle and finds what comes next, all of it for all rays, with selects for
