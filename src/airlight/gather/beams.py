@@ -6,7 +6,7 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec2u
-from ..gpu.memory import Buffer, linear_sampler
+from ..gpu.memory import Texture, linear_sampler
 from ..gpu.slots import sampler, storage, texture, uniform
 from ..lattice.blockers import BLOCKER_SLOTS
 from ..lattice.irradiance import Irradiance
@@ -14,7 +14,7 @@ from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
 from ..lighting.kit import Kit
 from .points import Points
-from .sums import PointSums
+from .sums import read_sums, written_sums
 
 
 class BeamParams(Struct):
@@ -34,7 +34,8 @@ class _Beams(ComputePass):
         *CHANNEL_SLOTS,
         *BLOCKER_SLOTS,
         sampler("linear_clamp"),
-        storage("sums", PointSums, "read_write"),
+        read_sums("sums"),
+        written_sums(),
     )
     workgroup = (8, 8, 1)
     file = "beams.wgsl"
@@ -47,9 +48,15 @@ class Beams:
         self._kit, self._pass, self._linear = kit, _Beams(gpu), linear_sampler(gpu)
 
     def encode(
-        self, commands: Commands, points: Points, sums: Buffer, rays: int, irradiance: Irradiance
-    ) -> None:
-        """Add it to the `sums` of points with so many `rays`."""
+        self,
+        commands: Commands,
+        points: Points,
+        sums: tuple[Texture, Texture],
+        rays: int,
+        irradiance: Irradiance,
+    ) -> Texture:
+        """The first of the two images of `sums` with it, written to the second; of so many `rays`."""
+        given, made = sums
         # Read from lattices at each point, as the sum that its rays would have found.
         self._pass.dispatch(
             commands,
@@ -60,5 +67,7 @@ class Beams:
             **irradiance.bound,
             **self._kit.blockers.bound,
             linear_clamp=self._linear,
-            sums=sums,
+            sums=given,
+            sums_after=made,
         )
+        return made

@@ -1,4 +1,6 @@
 // Light that media have scattered forwards alone, which no ray meets, added to what points have gathered.
+//! use point_sums
+//! use stored_sums
 //! use tone
 //! use lattice
 
@@ -7,7 +9,9 @@
         return;
     }
     let place = textureLoad(places, id.xy, 0);
+    var found = sums_at(sums, id.xy);
     if (place.w <= 0.0) {
+        store_sums(id.xy, found);
         return;
     }
     let normal = textureLoad(normals, id.xy, 0).xyz;
@@ -30,7 +34,7 @@
     }
     // As the sum of the radiance that as many rays would have found.
     let sum = e * f32(params.rays) / 3.14159265;
-    let at = id.y * params.reduced.x + id.x;
-    sums[at].near += sum;
-    sums[at].near_flux += luminance(sum) * normal;
+    found.near += sum;
+    found.near_flux += luminance(sum) * normal;
+    store_sums(id.xy, found);
 }

@@ -3,6 +3,8 @@
 // pass to pass.
 //! use gather
 //! use orphans
+//! use point_sums
+//! use stored_sums
 //! use tone
 
 struct Point {
@@ -36,7 +38,7 @@ fn sky_noise(sums: PointSums) -> vec2f {
 }
 
 fn point_at(texel: vec2i) -> Point {
-    let sums = before[u32(texel.y) * params.reduced.x + u32(texel.x)];
+    let sums = sums_at(before, vec2u(texel));
     return Point(textureLoad(places, texel, 0), textureLoad(planes, texel, 0).xyz, sums, sky_noise(sums));
 }
 
@@ -190,5 +192,5 @@ fn put_together(sums: PointSums) -> PointSums {
     }
     mean.frames = own.sums.frames;
     mean.far_begins = own.sums.far_begins;
-    after[id.y * params.reduced.x + id.x] = mean;
+    store_sums(id.xy, mean);
 }

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u
-from ..gpu.memory import Buffer
+from ..gpu.memory import Texture
 from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
 from .points import Points
-from .sums import PointSums, new_sums
+from .sums import read_sums, sums_image, written_sums
 
 STRIDES = (1, 2, 4)
 """Texels between the points of each pass."""
@@ -38,8 +40,8 @@ class _Filter(ComputePass):
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
         storage("orphans", "u32"),
-        storage("before", PointSums),
-        storage("after", PointSums, "read_write"),
+        read_sums("before"),
+        written_sums(),
     )
     workgroup = (8, 8, 1)
     in_bands = True
@@ -53,17 +55,17 @@ class Filtering:
         """`rays`: of a point."""
         self._points, self._rays = points, rays
         self._filter = _Filter(gpu)
-        # Each pass reads what the one before has written.
-        self._between = [new_sums(gpu, f"filtered sums {i}", points) for i in range(len(STRIDES))]
+        # Each pass reads what the one before has written, in turn.
+        self._images = [sums_image(gpu, f"filtered sums {i}", points) for i in range(2)]
 
-    def encode(self, commands: Commands, view: View, sums: Buffer, sky_rays: int) -> Buffer:
-        """The filtered `sums` of a view's points, both `PointSums`.
+    def encode(self, commands: Commands, view: View, sums: Texture, sky_rays: int) -> Texture:
+        """The filtered `sums` of a view's points, both images of them.
 
         `sky_rays`: of a point, beside those by the cosine.
         """
         points = self._points
         # Edge-avoiding a-trous passes (Dammertz2010): few taps, farther apart in each pass.
-        for stride, after in zip(STRIDES, self._between, strict=True):
+        for stride, after in zip(STRIDES, cycle(self._images), strict=False):
             self._filter.dispatch(
                 commands,
                 points.reduced,
@@ -82,10 +84,15 @@ class Filtering:
                 planes=points.planes,
                 orphans=points.orphans.buffer,
                 before=sums,
-                after=after,
+                sums_after=after,
             )
             sums = after
         return sums
+
+    @property
+    def spare(self) -> Texture:
+        """The image that does not hold what `encode` returned."""
+        return self._images[len(STRIDES) % 2]
 
 
 def falloff(sample: int) -> float:

@@ -11,13 +11,13 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec2u, vec3f
-from ..gpu.memory import Buffer
+from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
 from ..maths.transforms import F64
 from ..scene.scene import Scene
 from .points import Points
-from .sums import PointSums, new_sums
+from .sums import read_sums, sums_image, written_sums
 
 MOST_NUMBERS = 1 << 16
 """Frames after which rays take the numbers of the first once more."""
@@ -53,10 +53,10 @@ class _Reproject(ComputePass):
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
         storage("orphans", "u32"),
-        storage("sums", PointSums),
-        storage("sums_before", PointSums),
+        read_sums("sums"),
+        read_sums("sums_before"),
         storage("places_before", PlaceBefore),
-        storage("sums_after", PointSums, "read_write"),
+        written_sums(),
         storage("places_after", PlaceBefore, "read_write"),
     )
     workgroup = (8, 8, 1)
@@ -76,7 +76,7 @@ class History:
         # Two sets of sums and places: of the frame before, and of this one.
         self._kept = [
             (
-                new_sums(gpu, f"sums of frames {i}", points),
+                sums_image(gpu, f"sums of frames {i}", points),
                 Buffer(gpu, f"places of frames {i}", PlaceBefore.dtype.itemsize * points.count),
             )
             for i in range(2)
@@ -85,13 +85,15 @@ class History:
         self.number = 0
         """Of the frame: its rays take the numbers of that sample of a still."""
 
-    def encode(self, commands: Commands, view: View, sums: Buffer, *, is_changing: bool) -> Buffer:
-        """The `sums` of a view's points with those of the frames before it.
+    def encode(
+        self, commands: Commands, view: View, sums: Texture, *, is_changing: bool
+    ) -> Texture:
+        """The image of `sums` of a view's points with those of the frames before it.
 
         `is_changing`: anything but the camera may have changed since the last of them.
         """
         points = self._points
-        # Two sets of buffers: one is read, the other written, and then they change places.
+        # Two sets: one is read, the other written, and then they change places.
         before, after = self._kept[self.number % 2], self._kept[1 - self.number % 2]
         # The first frame finds nothing before it.
         is_first = self._before is None

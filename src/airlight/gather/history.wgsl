@@ -3,6 +3,8 @@
 //! use gather
 //! use gather_history
 //! use orphans
+//! use point_sums
+//! use stored_sums
 //! use tone
 
 // A place in the image of a camera, in texels from the middle of the first; w: whether it is before the eye.
@@ -62,20 +64,20 @@ fn found_before(texel: vec2u, place: vec4f, n: vec3f) -> Before {
         let other = vec2i(round(at)) + vec2i(k % 3, k / 3) - 1;
         if (all(other >= vec2i(0)) && all(other <= last)) {
             // The block's point, and those of its orphans.
-            var index = u32(other.y) * params.reduced.x + u32(other.x);
-            let orphans = orphan_run(places_before[index].orphans);
+            var at_other = vec2u(other);
+            let orphans = orphan_run(places_before[at_other.y * params.reduced.x + at_other.x].orphans);
             var next = orphans.first;
             loop {
-                let its = places_before[index];
+                let its = places_before[at_other.y * params.reduced.x + at_other.x];
                 var like = likeness(place.xyz, n, its.place, its.normal, texel_m);
                 like = select(0.0, like, its.frames > 0.0);
                 let weight = like * texel_share(vec2f(other) - at);
-                sum = plus(sum, weight, sums_before[index]);
+                sum = plus(sum, weight, sums_at(sums_before, at_other));
                 out.frames += weight * its.frames;
                 total += weight;
                 best = max(best, like);
                 if (next >= orphans.end) { break; }
-                index = blocks_of_image() + next;
+                at_other = orphan_texel(next);
                 next++;
             }
         }
@@ -116,9 +118,9 @@ fn light_around(texel: vec2u, place: vec4f, n: vec3f) -> Around {
                 let its = textureLoad(places, at, 0);
                 let like = likeness(place.xyz, n, its.xyz, textureLoad(planes, at, 0).xyz, texel_m);
                 let weight = select(0.0, like, its.w > 0.0);
-                let index = at.y * params.reduced.x + at.x;
-                let surfaces = sums[index].near + sums[index].far + sums[index].later;
-                let sky = sums[index].sky;
+                let found = sums_at(sums, at);
+                let surfaces = found.near + found.far + found.later;
+                let sky = found.sky;
                 let light = luminance(surfaces + sky);
                 out.surfaces += weight * surfaces;
                 out.sky += weight * sky;
@@ -196,10 +198,10 @@ fn following(before: Before, around: Around) -> Before {
     }
     // The mean over frames of what was found before and of what this frame has.
     let share = 1.0 / (before.frames + 1.0);
-    var mean = plus(plus(PointSums(), 1.0 - share, before.sums), share, sums[index]);
+    var mean = plus(plus(PointSums(), 1.0 - share, before.sums), share, sums_at(sums, id.xy));
     // Filters narrow as frames add up, as they do in later samples of a still.
     mean.frames = before.frames;
-    sums_after[index] = mean;
+    store_sums(id.xy, mean);
     let frames = select(0.0, before.frames + 1.0, place.w > 0.0);
     places_after[index] = PlaceBefore(place.xyz, frames, n, orphans[index]);
 }

@@ -114,7 +114,7 @@ class GatherSolver(Solver):
         rays = self.settings.gather_rays
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
-        sums = sized.sums.buffer
+            sums = sized.sums.found(commands, view, range(number * rays, (number + 1) * rays))
         # A moving frame adds the frames before it; a still has samples of its own.
         if history:
             with commands.stage("gather history"):
@@ -125,7 +125,8 @@ class GatherSolver(Solver):
         # What no ray meets is not noisy: its edges need no filter.
         if self._beams is not None and fields.forward:
             with commands.stage("gather lighting"):
-                self._beams.encode(commands, sized.points, sums, rays, fields.forward)
+                pair = sums, sized.filtering.spare
+                sums = self._beams.encode(commands, sized.points, pair, rays, fields.forward)
         with commands.stage("gather upsampling"):
             irradiance = fields.irradiance or kit.no_irradiance
             gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)

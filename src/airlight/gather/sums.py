@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
-from ..gpu.memory import Buffer
-from ..gpu.slots import storage, texture, uniform
+from ..gpu.memory import Buffer, Texture
+from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..lighting.view import View
 from .far import Far
 from .paths import Paths
@@ -81,9 +83,35 @@ class _LaterSums(ComputePass):
     file = "later_sums.wgsl"
 
 
-def new_sums(gpu: Gpu, label: str, points: Points) -> Buffer:
-    """A buffer of `PointSums` for each of the points."""
-    return Buffer(gpu, label, PointSums.dtype.itemsize * points.count)
+def sums_image(gpu: Gpu, label: str, points: Points) -> Texture:
+    """An image of `PointSums`: a texel for each point, a layer for each row of four floats.
+
+    Whoever reads those of many neighbours takes them from here: CPU adapters read a row of a buffer
+    word by word, in four to seven times the time of a texel.
+    """
+    layers = PointSums.dtype.itemsize // 16
+    size = (*points.reduced, layers)
+    return Texture(gpu, label, size, "rgba32float", dimension="2d-array", written=True)
+
+
+def read_sums(name: str) -> Slot:
+    """The slot of a `sums_image` that is read by `sums_at`."""
+    return replace(texture(name, "2d-array", "unfilterable-float"), struct=PointSums)
+
+
+def written_sums() -> Slot:
+    """The slot of a `sums_image` that `store_sums` writes."""
+    return replace(image("sums_after", "rgba32float", "2d-array"), struct=PointSums)
+
+
+class _FoundSums(ComputePass):
+    slots = (
+        uniform("params", SumParams),
+        storage("sums", PointSums),
+        written_sums(),
+    )
+    workgroup = (8, 8, 1)
+    file = "found_sums.wgsl"
 
 
 class Sums:
@@ -91,8 +119,9 @@ class Sums:
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
         self._points, self._far = points, Far(gpu, points)
-        self._pass, self._later = _Sums(gpu), _LaterSums(gpu)
-        self.buffer = new_sums(gpu, "gathered sums", points)
+        self._pass, self._later, self._found = _Sums(gpu), _LaterSums(gpu), _FoundSums(gpu)
+        self.buffer = Buffer(gpu, "gathered sums", PointSums.dtype.itemsize * points.count)
+        self._image = sums_image(gpu, "gathered sums", points)
 
     def encode(
         self, commands: Commands, view: View, paths: Paths, numbers: range, sample: range
@@ -127,6 +156,17 @@ class Sums:
             far=self._far.buffer,
             sums=self.buffer,
         )
+
+    def found(self, commands: Commands, view: View, sample: range) -> Texture:
+        """The `sums_image` of all that was added."""
+        self._found.dispatch(
+            commands,
+            self._points.reduced,
+            params=self._params(view, sample, sample),
+            sums=self.buffer,
+            sums_after=self._image,
+        )
+        return self._image
 
     def _params(self, view: View, numbers: range, sample: range) -> SumParams:
         return SumParams(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
-from ..gpu.memory import Buffer, Texture, linear_sampler
+from ..gpu.memory import Texture, linear_sampler
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..lighting.gathered import Gathered
@@ -20,7 +20,7 @@ from ..lighting.slots import LATTICE_SLOTS
 from ..lighting.view import View
 from .point_params import PointParams
 from .points import Points
-from .sums import PointSums
+from .sums import read_sums
 
 
 class _Upsample(FullscreenPass):
@@ -31,7 +31,7 @@ class _Upsample(FullscreenPass):
         texture("normal", "2d", "unfilterable-float"),
         texture("places", "2d", "unfilterable-float"),
         texture("planes", "2d", "unfilterable-float"),
-        storage("sums", PointSums),
+        read_sums("sums"),
         storage("orphans", "u32"),
         *LATTICE_SLOTS,
     )
@@ -64,11 +64,11 @@ class Upsampling:
         self,
         commands: Commands,
         view: View,
-        sums: Buffer,
+        sums: Texture,
         irradiance: Irradiance,
         sky: SkyIrradiance,
     ) -> Gathered:
-        """The irradiance of a view's pixels; `sums`: `PointSums` of its points."""
+        """The irradiance of a view's pixels; `sums`: the image of those of its points."""
         points, gbuffer = self._points, view.gbuffer
         self._pass.draw(
             commands,

@@ -5,6 +5,7 @@
 //! use pixel_point
 //! use gather_orphans
 //! use orphans
+//! use point_sums
 //! use flat_normal
 //! use mirrored_light
 //! use tone
@@ -49,18 +50,18 @@ fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32, kin_weight: f32) -> A
         loop {
             let place = textureLoad(places, texel, 0);
             let its = textureLoad(planes, texel, 0).xyz;
-            let index = texel.y * params.reduced.x + texel.x;
-            let each = 1.0 / max(sums[index].met_rays, FEWEST * f32(params.rays));
-            let kin = kinship(n, its, p - place.xyz, each * sums[index].squares, each * sums[index].products, texel_m);
+            let its_sums = sums_at(sums, texel);
+            let each = 1.0 / max(its_sums.met_rays, FEWEST * f32(params.rays));
+            let kin = kinship(n, its, p - place.xyz, each * its_sums.squares, each * its_sums.products, texel_m);
             let share = select(0.0, near.x * near.y, place.w > 0.0);
             let like = share * likeness(p, n, place.xyz, its, texel_m);
             let weight = like + kin_weight * share * kin;
             out.alike += like;
-            out.surfaces += weight * sums[index].near;
-            out.surfaces_flux += weight * sums[index].near_flux;
-            out.sky += weight * sums[index].sky;
-            out.sky_flux += weight * sums[index].sky_flux;
-            out.open += weight * sums[index].open;
+            out.surfaces += weight * its_sums.near;
+            out.surfaces_flux += weight * its_sums.near_flux;
+            out.sky += weight * its_sums.sky;
+            out.sky_flux += weight * its_sums.sky_flux;
+            out.open += weight * its_sums.open;
             out.total += weight;
             if (next >= orphans.end) { break; }
             texel = orphan_texel(next);
