@@ -36,7 +36,6 @@ class CodePaths:
     stored_screens       full-screen passes are compute passes that store: `gpu.stored`
     flat_interpolants    full-screen triangles interpolate uniforms, flat: `gpu.interpolants`
     stored_uniforms      uniforms are bound as storage buffers: `gpu.slots`
-    wide_reads           rows of hierarchies are read as 64-bit integers: `rays.slots`
     listed_gloss         glossy pixels are listed and traced apart: `lighting.glossy_pixels`
     occlusion_samples    slices of the hemisphere of screen-space occlusion, and steps on each side
                          of one: `lighting.occlusion`
@@ -50,7 +49,6 @@ class CodePaths:
     stored_screens: bool
     flat_interpolants: bool
     stored_uniforms: bool
-    wide_reads: bool
     listed_gloss: bool
     occlusion_samples: tuple[int, int]
     uploaded_at_once: int
@@ -63,7 +61,6 @@ GPU_PATHS = CodePaths(
     stored_screens=True,
     flat_interpolants=False,
     stored_uniforms=False,
-    wide_reads=False,
     listed_gloss=False,
     occlusion_samples=(3, 6),
     uploaded_at_once=8 << 20,
@@ -75,7 +72,6 @@ CPU_PATHS = CodePaths(
     stored_screens=False,
     flat_interpolants=True,
     stored_uniforms=True,
-    wide_reads=True,
     listed_gloss=True,
     occlusion_samples=(2, 4),
     uploaded_at_once=64 << 20,  # copied in some 25 ms

@@ -25,7 +25,6 @@ class Slot:
     struct: type[Struct] | None = None
     is_dynamic: bool = False
     formats: frozenset[str] = field(default_factory=frozenset)
-    wide: str = ""  # the declaration for CPU adapters with 64-bit integers, where it is another
 
 
 def uniform(name: str, struct: type[Struct]) -> Slot:
@@ -47,9 +46,7 @@ def uniform(name: str, struct: type[Struct]) -> Slot:
 
 def on_device(slots: tuple[Slot, ...], gpu: Gpu) -> tuple[Slot, ...]:
     """The same slots for a device: buffers and uniforms as it reads them."""
-    # CPU adapters read rows as 64-bit integers, and uniforms from storage.
-    if gpu.paths.wide_reads and "shader-int64" in gpu.features:
-        slots = tuple(replace(slot, declaration=slot.wide or slot.declaration) for slot in slots)
+    # CPU adapters read uniforms from storage.
     return on_cpu_adapter(slots) if gpu.has_uniforms_in_storage else slots
 
 
