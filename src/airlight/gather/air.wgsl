@@ -39,7 +39,7 @@ fn met_sigma_t(m: u32) -> vec3f {
     if (params.is_reduced == 0u) {
         return sigma_t;
     }
-    return sigma_t - max(media[m].g, vec3f(0.0)) * (sigma_s_of(m) - lit_scattering_of(m));
+    return sigma_t - max(row_of_media(m).g, vec3f(0.0)) * (sigma_s_of(m) - lit_scattering_of(m));
 }
 
 // Optical depth of the reduced media in a step.

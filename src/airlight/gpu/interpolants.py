@@ -67,7 +67,7 @@ def interpolated(
 ) -> Shader:
     """The pass `text` with its parameters as flat interpolants, as many as fit.
 
-    Uniforms come first, then, in their order, the first elements of the storage buffers `firsts`,
+    Uniforms come first, then, in their order, the first elements of the storage buffers and tables `firsts`,
     each with the fields of it that the pass does not read: `first_NAME()` in the pass.
     """
     found = ENTRY.search(text)
@@ -95,11 +95,11 @@ def interpolated(
 
 
 def first_elements(slots: tuple[Slot, ...], names: Mapping[str, tuple[str, ...]]) -> str:
-    """WGSL of `first_NAME()` of storage buffers, read from them."""
+    """WGSL of `first_NAME()` of storage buffers and tables, read from them."""
     # Buffers keep their names; only the struct's name is asked.
-    structs = {slot.name: slot.struct.__name__ for slot in slots if slot.struct is not None}
+    named = {slot.name: (slot.struct.__name__, slot.first) for slot in slots if slot.struct}
     return "".join(
-        f"fn first_{name}() -> {structs[name]} {{ return {name}[0]; }}\n" for name in names
+        f"fn first_{name}() -> {named[name][0]} {{ return {named[name][1]}; }}\n" for name in names
     )
 
 
@@ -107,7 +107,7 @@ def _part(slot: Slot, left_out: tuple[str, ...]) -> _Part:
     assert slot.struct is not None
     if slot.is_dynamic:
         return _Part(slot.name, f"stored_{slot.name}", slot.struct)
-    return _Part(f"carried_{slot.name}", f"{slot.name}[0]", slot.struct, left_out)
+    return _Part(f"carried_{slot.name}", slot.first, slot.struct, left_out)
 
 
 def _renamed(slot: Slot) -> Slot:

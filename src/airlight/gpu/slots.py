@@ -26,6 +26,11 @@ class Slot:
     is_dynamic: bool = False
     formats: frozenset[str] = field(default_factory=frozenset)
 
+    @property
+    def first(self) -> str:
+        """WGSL of the first of a slot's structs: of a storage buffer, or of a `rows.table`."""
+        return f"row_of_{self.name}(0u)" if "texture" in self.layout else f"{self.name}[0]"
+
 
 def uniform(name: str, struct: type[Struct]) -> Slot:
     """Parameters, written per dispatch into the frame's uniform arena."""

@@ -20,6 +20,7 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, linear_sampler
+from ..gpu.rows import Table
 from ..gpu.shared import Shared
 from ..gpu.slots import Slot
 from ..maths.transforms import F64
@@ -103,7 +104,7 @@ class GpuMedia:
                 remedy="Merge some of the volumes into one grid",
             )
         # Media as rows of a table, their densities as boxes of a texture.
-        self.table = Buffer(gpu, "media", MediumData.dtype.itemsize * room_for(self.count))
+        self.table = Table(gpu, "media", MediumData, room_for(self.count))
         volumes, shared = gridded(scene), columns.shared or Shared()
         self.atlas = density_atlas(gpu, volumes, shared) if volumes else None
         self._densities_seen = -1
@@ -167,7 +168,7 @@ class GpuMedia:
         # Lists of media on paths, then columns: both depend on where lights and media are.
         if self.paths is not None:
             with commands.stage("path lists"):
-                self.paths.encode(commands, self.table, scene.lights, self.rows)
+                self.paths.encode(commands, self.table.texture, scene.lights, self.rows)
         if self.columns is not None:
             rows = [row for row in self.rows if row["kind"] == GRID]
             self.columns.encode(commands, scene.lights, rows)
@@ -227,7 +228,7 @@ class GpuMedia:
     @property
     def medium_bound(self) -> dict[str, Any]:
         """The resources of `wgsl/media.wgsl` alone."""
-        bound: dict[str, Any] = {"media": self.table}
+        bound: dict[str, Any] = {"media": self.table.texture}
         # What the scene lacks has no slot either: grids, glowing grids, noise.
         if self.atlas is not None:
             bound |= {"media_linear": self._linear, "media_densities": self.atlas.texture}

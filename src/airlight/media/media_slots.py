@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
-from ..gpu.slots import Slot, sampler, storage, texture
+from ..gpu.rows import table
+from ..gpu.slots import Slot, sampler, texture
 
 LISTED_WHOLE = 8
 """So many media are taken one by one; of more, a tree skips those that are not met."""
@@ -96,7 +97,7 @@ def _tree_nodes(count: int) -> int:
 
 def medium_slots(grids: int, *, has_detail: bool = False) -> tuple[Slot, ...]:
     """The slots of the table of media, of the density grids, and of their noise."""
-    slots: list[Slot] = [storage("media", MediumData)]
+    slots: list[Slot] = [table("media", MediumData)]
     # Without grids nothing is sampled: some devices bind few textures.
     if grids:
         slots += [sampler("media_linear"), texture("media_densities", "3d")]

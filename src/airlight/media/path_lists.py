@@ -20,6 +20,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
+from ..gpu.rows import table
 from ..gpu.shared import Shared
 from ..gpu.slots import image, storage, uniform
 from ..maths.transforms import F64
@@ -56,7 +57,7 @@ class _PathLists(ComputePass):
     workgroup = (64, 1, 1)
     slots = (
         uniform("params", PathListParams),
-        storage("media", MediumData),
+        table("media", MediumData),
         storage("path_lights", PathLight),
         image("lists", "rgba32uint", "3d"),
     )
@@ -87,7 +88,7 @@ class PathLists:
     def encode(
         self,
         commands: Commands,
-        table: Buffer,
+        table: Texture,
         lights: tuple[Light, ...],
         rows: Sequence[dict[str, Any]],
     ) -> None:

@@ -27,7 +27,7 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
         var bits: array<vec4u, LISTS_AT_ONCE>;
         let end = min(128u * (texel + 1u), params.media);
         for (var m = 128u * texel; m < end; m++) {
-            let from_world = media[m].volume_from_world;
+            let from_world = row_of_media(m).volume_from_world;
             let axes = mat3x3f(from_world[0].xyz, from_world[1].xyz, from_world[2].xyz);
             let half = 0.5 * mat3x3f(abs(axes[0]), abs(axes[1]), abs(axes[2])) * (WIDER * side);
             let bit = select(vec4u(0u), vec4u(1u << (m & 31u)), vec4u(0u, 1u, 2u, 3u) == vec4u((m >> 5u) & 3u));

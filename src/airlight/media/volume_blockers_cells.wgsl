@@ -7,7 +7,7 @@
 // Whether a cell touches a medium's box at all; most do not, and sampling costs.
 fn touches(m: u32, centre: vec3f) -> bool {
     let half = 0.5 * lattice.cell;
-    let to = media[m].volume_from_world;
+    let to = row_of_media(m).volume_from_world;
     let across = mat3x3f(to[0].xyz, to[1].xyz, to[2].xyz)
         * mat3x3f(lattice.axis_x, lattice.axis_y, lattice.axis_z);
     let reach = half * (abs(across[0]) + abs(across[1]) + abs(across[2]));
@@ -76,8 +76,8 @@ fn store_spread(cell: u32, mean: f32) {
         let m = visit.medium;
         let count = select(0u, params.samples, touches(m, centre));
         // Similarity theory: sigma_s (1 - g), and the absorption as it is.
-        let scattered = media[m].sigma_t * media[m].albedo;
-        let lost = media[m].sigma_t - scattered * media[m].g;
+        let scattered = row_of_media(m).sigma_t * row_of_media(m).albedo;
+        let lost = row_of_media(m).sigma_t - scattered * row_of_media(m).g;
         let extinction = (lost.r + lost.g + lost.b) / 3.0;
         var density = 0.0;
         for (var s = 0u; s < count; s++) {
@@ -86,7 +86,7 @@ fn store_spread(cell: u32, mean: f32) {
             density += here;
             samples[s] += here * extinction;
         }
-        scattering += density * scattered * (1.0 - media[m].g);
+        scattering += density * scattered * (1.0 - row_of_media(m).g);
     }
     var extinction = 0.0;
     for (var s = 0u; s < params.samples; s++) {

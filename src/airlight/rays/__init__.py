@@ -4,8 +4,7 @@
    cached     hierarchies cached on disk       words      nodes and triangles as shaders read them
    mesh_tree  of one mesh; of all that stand   masks      alpha of materials with holes
               still
-   rows       both, in textures                slots      what a pass binds
-   rays       RayScene: the textures to bind
+   slots      what a pass binds                rays       RayScene: the textures to bind
 
 `wgsl/rays.wgsl` has what a pass calls: `nearest_hit`, `any_hit`, `hit_point`.
 """

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
+from ..gpu.rows import Rows
 from ..scene.mesh import Mesh, world_boxes
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
 from .hierarchy import F32, INDEX_MASK, LEAF, U32, build, child_boxes
 from .masks import INSTANCE_WORDS, Masks, is_gone
 from .mesh_tree import MeshTree, StillTree
-from .rows import Rows
 from .slots import RAY_SLOTS
 from .words import NODE_WORDS, moved_children, node_words
 

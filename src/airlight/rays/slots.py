@@ -1,12 +1,9 @@
-"""What a pass binds to send rays: textures whose rows `rows` writes and wgsl/ray_rows.wgsl reads."""
+"""What a pass binds to send rays: rows of nodes, of triangles and of instances (words, masks)."""
 
 from __future__ import annotations
 
-from ..gpu.slots import Slot, texture
+from ..gpu.rows import rows
+from ..gpu.slots import Slot
 
-RAY_SLOTS: tuple[Slot, ...] = (
-    texture("ray_nodes", "2d", "uint"),
-    texture("ray_triangles", "2d", "uint"),
-    texture("ray_instances", "2d", "uint"),
-)
+RAY_SLOTS: tuple[Slot, ...] = (rows("ray_nodes"), rows("ray_triangles"), rows("ray_instances"))
 """What a pass with `//! use rays` binds beside its own; `RayScene.bound` are the values."""

@@ -38,9 +38,9 @@ fn density_of_points(m: u32, cell: vec3u, n: u32) -> f32 {
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let density = density_of_points(visit.medium, id, n);
-        let found = density * media[visit.medium].sigma_t;
+        let found = density * row_of_media(visit.medium).sigma_t;
         extinction += found;
-        scattering += found * media[visit.medium].albedo;
+        scattering += found * row_of_media(visit.medium).albedo;
     }
     let share = 1.0 / f32(n * n * n);
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;

@@ -23,21 +23,21 @@ struct Slants {
 
 // Of medium m between `near` and `far`, m, before the point; green's spread.
 fn with_slant(sum: Slants, m: u32, near: f32, far: f32, weight: f32) -> Slants {
-    let own = slant(near, far, media[m].g.g);
+    let own = slant(near, far, row_of_media(m).g.g);
     return Slants(sum.squares + weight * own * own, sum.weight + weight);
 }
 
 // Of a medium that the path from p passes by, where it would lie on a path that goes through it.
 fn with_slant_beside(sum: Slants, m: u32, p: vec3f, direction: vec3f) -> Slants {
     // Metres along the axes of the medium's box, from its middle.
-    let rows = transpose(media[m].volume_from_world);
+    let rows = transpose(row_of_media(m).volume_from_world);
     let size = 1.0 / vec3f(length(rows[0].xyz), length(rows[1].xyz), length(rows[2].xyz));
     let o = (medium_coordinates(m, p) - 0.5) * size;
     let span = span_beside(size, o, volume_direction(m, direction) * size);
     if (span.x >= span.y) {
         return sum;
     }
-    let deviations = span.z / max(slant(span.x, span.y, media[m].g.g).x, 1e-6);
+    let deviations = span.z / max(slant(span.x, span.y, row_of_media(m).g.g).x, 1e-6);
     if (deviations > SLANT_DEVIATIONS) {
         return sum;
     }
@@ -56,16 +56,16 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
         if (walk.is_done) { break; }
         if (m == NO_MEDIUM) { continue; }
         let column = media_light_column(m, index, p, path);
-        let reduced = media[m].sigma_t * column;
-        let isotropic = max(vec3f(1e-4), 1.0 - media[m].g);
+        let reduced = row_of_media(m).sigma_t * column;
+        let isotropic = max(vec3f(1e-4), 1.0 - row_of_media(m).g);
         sum.reduced += reduced;
-        let scattering = reduced * media[m].albedo / isotropic;
-        sum.forward += scattering * media[m].g;
+        let scattering = reduced * row_of_media(m).albedo / isotropic;
+        sum.forward += scattering * row_of_media(m).g;
         sum.scattering += scattering;
         // Each counts by what it deflects; of many, none of which is looked for beside the path, the lengths in them add up.
-        let deflected = scattering.g * media[m].g.g;
+        let deflected = scattering.g * row_of_media(m).g.g;
         if (MEDIA_COUNT > SLANT_MEDIA) {
-            along += slant(0.0, select(0.0, column, deflected > 0.0), media[m].g.g);
+            along += slant(0.0, select(0.0, column, deflected > 0.0), row_of_media(m).g.g);
         } else if (is_slanted && deflected > 0.0) {
             let span = medium_interval(m, p, path.xyz);
             slants = with_slant(slants, m, max(span.x, 0.0), min(span.y, path.w), deflected);
@@ -75,7 +75,7 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
     if (is_slanted && light.kind == LIGHT_DIRECTIONAL && MEDIA_COUNT <= SLANT_MEDIA
         && slants.weight < LEAST_DEFLECTED) {
         for (var m = 0u; m < MEDIA_COUNT; m++) {
-            if (media[m].g.g > 0.0) {
+            if (row_of_media(m).g.g > 0.0) {
                 slants = with_slant_beside(slants, m, p, path.xyz);
             }
         }

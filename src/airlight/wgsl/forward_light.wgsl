@@ -61,7 +61,7 @@ fn forward_light(
             let m = ray_medium(k);
             let before = fused_phase(m, mu, light.a) * reached;
             let all = fused_phase(m, mu, light.a + eye_depth) * reduced_reached;
-            let far = saturate(spread * (1.0 - media[m].g.g));
+            let far = saturate(spread * (1.0 - row_of_media(m).g.g));
             let scattering = media_density_here[k] * lit_scattering_of(m);
             sum += scattering
                 * (light.rgb * before + mix(light.rgb, wide, far) * max(all - before, vec3f(0.0)));

@@ -16,7 +16,7 @@ fn fused_phase(m: u32, mu: f32, depth: f32) -> vec3f {
 
 // Which of the mean cosines medium m has.
 fn phase_of(m: u32) -> u32 {
-    return select(media[m].phase, 0u, MEDIA_COUNT == 1u);
+    return select(row_of_media(m).phase, 0u, MEDIA_COUNT == 1u);
 }
 
 fn fused_table(k: u32, mu: f32, depth: f32) -> vec3f {

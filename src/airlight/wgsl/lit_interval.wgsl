@@ -17,14 +17,14 @@ var<private> is_light_inside: bool;       // whether a local light is in the one
 
 // Once per eye ray and light.
 fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
-    let phase = scattering_phase(-dot(light.direction, direction), media[0].g);
-    medium_sigma_t = media[0].sigma_t;
-    parallel_sent = media[0].albedo * medium_sigma_t * phase;
+    let phase = scattering_phase(-dot(light.direction, direction), row_of_media(0).g);
+    medium_sigma_t = row_of_media(0).sigma_t;
+    parallel_sent = row_of_media(0).albedo * medium_sigma_t * phase;
     medium_has_shafts = has_shafts(0u, false) > 0.0;
     is_light_inside = MEDIA_COUNT == 1u && medium_density(0u, light.position) > 0.0;
     let o = medium_coordinates(0u, origin);
-    let d = (media[0].volume_from_world * vec4f(direction, 0.0)).xyz;
-    let back = -(media[0].volume_from_world * vec4f(light.direction, 0.0)).xyz;
+    let d = (row_of_media(0).volume_from_world * vec4f(direction, 0.0)).xyz;
+    let back = -(row_of_media(0).volume_from_world * vec4f(light.direction, 0.0)).xyz;
     let is_parallel = abs(back) < vec3f(1e-12);
     let inverse = 1.0 / select(back, vec3f(1.0), is_parallel);
     box_exit = select((select(vec3f(0.0), vec3f(1.0), back > vec3f(0.0)) - o) * inverse,
@@ -74,12 +74,12 @@ fn parallel_interval(t0: f32, t1: f32) -> vec3f {
 fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, seen: SeenLight) -> vec3f {
     var depth: vec3f;
     if (MEDIA_COUNT == 1u && is_light_inside) {
-        depth = media[0].sigma_t * (t - medium_intervals[0].x + seen.reach);
+        depth = row_of_media(0).sigma_t * (t - medium_intervals[0].x + seen.reach);
     } else {
         depth = homogeneous_depth(0.0, t) + media_light_depth(light, index, p);
     }
-    let phase = scattering_phase(seen.mu, seen.sharpness * media[m].g);
-    return seen.gain * media[m].sigma_t * media[m].albedo * phase * exp(-depth);
+    let phase = scattering_phase(seen.mu, seen.sharpness * row_of_media(m).g);
+    return seen.gain * row_of_media(m).sigma_t * row_of_media(m).albedo * phase * exp(-depth);
 }
 
 // A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla2012).
@@ -98,8 +98,8 @@ fn local_node(
 // Number of half panels of a local light's interval: narrow in angle where the phase function is sharp, and thin
 // in depth.
 fn local_pieces(m: u32, angle: f32, length_m: f32) -> u32 {
-    let g = max(abs(media[m].g.x), max(abs(media[m].g.y), abs(media[m].g.z)));
-    let sigma = max(media[m].sigma_t.x, max(media[m].sigma_t.y, media[m].sigma_t.z));
+    let g = max(abs(row_of_media(m).g.x), max(abs(row_of_media(m).g.y), abs(row_of_media(m).g.z)));
+    let sigma = max(row_of_media(m).sigma_t.x, max(row_of_media(m).sigma_t.y, row_of_media(m).sigma_t.z));
     let widest = mix(0.9, 0.2, saturate(g));
     return u32(clamp(ceil(max(angle / widest, sigma * length_m / 3.0)), 1.0, 12.0));
 }
@@ -186,6 +186,6 @@ fn visible_interval(hull: vec2f) -> vec2f {
     if (MEDIA_COUNT > 1u || GRID_COUNT > 0u) {
         return hull;
     }
-    let thinnest = min(media[0].sigma_t.x, min(media[0].sigma_t.y, media[0].sigma_t.z));
+    let thinnest = min(row_of_media(0).sigma_t.x, min(row_of_media(0).sigma_t.y, row_of_media(0).sigma_t.z));
     return vec2f(hull.x, min(hull.y, hull.x + 16.0 / max(thinnest, 1e-12)));
 }

@@ -35,7 +35,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     }
     towards_eye = -dot(light.direction, direction);
     for (var m = 0u; m < COPIED_MEDIA; m++) {
-        parallel_phases[m] = has_shafts(m, false) * scattering_phase(towards_eye, media[m].g);
+        parallel_phases[m] = has_shafts(m, false) * scattering_phase(towards_eye, row_of_media(m).g);
     }
     step_end = -1.0;
 }
@@ -43,7 +43,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
 // Copied where media are few.
 fn parallel_phase(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return has_shafts(m, false) * scattering_phase(towards_eye, media[m].g);
+        return has_shafts(m, false) * scattering_phase(towards_eye, row_of_media(m).g);
     }
     return parallel_phases[m];
 }
@@ -63,8 +63,8 @@ fn grid_step_length(t: f32) -> f32 {
         let m = ray_medium(k);
         let span = medium_intervals[k];
         let is_in = span.x <= t && t < span.y;
-        let fine = max(media[m].voxel, (span.y - span.x) / GRID_STEPS);
-        limit = min(limit, select(MEDIUM_FAR, fine, is_in && media[m].kind == MEDIUM_GRID));
+        let fine = max(row_of_media(m).voxel, (span.y - span.x) / GRID_STEPS);
+        limit = min(limit, select(MEDIUM_FAR, fine, is_in && row_of_media(m).kind == MEDIUM_GRID));
         limit = min(limit, select(MEDIUM_FAR, span.y - t, is_in));
         limit = min(limit, select(MEDIUM_FAR, span.x - t, span.x > t));
     }
@@ -87,9 +87,9 @@ fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
             continue;
         }
         let density = medium_density(m, p);
-        let extinction = density * media[m].sigma_t;
+        let extinction = density * row_of_media(m).sigma_t;
         step_sigma += extinction;
-        step_sent += extinction * media[m].albedo * parallel_phase(m);
+        step_sent += extinction * row_of_media(m).albedo * parallel_phase(m);
         step_media[step_media_count] = m;
         step_density[step_media_count] = density;
         step_media_count++;
@@ -116,8 +116,8 @@ fn sent_by(seen: SeenLight, t: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var j = 0u; j < media_in_step(); j++) {
         let m = step_media[j];
-        sum += has_shafts(m, true) * step_density[j] * media[m].sigma_t * media[m].albedo
-            * scattering_phase(seen.mu, seen.sharpness * media[m].g);
+        sum += has_shafts(m, true) * step_density[j] * row_of_media(m).sigma_t * row_of_media(m).albedo
+            * scattering_phase(seen.mu, seen.sharpness * row_of_media(m).g);
     }
     return seen.gain * sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
 }

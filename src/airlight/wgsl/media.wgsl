@@ -18,19 +18,19 @@ const MAX_COLUMN_STEPS = 256.0;
 
 // A point in the medium's own box, 0 to 1 on each axis.
 fn medium_coordinates(m: u32, p: vec3f) -> vec3f {
-    return (media[m].volume_from_world * vec4f(p, 1.0)).xyz;
+    return (row_of_media(m).volume_from_world * vec4f(p, 1.0)).xyz;
 }
 
 // A direction in the medium's own box, per metre.
 fn volume_direction(m: u32, direction: vec3f) -> vec3f {
-    return (media[m].volume_from_world * vec4f(direction, 0.0)).xyz;
+    return (row_of_media(m).volume_from_world * vec4f(direction, 0.0)).xyz;
 }
 
 // The ray parameters between which a ray is inside medium m; a miss has x > y.
 fn medium_interval(m: u32, origin: vec3f, direction: vec3f) -> vec2f {
     let o = medium_coordinates(m, origin);
     let d = volume_direction(m, direction);
-    if (media[m].kind == MEDIUM_ELLIPSOID) {
+    if (row_of_media(m).kind == MEDIUM_ELLIPSOID) {
         let scale = length(d);
         return ray_sphere_interval(o, d / scale, vec3f(0.5), 0.5) / scale;
     }
@@ -43,11 +43,11 @@ const NOISE_ROTATION = mat3x3f(
     0.6667, -0.3333, 0.6667, 0.6667, 0.6667, -0.3333, -0.3333, 0.6667, 0.6667);
 
 fn medium_detail(m: u32, uvw: vec3f) -> f32 {
-    if (media[m].detail <= 0.0) {
+    if (row_of_media(m).detail <= 0.0) {
         return 1.0;
     }
-    let at = NOISE_ROTATION * (uvw * media[m].detail_periods);
-    return exp(media[m].detail * medium_noise(at) + media[m].detail_bias);
+    let at = NOISE_ROTATION * (uvw * row_of_media(m).detail_periods);
+    return exp(row_of_media(m).detail * medium_noise(at) + row_of_media(m).detail_bias);
 }
 
 // Voxels of medium m, trilinear: density, and the distance to the next that are not empty (maths/empty_voxels.py).
@@ -56,8 +56,8 @@ fn medium_voxels(m: u32, uvw: vec3f) -> vec2f {
     if (GRID_COUNT <= 1u) {
         return densities_texel(uvw);
     }
-    let count = media[m].grid_count;
-    let at = clamp(uvw * count, vec3f(0.5), count - 0.5) + media[m].grid_first;
+    let count = row_of_media(m).grid_count;
+    let at = clamp(uvw * count, vec3f(0.5), count - 0.5) + row_of_media(m).grid_first;
     return densities_texel(at / densities_size());
 }
 
@@ -80,22 +80,22 @@ fn medium_density_at(m: u32, uvw: vec3f) -> f32 {
     if (any(uvw < vec3f(0.0)) || any(uvw > vec3f(1.0))) {
         return 0.0;
     }
-    if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
+    if (GRID_COUNT > 0u && row_of_media(m).kind == MEDIUM_GRID) {
         return medium_voxels(m, uvw).x * medium_detail(m, uvw);
     }
     let off = uvw - 0.5;
-    return select(1.0, 0.0, media[m].kind == MEDIUM_ELLIPSOID && dot(off, off) > 0.25);
+    return select(1.0, 0.0, row_of_media(m).kind == MEDIUM_ELLIPSOID && dot(off, off) > 0.25);
 }
 
 // What medium m emits at a point of its box, W m^-3 sr^-1; its density there, and the coordinates.
 fn medium_emission(m: u32, density: f32, uvw: vec3f) -> vec3f {
-    let count = media[m].emission_count;
+    let count = row_of_media(m).emission_count;
     if (count.x > 0.0) {
         // Grids lie in one texture: each is filtered within its own box.
-        let at = media[m].emission_first + clamp(uvw * count, vec3f(0.5), count - 0.5);
-        return media[m].emission * media_emission_texel(at);
+        let at = row_of_media(m).emission_first + clamp(uvw * count, vec3f(0.5), count - 0.5);
+        return row_of_media(m).emission * media_emission_texel(at);
     }
-    return media[m].emission * density;
+    return row_of_media(m).emission * density;
 }
 
 struct MediaCoefficients {
@@ -114,19 +114,19 @@ fn media_coefficients(p: vec3f) -> MediaCoefficients {
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
-        let extinction = medium_density(m, p) * media[m].sigma_t;
-        let scattering = extinction * media[m].albedo;
+        let extinction = medium_density(m, p) * row_of_media(m).sigma_t;
+        let scattering = extinction * row_of_media(m).albedo;
         sum.extinction += extinction;
         sum.scattering += scattering;
-        sum.forward += scattering * media[m].g;
+        sum.forward += scattering * row_of_media(m).g;
     }
     return sum;
 }
 
 // Whether shafts draw what medium m scatters once of a local light, or of another; 1 or 0.
 fn has_shafts(m: u32, is_local: bool) -> f32 {
-    return select(0.0, 1.0, media[m].shafts == SHAFTS_OF_ALL
-        || (is_local && media[m].shafts == SHAFTS_OF_LOCAL));
+    return select(0.0, 1.0, row_of_media(m).shafts == SHAFTS_OF_ALL
+        || (is_local && row_of_media(m).shafts == SHAFTS_OF_LOCAL));
 }
 
 // Scattering times phase function of the media with shafts, m^-1 sr^-1; mu: the cosine between the two
@@ -141,8 +141,8 @@ fn media_phase_scattering(p: vec3f, mu: f32, sharpness: f32, is_local: bool) -> 
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
         if (has_shafts(m, is_local) > 0.0) {
-            sum += medium_density(m, p) * media[m].sigma_t * media[m].albedo
-                * scattering_phase(mu, sharpness * media[m].g);
+            sum += medium_density(m, p) * row_of_media(m).sigma_t * row_of_media(m).albedo
+                * scattering_phase(mu, sharpness * row_of_media(m).g);
         }
     }
     return sum;
@@ -150,7 +150,7 @@ fn media_phase_scattering(p: vec3f, mu: f32, sharpness: f32, is_local: bool) -> 
 
 // Integral of a grid's density over t0..t1 of a ray, m; steps of half a voxel.
 fn medium_column(m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> f32 {
-    let steps = clamp(ceil((t1 - t0) / (0.5 * media[m].voxel)), 1.0, MAX_COLUMN_STEPS);
+    let steps = clamp(ceil((t1 - t0) / (0.5 * row_of_media(m).voxel)), 1.0, MAX_COLUMN_STEPS);
     let dt = (t1 - t0) / steps;
     var sum = 0.0;
     for (var i = 0.5; i < steps; i += 1.0) {
@@ -176,10 +176,10 @@ fn media_optical_depth(origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> vec
         let b = min(span.y, t1);
         if (a < b) {
             var column = b - a;
-            if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
+            if (GRID_COUNT > 0u && row_of_media(m).kind == MEDIUM_GRID) {
                 column = medium_column(m, origin, direction, a, b);
             }
-            sum += media[m].sigma_t * column;
+            sum += row_of_media(m).sigma_t * column;
         }
     }
     return sum;

@@ -33,14 +33,14 @@ fn medium_here(j: u32) -> u32 {
 
 fn sigma_t_of(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return media[m].sigma_t;
+        return row_of_media(m).sigma_t;
     }
     return media_sigma_t[m];
 }
 
 fn sigma_s_of(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return media[m].sigma_t * media[m].albedo;
+        return row_of_media(m).sigma_t * row_of_media(m).albedo;
     }
     return media_sigma_s[m];
 }
@@ -54,21 +54,21 @@ fn lit_scattering_of(m: u32) -> vec3f {
 
 fn reduced_sigma_s_of(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return (1.0 - media[m].g) * lit_scattering_of(m);
+        return (1.0 - row_of_media(m).g) * lit_scattering_of(m);
     }
     return media_reduced_sigma_s[m];
 }
 
 fn reduced_sigma_t_of(m: u32) -> vec3f {
     if (HAS_MEDIA_TREE) {
-        return media[m].sigma_t - media[m].g * lit_scattering_of(m);
+        return row_of_media(m).sigma_t - row_of_media(m).g * lit_scattering_of(m);
     }
     return media_reduced_sigma_t[m];
 }
 
 fn is_grid(m: u32) -> bool {
     if (HAS_MEDIA_TREE) {
-        return media[m].kind == MEDIUM_GRID;
+        return row_of_media(m).kind == MEDIUM_GRID;
     }
     return media_is_grid[m];
 }
@@ -76,13 +76,13 @@ fn is_grid(m: u32) -> bool {
 // Fill the copies.
 fn media_copied() {
     for (var m = 0u; m < COPIED_MEDIA; m++) {
-        media_sigma_t[m] = media[m].sigma_t;
-        media_sigma_s[m] = media[m].sigma_t * media[m].albedo;
+        media_sigma_t[m] = row_of_media(m).sigma_t;
+        media_sigma_s[m] = row_of_media(m).sigma_t * row_of_media(m).albedo;
         media_lit_scattering[m] = has_shafts(m, false) * media_sigma_s[m];
-        media_reduced_sigma_s[m] = (1.0 - media[m].g) * media_lit_scattering[m];
+        media_reduced_sigma_s[m] = (1.0 - row_of_media(m).g) * media_lit_scattering[m];
         media_reduced_sigma_t[m] =
             media_sigma_t[m] - (media_lit_scattering[m] - media_reduced_sigma_s[m]);
-        media_is_grid[m] = GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID;
+        media_is_grid[m] = GRID_COUNT > 0u && row_of_media(m).kind == MEDIUM_GRID;
     }
 }
 

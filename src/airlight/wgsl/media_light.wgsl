@@ -12,8 +12,8 @@ fn media_light_density(m: u32, light: u32, uvw: vec3f) -> f32 {
     var count = vec3f(size.xy, size.z / LIGHT_GROUPS);
     var first = vec3f(0.0);
     if (GRID_COUNT > 1u) {
-        count = media[m].columns_count;
-        first = media[m].columns_first;
+        count = row_of_media(m).columns_count;
+        first = row_of_media(m).columns_first;
     }
     let texel = saturate(uvw) * (count - 1.0) + 0.5 + first;
     let slab = f32(light / 4u) * count.z;
@@ -44,7 +44,7 @@ fn media_light_column(m: u32, index: u32, p: vec3f, path: vec4f) -> f32 {
         return 0.0;
     }
     var column = b - a;
-    if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
+    if (GRID_COUNT > 0u && row_of_media(m).kind == MEDIUM_GRID) {
         column *= media_light_density(m, index, medium_coordinates(m, p + a * path.xyz));
     }
     return column;
@@ -59,7 +59,7 @@ fn media_light_depth(light: LightData, index: u32, p: vec3f) -> vec3f {
         let m = next_towards(&walk);
         if (walk.is_done) { break; }
         if (m == NO_MEDIUM) { continue; }
-        sum += media[m].sigma_t * media_light_column(m, index, p, path);
+        sum += row_of_media(m).sigma_t * media_light_column(m, index, p, path);
     }
     return sum;
 }

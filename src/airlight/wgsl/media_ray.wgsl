@@ -45,10 +45,10 @@ fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
         let held = vec2f(max(span.x, 0.0), min(span.y, reach));
         medium_intervals[k] = select(vec2f(MEDIUM_FAR, -MEDIUM_FAR), held, held.x < held.y);
         if (GRID_COUNT > 0u) {
-            let crossed = abs(volume_direction(m, direction)) * media[m].grid_count;
+            let crossed = abs(volume_direction(m, direction)) * row_of_media(m).grid_count;
             // A grid that glows may do so where it holds nothing.
             voxels_per_m[k] = select(max(max(crossed.x, crossed.y), crossed.z), MEDIUM_FAR,
-                media[m].emission_count.x > 0.0);
+                row_of_media(m).emission_count.x > 0.0);
             empty_until[k] = 0.0;
         }
         hull = vec2f(min(hull.x, medium_intervals[k].x), max(hull.y, medium_intervals[k].y));
@@ -73,9 +73,9 @@ fn homogeneous_depth(t0: f32, t1: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var k = 0u; k < ray_media(); k++) {
         let m = ray_medium(k);
-        if (GRID_COUNT == 0u || media[m].kind != MEDIUM_GRID) {
+        if (GRID_COUNT == 0u || row_of_media(m).kind != MEDIUM_GRID) {
             let span = medium_intervals[k];
-            sum += media[m].sigma_t * max(0.0, min(t1, span.y) - max(t0, span.x));
+            sum += row_of_media(m).sigma_t * max(0.0, min(t1, span.y) - max(t0, span.x));
         }
     }
     return sum;
@@ -87,8 +87,8 @@ fn grids_extinction(p: vec3f, t: f32) -> vec3f {
     if (GRID_COUNT > 0u) {
         for (var k = 0u; k < ray_media(); k++) {
             let m = ray_medium(k);
-            if (media[m].kind == MEDIUM_GRID && is_inside(k, t)) {
-                sum += grid_density_on_ray(k, p, t) * media[m].sigma_t;
+            if (row_of_media(m).kind == MEDIUM_GRID && is_inside(k, t)) {
+                sum += grid_density_on_ray(k, p, t) * row_of_media(m).sigma_t;
             }
         }
     }
@@ -112,8 +112,8 @@ fn media_step_limit(t: f32, step: f32) -> f32 {
         let span = medium_intervals[k];
         let in_reach = span.x <= t && t < span.y;
         let m = ray_medium(k);
-        if (in_reach && media[m].kind == MEDIUM_GRID) {
-            let voxel = max(media[m].voxel, (span.y - span.x) / MAX_COLUMN_STEPS);
+        if (in_reach && row_of_media(m).kind == MEDIUM_GRID) {
+            let voxel = max(row_of_media(m).voxel, (span.y - span.x) / MAX_COLUMN_STEPS);
             let free = empty_until[k] - t;
             limit = min(limit, max(voxel, free));
             is_empty = is_empty && free > voxel;

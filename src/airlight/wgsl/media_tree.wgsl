@@ -27,7 +27,7 @@ fn walked_ray(origin: vec3f, direction: vec3f, reach: f32) -> WalkedRay {
 struct MediaNode { low: vec3f, after: u32, high: vec3f, medium: u32 }
 
 fn media_node(n: u32) -> MediaNode {
-    let pair = media[n >> 1u].nodes;
+    let pair = row_of_media(n >> 1u).nodes;
     let is_second = (n & 1u) == 1u;
     let a = select(pair[0], pair[2], is_second);
     let b = select(pair[1], pair[3], is_second);

@@ -15,7 +15,7 @@ fn depth_beyond(n: u32, cell: u32) -> vec3f {
     for (var m = 1u; m < MEDIA; m++) {
         let part = MEDIA + m;
         sum += passed[(part * params.ordinate_count + n) * params.cells + cell]
-            * media[m].sigma_t;
+            * row_of_media(m).sigma_t;
     }
     return sum;
 }
@@ -23,7 +23,7 @@ fn depth_beyond(n: u32, cell: u32) -> vec3f {
 fn true_depth(n: u32, cell: u32) -> vec3f {
     var sum = depth_beyond(n, cell);
     for (var m = 0u; m < MEDIA; m++) {
-        sum += passed_of(m, n, cell) * media[m].sigma_t;
+        sum += passed_of(m, n, cell) * row_of_media(m).sigma_t;
     }
     return sum;
 }
@@ -31,8 +31,8 @@ fn true_depth(n: u32, cell: u32) -> vec3f {
 fn reduced_depth(n: u32, cell: u32) -> vec3f {
     var sum = depth_beyond(n, cell);
     for (var m = 0u; m < MEDIA; m++) {
-        let loss = beam_loss(media[m].g, media[m].albedo);
-        sum += loss * passed_of(m, n, cell) * media[m].sigma_t;
+        let loss = beam_loss(row_of_media(m).g, row_of_media(m).albedo);
+        sum += loss * passed_of(m, n, cell) * row_of_media(m).sigma_t;
     }
     return sum;
 }
@@ -41,10 +41,10 @@ fn quasi_forward_cosine(n: u32, cell: u32) -> vec3f {
     var often = vec3f(0.0);
     var cosines = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
-        let share = forward_share(media[m].g) * media[m].albedo;
-        let times = share * passed_of(m, n, cell) * media[m].sigma_t;
+        let share = forward_share(row_of_media(m).g) * row_of_media(m).albedo;
+        let times = share * passed_of(m, n, cell) * row_of_media(m).sigma_t;
         often += times;
-        cosines += times * (1.0 + 2.0 * media[m].g) / 3.0;
+        cosines += times * (1.0 + 2.0 * row_of_media(m).g) / 3.0;
     }
     return forward_cosine(often, cosines / max(often, vec3f(1e-20)));
 }
@@ -60,8 +60,8 @@ fn inter_medium_irradiance(n: u32, cell: u32) -> vec3f {
 fn mean_loss() -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
-        let loss = media[m].sigma_t * beam_loss(media[m].g, media[m].albedo);
-        sum += loss * media[m].mean_density;
+        let loss = row_of_media(m).sigma_t * beam_loss(row_of_media(m).g, row_of_media(m).albedo);
+        sum += loss * row_of_media(m).mean_density;
     }
     return sum;
 }
@@ -70,9 +70,9 @@ fn scattering_near(n: u32, cell: u32, r: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var m = 0u; m < MEDIA; m++) {
         let filled = passed_of(m, n, cell) / r;
-        let share = filled * min(1.0, filled / max(media[m].mean_density, 1e-30));
-        let turned = media[m].albedo * (1.0 - forward_share(media[m].g));
-        sum += media[m].sigma_t * turned * share;
+        let share = filled * min(1.0, filled / max(row_of_media(m).mean_density, 1e-30));
+        let turned = row_of_media(m).albedo * (1.0 - forward_share(row_of_media(m).g));
+        sum += row_of_media(m).sigma_t * turned * share;
     }
     return sum;
 }

@@ -5,7 +5,7 @@
 
 // Density of medium m on a ray from `begin` to `end`, m of density 1, in the own medium's frame.
 fn density_between(m: u32, origin: vec3f, direction: vec3f, begin: f32, end: f32) -> f32 {
-    let to = media[m].uvw_from_medium;
+    let to = row_of_media(m).uvw_from_medium;
     let o = (to * vec4f(origin, 1.0)).xyz;
     let d = (to * vec4f(direction, 0.0)).xyz;
     let span = ray_box_interval(o, d, vec3f(0.0), vec3f(1.0));
@@ -14,7 +14,7 @@ fn density_between(m: u32, origin: vec3f, direction: vec3f, begin: f32, end: f32
     if (a >= b) {
         return 0.0;
     }
-    let steps = max(1.0, ceil((b - a) / media[m].cell));
+    let steps = max(1.0, ceil((b - a) / row_of_media(m).cell));
     let dt = (b - a) / steps;
     var sum = 0.0;
     for (var k = 0.5; k < steps; k += 1.0) {

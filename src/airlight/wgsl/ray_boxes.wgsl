@@ -1,4 +1,3 @@
-//! use ray_rows
 
 // Rays against the boxes of a hierarchy's nodes, which rays/words.py lays out.
 
@@ -38,9 +37,9 @@ fn ray_bytes(word: u32) -> vec4f {
 // The children of a node that a ray meets between t_min and t_max: its number << 7, for each of the three axes that
 // divide it whether the ray comes from the upper side << 4, and a bit for each child, the nearest side's lowest.
 fn ray_group(node: u32, ray: RayIn, t_min: f32, t_max: f32) -> u32 {
-    let a = ray_node_row(4u * node);
-    let b = ray_node_row(4u * node + 1u);
-    let c = ray_node_row(4u * node + 2u);
+    let a = row_of_ray_nodes(4u * node);
+    let b = row_of_ray_nodes(4u * node + 1u);
+    let c = row_of_ray_nodes(4u * node + 2u);
 
     // A child's box begins and ends at begin + step * byte along each axis. What rounding can do to these is added
     // to both ends, so that no box is missed whose triangles are hit.
@@ -75,5 +74,5 @@ fn ray_child(group: u32) -> u32 {
     let rank = select(select(select(3u, 2u, (group & 4u) != 0u), 1u, (group & 2u) != 0u), 0u, (group & 1u) != 0u);
     let half = (rank >> 1u) ^ ((group >> 4u) & 1u);
     let slot = half << 1u | ((rank & 1u) ^ ((group >> (5u + half)) & 1u));
-    return ray_node_row(4u * (group >> 7u) + 3u)[slot];
+    return row_of_ray_nodes(4u * (group >> 7u) + 3u)[slot];
 }

@@ -1,4 +1,3 @@
-//! use ray_rows
 
 // Rays against triangles, and against the holes in their materials (rays/words.py, rays/masks.py).
 
@@ -14,9 +13,9 @@ struct RayFound {
 // `hit`, or the triangle where it is nearer. Edges that two triangles share belong to both: what rounding can do to
 // the areas beside them is allowed for (Woop2013, in a basis around the ray), and no ray slips between.
 fn ray_nearer(hit: RayHit, ray: RayIn, triangle: u32, instance: u32, t_min: f32) -> RayFound {
-    let p = bitcast<vec4f>(ray_triangle_row(4u * triangle));
-    let q = bitcast<vec4f>(ray_triangle_row(4u * triangle + 1u));
-    let last = ray_triangle_row(4u * triangle + 2u).xy;
+    let p = bitcast<vec4f>(row_of_ray_triangles(4u * triangle));
+    let q = bitcast<vec4f>(row_of_ray_triangles(4u * triangle + 1u));
+    let last = row_of_ray_triangles(4u * triangle + 2u).xy;
     // In the ray's basis the ray is the z axis: areas of the corners' projections say whether it goes through.
     let a = p.xyz - ray.origin;
     let b = vec3f(p.w, q.xy) - ray.origin;
@@ -55,7 +54,7 @@ fn ray_mask_texel(first: u32, size: vec2u, at: vec2f, wrap: vec2u) -> f32 {
     let cell = vec2u(clamp(p, vec2f(0.0), s - 1.0));
     let index = cell.y * size.x + cell.x;
     let word = first + (index >> 2u);
-    return f32((ray_instance_row(word >> 2u)[word & 3u] >> (8u * (index & 3u))) & 255u);
+    return f32((row_of_ray_instances(word >> 2u)[word & 3u] >> (8u * (index & 3u))) & 255u);
 }
 
 // A number from 0 to 1 for a hit, none like its neighbours' (Jarzynski2020, pcg).
@@ -71,17 +70,17 @@ override RAYS_MEET_TRANSLUCENT: bool = true;    // else they pass, as if nothing
 // Whether a material is there at a hit, as the alpha of its instance's mask says, and, where it is translucent, chance.
 fn ray_is_there(hit: RayHit) -> bool {
     let at = RAY_INSTANCE_ROWS * hit.instance;
-    let mask = ray_instance_row(at + 6u);
+    let mask = row_of_ray_instances(at + 6u);
     let first = mask.z;
-    let limit = ray_instance_row(at + 8u);
+    let limit = row_of_ray_instances(at + 8u);
     let met = bitcast<f32>(limit.w);
     if (!RAYS_MEET_TRANSLUCENT && met > 0.0) { return false; }
     if (first == 0u) { return met == 0.0 || ray_chance(hit) < met; }
     // Alpha of the mask, bilinear between its texels.
-    let uv = ray_uv(ray_triangle_row(4u * hit.triangle + 2u), ray_triangle_row(4u * hit.triangle + 3u), hit.bary);
+    let uv = ray_uv(row_of_ray_triangles(4u * hit.triangle + 2u), row_of_ray_triangles(4u * hit.triangle + 3u), hit.bary);
     let size = vec2u(mask.w & 0xffffu, mask.w >> 16u);
     let wrap = vec2u(limit.y & 3u, limit.y >> 2u);
-    let scale = bitcast<vec4f>(ray_instance_row(at + 7u));
+    let scale = bitcast<vec4f>(row_of_ray_instances(at + 7u));
     let p = (uv * scale.xy + scale.zw) * vec2f(size) - 0.5;
     let corner = floor(p);
     let share = p - corner;
@@ -91,6 +90,6 @@ fn ray_is_there(hit: RayHit) -> bool {
         ray_mask_texel(first, size, corner + 1.0, wrap), share.x);
     let alpha = mix(low, high, share.y) / 255.0;
     // Alpha cuts holes, of glass too; as coverage it thins the rest.
-    let chance = met * select(1.0, alpha, ray_instance_row(at + 9u).x != 0u);
+    let chance = met * select(1.0, alpha, row_of_ray_instances(at + 9u).x != 0u);
     return alpha >= bitcast<f32>(limit.x) && (met == 0.0 || ray_chance(hit) < chance);
 }

@@ -1,5 +1,4 @@
 //! use ray_boxes
-//! use ray_rows
 //! use ray_triangles
 
 // Rays against the triangles of a scene, through hierarchies laid out by rays/words.py: one of all that is static,
@@ -24,20 +23,20 @@ struct RayHit {
 
 fn ray_in_instance(instance: u32, origin: vec3f, direction: vec3f) -> RayIn {
     let row = RAY_INSTANCE_ROWS * instance;
-    let x = bitcast<vec4f>(ray_instance_row(row));
-    let y = bitcast<vec4f>(ray_instance_row(row + 1u));
-    let z = bitcast<vec4f>(ray_instance_row(row + 2u));
+    let x = bitcast<vec4f>(row_of_ray_instances(row));
+    let y = bitcast<vec4f>(row_of_ray_instances(row + 1u));
+    let z = bitcast<vec4f>(row_of_ray_instances(row + 2u));
     let point = vec4f(origin, 1.0);
     return ray_in(vec3f(dot(x, point), dot(y, point), dot(z, point)),
         vec3f(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction)));
 }
 
 fn ray_still_node() -> u32 {
-    return ray_instance_row(8u).z;
+    return row_of_ray_instances(8u).z;
 }
 
 fn ray_first_node(instance: u32) -> u32 {
-    return ray_instance_row(RAY_INSTANCE_ROWS * instance + 6u).x;
+    return row_of_ray_instances(RAY_INSTANCE_ROWS * instance + 6u).x;
 }
 
 // Each turn visits a node, tests a triangle and finds what comes next, all of it for all rays, with selects for

@@ -30,9 +30,9 @@ fn reduced_texel(source: texture_2d<f32>, texel: vec2f) -> vec4f {
     seen.position = vec4f(corner, 0.0, 1.0);
     seen.direction = (rays.world_from_clip * vec4f(corner, 0.0, 1.0)).xyz;
     // The same in the first medium's space, where one homogeneous box is the unit cube.
-    seen.medium_direction = (media[0].volume_from_world * vec4f(seen.direction, 0.0)).xyz;
+    seen.medium_direction = (row_of_media(0).volume_from_world * vec4f(seen.direction, 0.0)).xyz;
     seen.eye = medium_coordinates(0u, rays.eye);
-    seen.sigma_t = media[0].sigma_t;
+    seen.sigma_t = row_of_media(0).sigma_t;
     seen.grid = vec4f(f32(rays.scale), vec2f(rays.reduced) - 1.0, 1.0 / rays.world_from_clip[2].w);
     seen.per_texel = 1.0 / vec4f(vec2f(rays.reduced), vec2f(rays.size));
     return seen;

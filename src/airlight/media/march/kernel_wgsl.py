@@ -222,7 +222,7 @@ def _emission_wgsl(name: str) -> str:
         f"    let along = lattice_axes * travel;\n{samples}"
         "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
         "        let k = medium_here(j);\n        let m = ray_medium(k);\n"
-        "        let g = media[m].g;\n"
+        "        let g = row_of_media(m).g;\n"
         f"        sum += media_density_here[k] * lit_scattering_of(m) * vec3f({channels});\n"
         "    }\n"
         f"    return own.{name}_scale * sum;\n}}\n"
@@ -256,7 +256,7 @@ fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
     for (var j = 0u; j < media_here(); j++) {
         let k = medium_here(j);
         let m = ray_medium(k);
-        let turned = turned_lobe(flow, travel, given, media[m].g);
+        let turned = turned_lobe(flow, travel, given, row_of_media(m).g);
         sum += media_density_here[k] * lit_scattering_of(m) * turned;
     }
     return own.lattice_scale * sum * seen;
@@ -276,8 +276,8 @@ fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
     for (var j = 0u; j < media_here(); j++) {
         let k = medium_here(j);
         let m = ray_medium(k);
-        let found = scattered_lobe(straight, along, travel, media[m].g)
-            + scattered_lobe(all - straight, scattered_along, travel, media[m].g);
+        let found = scattered_lobe(straight, along, travel, row_of_media(m).g)
+            + scattered_lobe(all - straight, scattered_along, travel, row_of_media(m).g);
         sum += media_density_here[k] * lit_scattering_of(m) * found;
     }
     return own.lattice_scale * sum;

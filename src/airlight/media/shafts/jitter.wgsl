@@ -116,8 +116,8 @@ fn jitter_step(t: f32, longest: f32) -> f32 {
         let span = medium_intervals[k];
         if (span.x <= t && t < span.y) {
             limit = min(limit, span.y - t);
-            if (GRID_COUNT > 0u && media[m].kind == MEDIUM_GRID) {
-                limit = min(limit, max(media[m].voxel, (span.y - span.x) / f32(params.steps)));
+            if (GRID_COUNT > 0u && row_of_media(m).kind == MEDIUM_GRID) {
+                limit = min(limit, max(row_of_media(m).voxel, (span.y - span.x) / f32(params.steps)));
             }
         } else if (span.x > t) {
             limit = min(limit, span.x - t);

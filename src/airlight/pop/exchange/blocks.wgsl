@@ -36,7 +36,7 @@
                 }
                 // Of what leaves beams the medium's own share, and its diffuse light, scattered.
                 let own = scattering_own(cell);
-                let forward = own * media[0].g;
+                let forward = own * row_of_media(0).g;
                 let share = own / max(leaving_beams(cell), vec3f(1e-20));
                 let all_forward = leaving_forward(cell);
                 let has = abs(all_forward) > 1e-3 * abs(forward);
@@ -52,7 +52,7 @@
                 weight += rho;
                 filled += 1.0;
                 for (var m = 0u; m < MEDIA; m++) {
-                    depth += rho * density[m * params.cells + cell] * media[m].sigma_t;
+                    depth += rho * density[m * params.cells + cell] * row_of_media(m).sigma_t;
                 }
             }
         }

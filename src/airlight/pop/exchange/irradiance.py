@@ -14,6 +14,7 @@ from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f, u32
 from ...gpu.memory import Buffer
+from ...gpu.rows import table
 from ...gpu.slots import sampler, storage, uniform
 from ..light.table import OrdinateData, OrdinateTable
 from ..light.visibility import Surfaces
@@ -68,7 +69,7 @@ class _Irradiance(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", MediumParams),
             uniform("exchange", InterMediumParams),
-            storage("media", MixedData),
+            table("media", MixedData),
             storage("ordinates", OrdinateData),
             storage("blocks", "vec4f"),
             storage("reach", "u32"),
@@ -119,7 +120,7 @@ class InterMediumLight:
             (medium.cells, mixture.blocks),
             params=medium.params,
             exchange=InterMediumParams(blocks=mixture.blocks),
-            media=mixture.rows,
+            media=mixture.rows.texture,
             ordinates=table.rows,
             blocks=self._blocks,
             reach=density.reach,

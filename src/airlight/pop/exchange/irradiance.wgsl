@@ -50,7 +50,7 @@ fn block_gain(half: vec3f) -> vec3f {
     let inside = max(0.0, ray_box_interval(point, -travel, vec3f(0.0), params.extent).y);
     var depth = vec3f(0.0);
     for (var m = 1u; m < MEDIA; m++) {
-        depth += media[m].sigma_t * density_between(m, point, -travel, inside, r);
+        depth += row_of_media(m).sigma_t * density_between(m, point, -travel, inside, r);
     }
     let gain = block_gain(0.5 * min(blocks[first + 4u].rgb, vec3f(20.0)));
     let transmittance = min(exp(-depth) * gain, vec3f(1.0));

@@ -15,7 +15,7 @@ const SIDE = 4u;    // samples along each axis of a cell
         let inside = (vec3f(vec3u(s % SIDE, (s / SIDE) % SIDE, s / (SIDE * SIDE))) + 0.5)
             / f32(SIDE);
         let point = (cell + inside) * params.cell;
-        let uvw = (media[id.y].uvw_from_medium * vec4f(point, 1.0)).xyz;
+        let uvw = (row_of_media(id.y).uvw_from_medium * vec4f(point, 1.0)).xyz;
         if (all(uvw > vec3f(0.0)) && all(uvw < vec3f(1.0))) {
             sum += fine_of(id.y, uvw);
         }

@@ -28,7 +28,7 @@ const LARGEST_HALF = 65504.0;
             let uvw = (vec3f(id) + inside) * size;
             density += medium_density(visit.medium, (params.world_from_uvw * vec4f(uvw, 1.0)).xyz);
         }
-        sum += density * media[visit.medium].sigma_t;
+        sum += density * row_of_media(visit.medium).sigma_t;
     }
     let mean = params.scale * (sum.r + sum.g + sum.b) / (3.0 * f32(n * n * n));
     textureStore(voxels, id, vec4f(min(mean, LARGEST_HALF), 0.0, 0.0, 0.0));

@@ -16,6 +16,7 @@ import numpy as np
 from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, mat4x4f, pack_array, vec3f
 from ...gpu.memory import Buffer, Texture
+from ...gpu.rows import Table, table
 from ...gpu.slots import Slot, storage, texture
 from ...maths.transforms import F64
 from .placement import MediumPlacement, PlacedVolume
@@ -62,7 +63,7 @@ class Mixture:
         """For a grid of `cells`; the light of the other media arrives if it `has_blocks`."""
         self.count, self.cells = count, cells
         self.media, self.blocks = count.rows, BLOCKS * count.others * has_blocks
-        self.rows = Buffer(gpu, "mixed media", MixedData.dtype.itemsize * self.media)
+        self.rows = Table(gpu, "mixed media", MixedData, self.media)
         # A buffer may not be empty.
         nbytes = 16 * max(1, cells * self.blocks)
         self.inter_medium = Buffer(gpu, "inter-medium irradiance", nbytes)
@@ -86,7 +87,7 @@ class Mixture:
     @property
     def cell_slots(self) -> tuple[Slot, ...]:
         """Slots of passes that read the coefficients of cells."""
-        return () if self.is_alone else (storage("media", MixedData),)
+        return () if self.is_alone else (table("media", MixedData),)
 
     @property
     def cell_wgsl(self) -> str:
@@ -101,7 +102,7 @@ class Mixture:
     @property
     def cell_bound(self) -> dict[str, Any]:
         """Resources of such a pass, by slot name."""
-        return {} if self.is_alone else {"media": self.rows}
+        return {} if self.is_alone else {"media": self.rows.texture}
 
     @property
     def beam_slots(self) -> tuple[Slot, ...]:
@@ -117,7 +118,7 @@ class Mixture:
     @property
     def beam_bound(self) -> dict[str, Any]:
         """Resources of such a pass, by slot name."""
-        return {} if self.is_alone else {"media": self.rows, "inter_medium": self.inter_medium}
+        return {} if self.is_alone else {"media": self.rows.texture, "inter_medium": self.inter_medium}
 
 
 def fine_slots(others: int) -> tuple[Slot, ...]:
