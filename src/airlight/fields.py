@@ -21,6 +21,7 @@ import numpy as np
 
 from .gpu.commands import Commands
 from .gpu.memory import Buffer, Texture
+from .gpu.rows import Table
 from .lattice.irradiance import Irradiance, SkyIrradiance
 from .lattice.placement import Fade, Placement
 from .lighting.gathered import Gathered
@@ -132,7 +133,7 @@ class ForwardSource:
 
     texture: Texture
     blurred: Texture
-    table: Buffer
+    table: Table
     count: int
     slabs: int
     scale: float

@@ -17,6 +17,7 @@ from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture, buffer_of
+from ..gpu.rows import Table, table
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..maths.area_light import cosine_table
 from ..maths.transforms import F64
@@ -98,7 +99,7 @@ class _AreaLighting(FullscreenPass):
             storage("cosines", "vec4f"),
             texture("area_shadows", "2d-array", "depth"),
             sampler("shadow_compare", "comparison"),
-            *((storage("lights", LightData), *media.slots) if media else ()),
+            *((table("lights", LightData), *media.slots) if media else ()),
         )
         super().__init__(
             gpu,
@@ -220,7 +221,7 @@ class AreaLighting:
         commands: Commands,
         gbuffer: GBuffer | Hits,
         camera: tuple[F64, tuple[float, float, float]],
-        lights: Buffer,
+        lights: Table,
         *,
         emission: Texture | None = None,
         is_still: bool = False,

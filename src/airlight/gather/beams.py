@@ -55,7 +55,7 @@ class Beams:
         rays: int,
         irradiance: Irradiance,
     ) -> Texture:
-        """The first of the two images of `sums` with it, written to the second; of so many `rays`."""
+        """The first of two images of `sums` with it, in the second; sums are of so many `rays`."""
         given, made = sums
         # Read from lattices at each point, as the sum that its rays would have found.
         self._pass.dispatch(

@@ -12,6 +12,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec2u, vec3f
 from ..gpu.memory import Buffer
+from ..gpu.rows import table
 from ..gpu.slots import storage, texture, uniform
 from ..maths.light_guide import PATCHES
 from ..rays.rays import RAY_SLOTS, RayScene
@@ -66,7 +67,7 @@ class PatchParams(Struct):
 class _Tiles(ComputePass):
     slots = (
         uniform("params", TileParams),
-        storage("views", LightViewData),
+        table("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         texture("normal", "2d-array", "unfilterable-float"),
         texture("flux", "2d-array", "unfilterable-float"),

@@ -49,7 +49,7 @@ fn lit_texel(texel: vec2u, layer: u32) -> LitTexel {
     if (any(texel >= vec2u(params.resolution))) {
         return LitTexel();
     }
-    let view = views[layer];
+    let view = row_of_views(layer);
     let d = textureLoad(depth, vec2i(texel), layer, 0);
     let power = luminance(view.flux_unit * textureLoad(flux, vec2i(texel), layer, 0).rgb);
     if (d >= 1.0 || power <= 0.0) {

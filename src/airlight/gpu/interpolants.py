@@ -67,8 +67,8 @@ def interpolated(
 ) -> Shader:
     """The pass `text` with its parameters as flat interpolants, as many as fit.
 
-    Uniforms come first, then, in their order, the first elements of the storage buffers and tables `firsts`,
-    each with the fields of it that the pass does not read: `first_NAME()` in the pass.
+    Uniforms come first, then, in their order, the first elements of the storage buffers and tables
+    `firsts`, each with the fields of it that the pass does not read: `first_NAME()` in the pass.
     """
     found = ENTRY.search(text)
     if not found:

@@ -25,12 +25,17 @@ _KINDS = {"f": "f32", "u": "u32", "i": "i32"}
 
 
 class Rows:
-    """`count` rows; `texture` is what passes bind."""
+    """`count` rows, which passes bind."""
 
     def __init__(self, gpu: Gpu, label: str, count: int) -> None:
         """Raises DeviceError where the device has no texture of so many lines."""
-        self.texture = Texture(gpu, label, (LINE, max(1, -(-count // LINE))), "rgba32uint")
-        self.nbytes = self.texture.nbytes
+        self._texture = Texture(gpu, label, (LINE, max(1, -(-count // LINE))), "rgba32uint")
+        self.nbytes, self.resource = self._texture.nbytes, self._texture.resource
+
+    @property
+    def handle(self) -> Any:
+        """The device's texture; None once it is released."""
+        return self._texture.handle
 
     def write(self, values: NDArray[Any], first: int = 0) -> None:
         """Upload `values`, whole rows of any type, from row `first` on."""
@@ -42,12 +47,12 @@ class Rows:
             lines = (len(rows) - begin) // LINE if column == 0 else 0
             count = lines * LINE if lines else min(LINE - column, len(rows) - begin)
             texels = rows[begin : begin + count].reshape(max(lines, 1), -1, 4)
-            self.texture.write(texels, row=line, column=column)
+            self._texture.write(texels, row=line, column=column)
             begin += count
 
     def release(self) -> None:
         """Free the texture."""
-        self.texture.release()
+        self._texture.release()
 
 
 class Table(Rows):

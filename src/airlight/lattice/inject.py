@@ -16,6 +16,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer
+from ..gpu.rows import Table, table
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.lattice6 import hops
 from ..scene.lights import Light
@@ -74,7 +75,7 @@ class LightAttenuation(Protocol):
 class MapLights:
     """Whose light maps show: the `table` of lights, and each layer's row in it (`owners`)."""
 
-    table: Buffer
+    table: Table
     owners: Buffer
 
     @property
@@ -83,9 +84,9 @@ class MapLights:
         return {"lights": self.table, "owners": self.owners}
 
 
-MAP_LIGHT_SLOTS = (storage("lights", LightData), storage("owners", "u32"))
+MAP_LIGHT_SLOTS = (table("lights", LightData), storage("owners", "u32"))
 MAP_SLOTS = (
-    storage("views", LightViewData),
+    table("views", LightViewData),
     texture("depth", "2d-array", "depth"),
     texture("normal", "2d-array", "unfilterable-float"),
     texture("flux", "2d-array", "unfilterable-float"),
@@ -97,7 +98,7 @@ _ATTENUATED = """
 //! use media_light
 fn light_arriving(layer: u32, p: vec3f) -> vec3f {
     let owner = owners[layer];
-    return media_light_transmittance(lights[owner], owner, p);
+    return media_light_transmittance(row_of_lights(owner), owner, p);
 }
 """
 

@@ -79,7 +79,7 @@ fn add_seen(seen: Seen, view: LightViewData, layer: u32) {
     }
     // A block is one light for the surface that its first texel shows, and one for whatever else is in
     // it: an edge that moves brings light by the texel, at the cost of a light for each block.
-    let view = views[id.z];
+    let view = row_of_views(id.z);
     var first = Seen(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     var other = first;
     for (var k = 0u; k < params.block * params.block; k++) {

@@ -16,6 +16,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, i32, pack_array, u32, vec4f
 from ..gpu.memory import Buffer, Sampler, Texture
+from ..gpu.rows import table
 from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
@@ -48,7 +49,7 @@ class _Skylight(ComputePass):
         uniform("params", SkylightParams),
         uniform("lattice", LatticeParams),
         storage("sky", SkyLightData),
-        storage("views", LightViewData),
+        table("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         sampler("compare", "comparison"),
         *BLOCKER_SLOTS,

@@ -76,7 +76,7 @@ struct Cell {
 // The share of a light that a cell sees.
 fn share_of(cell: ptr<function, Cell>, i: u32) -> f32 {
     // How fast the disc widens with depth, in texture coordinates of the view.
-    let view = views[i];
+    let view = row_of_views(i);
     let side = view.texel * vec2f(textureDimensions(depth));
     let metres = 1.0 / length(vec3f(view.clip_from_world[0].z, view.clip_from_world[1].z,
         view.clip_from_world[2].z));

@@ -17,6 +17,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32, vec3u
 from ..gpu.memory import Buffer
+from ..gpu.rows import table
 from ..gpu.slots import storage, texture, uniform
 from ..surface.geometry import GpuScene
 from ..surface.light_views import LightView, LightViewData
@@ -64,7 +65,7 @@ class SumTexels(ComputePass):
     slots = (
         uniform("params", ViewSurfelParams),
         uniform("lattice", LatticeParams),
-        storage("views", LightViewData),
+        table("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         texture("normal", "2d-array", "unfilterable-float"),
         texture("reflectance", "2d-array", "unfilterable-float"),

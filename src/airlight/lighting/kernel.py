@@ -20,7 +20,7 @@ _TRACED = "//! use traced_shadow\n"
 _ATTENUATED_BY_MEDIA = """
 //! use media_light
 fn light_transmittance(index: u32, p: vec3f) -> vec3f {
-    return media_light_transmittance(lights[index], index, p);
+    return media_light_transmittance(row_of_lights(index), index, p);
 }
 """
 # The same in a single box of a homogeneous medium, whose coefficients the triangle carries.

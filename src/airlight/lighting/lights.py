@@ -8,7 +8,7 @@ import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.memory import Buffer
+from ..gpu.rows import Table
 from ..maths.transforms import F64
 from ..scene.environment import Environment
 from ..scene.lights import DirectionalLight, Light
@@ -72,7 +72,7 @@ class Lights:
         )
         self.local = ShadowMaps(gpu, "local shadows", sides[1], local, has_panes=has_panes)
         # The table of all lights, and what lies behind everything.
-        self.table = Buffer(gpu, "lights", LightData.dtype.itemsize * max(1, len(lights)))
+        self.table = Table(gpu, "lights", LightData, max(1, len(lights)))
         self._environment = environment
         self.background = EnvironmentTexture(gpu, environment)
         self._lights: tuple[Light, ...] | None = None

@@ -15,7 +15,8 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
-from ..gpu.memory import Buffer, Texture, buffer_of
+from ..gpu.memory import Texture, buffer_of
+from ..gpu.rows import Table, table
 from ..gpu.slots import image, storage, texture, uniform
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
@@ -39,8 +40,8 @@ class _Attenuate(ComputePass):
         # Lights of the scene: through media by their columns towards the light.
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
-            storage("views", LightViewData),
-            storage("lights", LightData),
+            table("views", LightViewData),
+            table("lights", LightData),
             storage("owners", "u32"),
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
@@ -58,7 +59,7 @@ class _AttenuateSky(ComputePass):
         # The sky's maps are parallel: along each of them media are marched, without columns.
         self.slots = (  # type: ignore[misc]
             uniform("params", AttenuationParams),
-            storage("views", LightViewData),
+            table("views", LightViewData),
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
             image("attenuated", "rgba16float", "2d-array"),
@@ -112,7 +113,7 @@ class AttenuatedMaps(_Attenuated):
         self._media = media
         self._owners = buffer_of(gpu, "map owners", np.array(list(owners) or [0], np.uint32))
 
-    def attenuate(self, commands: Commands, lights: Buffer) -> None:
+    def attenuate(self, commands: Commands, lights: Table) -> None:
         """Take the maps and the media as they are; `lights`: the scene's table."""
         self._copy(commands, lights=lights, owners=self._owners, **self._media.bound)
 

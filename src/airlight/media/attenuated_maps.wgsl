@@ -10,8 +10,8 @@
     let power = textureLoad(flux, texel, id.z, 0);
     let d = textureLoad(depth, texel, id.z, 0);
     // From the light to the point of the texel, through all media.
-    let p = texel_point(views[id.z], texel_centre(id.xy, params.resolution), d);
+    let p = texel_point(row_of_views(id.z), texel_centre(id.xy, params.resolution), d);
     let owner = owners[id.z];
-    let passed = media_light_transmittance(lights[owner], owner, p);
+    let passed = media_light_transmittance(row_of_lights(owner), owner, p);
     textureStore(attenuated, texel, id.z, vec4f(power.rgb * passed, power.a));
 }

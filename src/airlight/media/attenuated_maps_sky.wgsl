@@ -14,9 +14,9 @@
     // Along the map's depth, from as far before the map as media may lie.
     var passed = vec3f(1.0);
     if (any(power.rgb > vec3f(0.0))) {
-        let start = texel_point(views[id.z], uv, 0.0);
-        let along = normalize(texel_point(views[id.z], uv, 1.0) - start);
-        passed = media_transmittance(start - params.beyond * along, texel_point(views[id.z], uv, d));
+        let start = texel_point(row_of_views(id.z), uv, 0.0);
+        let along = normalize(texel_point(row_of_views(id.z), uv, 1.0) - start);
+        passed = media_transmittance(start - params.beyond * along, texel_point(row_of_views(id.z), uv, d));
     }
     textureStore(attenuated, texel, id.z, vec4f(power.rgb * passed, power.a));
 }

@@ -19,7 +19,7 @@ from ..errors import SceneError
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
-from ..gpu.memory import Buffer, linear_sampler
+from ..gpu.memory import linear_sampler
 from ..gpu.rows import Table
 from ..gpu.shared import Shared
 from ..gpu.slots import Slot
@@ -168,7 +168,7 @@ class GpuMedia:
         # Lists of media on paths, then columns: both depend on where lights and media are.
         if self.paths is not None:
             with commands.stage("path lists"):
-                self.paths.encode(commands, self.table.texture, scene.lights, self.rows)
+                self.paths.encode(commands, self.table, scene.lights, self.rows)
         if self.columns is not None:
             rows = [row for row in self.rows if row["kind"] == GRID]
             self.columns.encode(commands, scene.lights, rows)
@@ -228,7 +228,7 @@ class GpuMedia:
     @property
     def medium_bound(self) -> dict[str, Any]:
         """The resources of `wgsl/media.wgsl` alone."""
-        bound: dict[str, Any] = {"media": self.table.texture}
+        bound: dict[str, Any] = {"media": self.table}
         # What the scene lacks has no slot either: grids, glowing grids, noise.
         if self.atlas is not None:
             bound |= {"media_linear": self._linear, "media_densities": self.atlas.texture}

@@ -20,7 +20,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3f, vec3u
 from ..gpu.memory import Buffer, Texture
-from ..gpu.rows import table
+from ..gpu.rows import Table, table
 from ..gpu.shared import Shared
 from ..gpu.slots import image, storage, uniform
 from ..maths.transforms import F64
@@ -88,7 +88,7 @@ class PathLists:
     def encode(
         self,
         commands: Commands,
-        table: Texture,
+        table: Table,
         lights: tuple[Light, ...],
         rows: Sequence[dict[str, Any]],
     ) -> None:

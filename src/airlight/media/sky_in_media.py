@@ -20,8 +20,9 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
-from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import FILTERED, image, sampler, storage, texture, uniform
+from ..gpu.memory import Texture
+from ..gpu.rows import Table, table
+from ..gpu.slots import FILTERED, image, sampler, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..lattice.skylight import FACES
 from ..lighting.sky import Sky
@@ -63,8 +64,8 @@ class _SkyInMedia(ComputePass):
         self.slots = (  # type: ignore[misc]
             uniform("params", SkyInMediaParams),
             uniform("lattice", LatticeParams),
-            storage("lights", LightData),
-            storage("views", LightViewData),
+            table("lights", LightData),
+            table("views", LightViewData),
             texture("depth", "2d-array", "depth"),
             sampler("compare", "comparison"),
             texture("lattice_walls", "3d"),
@@ -120,7 +121,7 @@ class SkyInMedia:
         self._passes = [_SkyInMedia(gpu, self.media, part) for part in parts]
         # Room for all that may come: lights of a rotated sky, cells of every nested lattice.
         most = max(1, len(sky.lights), sky.maps.layers)
-        self._lights = Buffer(gpu, "sky lights", LightData.dtype.itemsize * most)
+        self._lights = Table(gpu, "sky lights", LightData, most)
         self._compare = comparison_sampler(gpu)
         nx, ny, nz = size or placement.count
         self._make_textures(gpu, (nx, ny, nz))

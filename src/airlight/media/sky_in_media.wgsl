@@ -12,13 +12,13 @@ fn offset_in_cell(i: u32, k: u32) -> vec3f {
 }
 
 fn visibility(world: vec3f, i: u32) -> f32 {
-    let clip = views[i].clip_from_world * vec4f(world, 1.0);
+    let clip = row_of_views(i).clip_from_world * vec4f(world, 1.0);
     return map_visibility(depth, compare, i, map_coordinates(clip.xyz));
 }
 
 // The irradiance of light i of the sky in the cell, through media, W m^-2.
 fn arriving(span: CellSpan, i: u32) -> vec3f {
-    let light = lights[i];
+    let light = row_of_lights(i);
     var share = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
         let p = point_in_span(lattice, span, offset_in_cell(i, k));
@@ -40,7 +40,7 @@ fn arriving(span: CellSpan, i: u32) -> vec3f {
     var light: SkyLight;
     for (var i = 0u; i < params.light_count; i++) {
         let e = arriving(span, i);
-        let d = lattice_from_world(lattice, lights[i].direction);
+        let d = lattice_from_world(lattice, row_of_lights(i).direction);
         light.fluence += e;
         let tensor = vec4f(d.x * d.x - 1.0 / 3.0, d.y * d.y - 1.0 / 3.0, d.x * d.y, d.x * d.z);
         light.squares += mat3x4f(e.r * tensor, e.g * tensor, e.b * tensor);

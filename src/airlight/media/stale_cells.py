@@ -20,6 +20,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.memory import Buffer, Texture
+from ..gpu.rows import Table, table
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..surface.light_table import LightData
@@ -54,8 +55,8 @@ class _StaleCells(ComputePass):
     slots = (
         uniform("params", StaleCellParams),
         uniform("lattice", LatticeParams),
-        storage("lights", LightData),
-        storage("views", LightViewData),
+        table("lights", LightData),
+        table("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         sampler("compare", "comparison"),
         texture("lattice_walls", "3d"),
@@ -68,7 +69,7 @@ class _StaleCells(ComputePass):
 class SkyLights:
     """The sky's lights, rows of a `table`, with their maps; `walls` as `Blockers.walls`."""
 
-    table: Buffer
+    table: Table
     count: int
     maps: ReflectiveShadowMaps
     walls: Texture

@@ -10,7 +10,7 @@ const MARGIN = 1e-3;    // cells, whatever rounding makes of a path along the si
 
 // Whether any part of light i arrives at p.
 fn is_lit(world: vec3f, i: u32) -> bool {
-    let clip = views[i].clip_from_world * vec4f(world, 1.0);
+    let clip = row_of_views(i).clip_from_world * vec4f(world, 1.0);
     return map_visibility(depth, compare, i, map_coordinates(clip.xyz)) > 0.0;
 }
 
@@ -47,7 +47,7 @@ fn has_point_in(span: CellSpan, from_world: mat4x4f) -> bool {
 fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
     for (var k = 0u; k < 8u; k++) {
         let p = point_of(span, k);
-        if (meets(from_world, p, -lights[i].direction, MARGIN * lattice.cell) && is_lit(p, i)) {
+        if (meets(from_world, p, -row_of_lights(i).direction, MARGIN * lattice.cell) && is_lit(p, i)) {
             return true;
         }
     }
@@ -71,7 +71,7 @@ fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
             is_stale = has_point_in(span, from_world);
         }
         for (var i = 0u; i < params.light_count && !is_stale; i++) {
-            let towards = -lights[i].direction;
+            let towards = -row_of_lights(i).direction;
             if (comes_near(away, towards, reach) && meets(from_world, centre, towards, radius)) {
                 is_stale = is_touched(span, i, from_world);
             }

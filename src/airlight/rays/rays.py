@@ -69,7 +69,7 @@ class RayScene:
     def bound(self) -> dict[str, Any]:
         """The values of RAY_SLOTS."""
         names = [slot.name for slot in RAY_SLOTS]
-        return dict(zip(names, (rows.texture for rows in self._rows), strict=True))
+        return dict(zip(names, self._rows, strict=True))
 
     @property
     def constants(self) -> dict[str, float]:

@@ -2,10 +2,10 @@
 
 A node is NODE_WORDS: the corner of its box (3 float32); the steps of its grid, upper halves of
 float32 (x, y in one word, z with `axes` and which children there are); lows and highs of its four
-children on that grid, a byte each (a word per axis); its children. A triangle is TRIANGLE_WORDS: three corners (9 float32); the
-instance that it belongs to where it stands in the world, else SHARED, and HOLES; texture
-coordinates of the first corner (2 float32) and of the edges (4 float16); three normals (octahedra,
-2 x 10 bits each).
+children on that grid, a byte each (a word per axis); its children. A triangle is TRIANGLE_WORDS:
+three corners (9 float32); the instance that it belongs to where it stands in the world, else
+SHARED, and HOLES; texture coordinates of the first corner (2 float32) and of the edges (4 float16);
+three normals (octahedra, 2 x 10 bits each).
 """
 
 from __future__ import annotations

@@ -146,7 +146,7 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     // Of every so many lights one, of each cell another than of its neighbours.
     let first_light = (id.x + id.y + id.z) % params.light_step;
     for (var i = first_light; i < light_count; i += params.light_step) {
-        let light = lights[i];
+        let light = row_of_lights(i);
         var sum = vec3f(0.0);
         var passed = vec4f(0.0);
         let is_whole = FOR_SURFACES && params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL;

@@ -14,6 +14,7 @@ from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3u
 from ..gpu.memory import Buffer, Texture
+from ..gpu.rows import Table
 from ..gpu.slots import image, storage, texture, uniform
 from ..lattice.placement import Placement
 from ..maths.half import half_scale
@@ -90,7 +91,7 @@ class ForwardTextures:
                 blurred=target,
             )
 
-    def source(self, table: Buffer) -> ForwardSource:
+    def source(self, table: Table) -> ForwardSource:
         """For marching; `table` of lights."""
         count = self.lights
         return ForwardSource(

@@ -16,9 +16,9 @@ fn sent(light: LightData, direction: vec3f) -> vec3f {
     if (id.x >= params.resolution || id.y >= params.resolution || id.z >= params.layers) {
         return;
     }
-    let view = views[id.z];
+    let view = row_of_views(id.z);
     let owner = owners[id.z];
-    let light = lights[owner];
+    let light = row_of_lights(owner);
     let centre = texel_centre(id.xy, params.resolution);
     let hit = texel_point(view, centre, textureLoad(depth, vec2i(id.xy), id.z, 0));
     // From the light itself, or from the near plane, which lies before everything.

@@ -77,7 +77,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> Arriving {
     let radius = ball_radius(size);
     var sum = Arriving(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < params.light_count; i++) {
-        let light = lights[i];
+        let light = row_of_lights(i);
         let in = incoming_in_media(light, p);
         let reach = true_reach(light, p, in.distance);
         let is_near = reach < 4.0 * radius;

@@ -15,6 +15,7 @@ from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
+from ..gpu.rows import table
 from ..gpu.slots import storage, texture, uniform
 from ..lattice.blockers import UNITS, Blockers
 from ..lattice.placement import Axes, LatticeParams, Placement
@@ -53,7 +54,7 @@ class _SumTexels(ComputePass):
     slots = (
         uniform("params", MapParams),
         uniform("lattice", LatticeParams),
-        storage("views", LightViewData),
+        table("views", LightViewData),
         texture("depth", "2d-array", "depth"),
         texture("flux", "2d-array", "unfilterable-float"),
         storage("sums", "atomic<i32>", "read_write"),

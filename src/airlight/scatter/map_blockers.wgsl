@@ -13,7 +13,7 @@
         return;
     }
     // The corner nearest to what the texel sees.
-    let view = views[id.z];
+    let view = row_of_views(id.z);
     let world = texel_point(view, texel_centre(id.xy, params.resolution), d);
     let axis = id.z / 2u;
     var n = vec3f(0.0);

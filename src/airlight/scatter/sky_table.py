@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ..gpu.memory import Buffer, Texture
+from ..gpu.memory import Texture
+from ..gpu.rows import Table
 from ..lighting.kit import Kit
 from ..surface.light_table import LightData, packed_lights
 from .cell_lights import CellLights
@@ -16,7 +17,7 @@ class SkyTable:
         self._kit = kit
         # As large as the sky's lights may ever be many, so that passes keep their buffer.
         self.capacity = max(1, sky_capacity(kit))
-        self.buffer = Buffer(kit.gpu, "sky lights", LightData.dtype.itemsize * self.capacity)
+        self.buffer = Table(kit.gpu, "sky lights", LightData, self.capacity)
         self.rows = self._written = b""
 
     @property

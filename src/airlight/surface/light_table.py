@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, f32, pack_array, u32, vec3f
-from ..gpu.slots import sampler, storage, texture
+from ..gpu.rows import table
+from ..gpu.slots import sampler, texture
 from ..scene.lights import DirectionalLight, Light, LightRow
 from .light_views import LightViewData, view_count
 
@@ -33,9 +34,9 @@ class LightData(Struct):
 
 
 LIGHT_VIEW_SLOTS = (
-    storage("lights", LightData),
-    storage("parallel_views", LightViewData),
-    storage("local_views", LightViewData),
+    table("lights", LightData),
+    table("parallel_views", LightViewData),
+    table("local_views", LightViewData),
 )
 """Of passes that look up lights and the views of their shadow maps."""
 SHADOWED_LIGHT_SLOTS = (

@@ -17,8 +17,9 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
-from ..gpu.memory import Buffer, Texture
+from ..gpu.memory import Texture
 from ..gpu.raster import color_attachments
+from ..gpu.rows import Table
 from ..gpu.slots import uniform
 from ..scene.lights import Light
 from .draw_parts import DrawParts, in_draw_order
@@ -108,7 +109,7 @@ class ReflectiveShadowMaps:
         self.depth = map_of("depth", "depth32float")
         self.normal = map_of("normal", "rgba16float")
         self.flux = map_of("flux", "rgba16float")
-        self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * max(1, layers))
+        self.views = Table(gpu, f"{label} views", LightViewData, max(1, layers))
         # How it is drawn, and what lies in it.
         self._pass, self._tint = MeshPass(gpu, _ReflectivePipeline), MeshPass(gpu, _PassedPipeline)
         self._visibility = (

@@ -10,7 +10,8 @@ from __future__ import annotations
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, pack_array
-from ..gpu.memory import Buffer, Sampler, Texture
+from ..gpu.memory import Sampler, Texture
+from ..gpu.rows import Table
 from ..gpu.slots import uniform
 from .geometry import GpuScene
 from .light_views import LightView, LightViewData
@@ -59,7 +60,7 @@ class ShadowMaps:
         self.depth = Texture(
             gpu, label, (side, side, count), "depth32float", dimension="2d-array", target=True
         )
-        self.views = Buffer(gpu, f"{label} views", LightViewData.dtype.itemsize * count)
+        self.views = Table(gpu, f"{label} views", LightViewData, count)
         self.sampler = comparison_sampler(gpu)
         self.panes = Panes(gpu, label, self.depth if has_panes and layers else None)
         self._pass = MeshPass(gpu, _CutoutPipeline, opaque=_OpaquePipeline)

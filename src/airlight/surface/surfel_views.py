@@ -12,7 +12,8 @@ import numpy as np
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, pack_array, u32
-from ..gpu.memory import Buffer, Texture
+from ..gpu.memory import Texture
+from ..gpu.rows import Table
 from ..gpu.slots import texture, uniform
 from ..maths.transforms import (
     F64,
@@ -63,7 +64,7 @@ class SurfelViews:
         self.normal = map_of("normal", "rgba16float")
         self.reflectance = map_of("reflectance", "rgba8unorm")
         self._nothing = Texture(gpu, "no depth", (1, 1), "depth32float", target=True)
-        self.views = Buffer(gpu, "surfel views", LightViewData.dtype.itemsize * max(1, count))
+        self.views = Table(gpu, "surfel views", LightViewData, max(1, count))
         self._pass = MeshPass(gpu, _SurfelPipeline)
         self._drawn: dict[int, tuple[int, bytes]] = {}
 

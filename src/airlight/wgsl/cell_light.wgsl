@@ -32,9 +32,9 @@ fn lit_point(light: LightData, to_light: vec3f, p: vec3f) -> f32 {
     let is_parallel = light.kind == LIGHT_DIRECTIONAL;
     var clip: vec4f;
     if (is_parallel) {
-        clip = parallel_views[index].clip_from_world * vec4f(p, 1.0);
+        clip = row_of_parallel_views(index).clip_from_world * vec4f(p, 1.0);
     } else {
-        clip = local_views[index].clip_from_world * vec4f(p, 1.0);
+        clip = row_of_local_views(index).clip_from_world * vec4f(p, 1.0);
     }
     if (clip.w <= 0.0) {
         return 1.0;

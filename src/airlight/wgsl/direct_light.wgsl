@@ -35,10 +35,10 @@ fn light_visibility(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> f32 {
     }
     let view = view_of(light, in.to_light);
     if (HAS_DIRECTIONAL && (!HAS_LOCAL || light.kind == LIGHT_DIRECTIONAL)) {
-        return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p, n,
+        return lit_share(parallel_shadows, shadow_compare, row_of_parallel_views(view), view, p, n,
             in.to_light, 1.0);
     }
-    return lit_share(local_shadows, shadow_compare, local_views[view], view, p, n, in.to_light,
+    return lit_share(local_shadows, shadow_compare, row_of_local_views(view), view, p, n, in.to_light,
         in.distance);
 }
 
@@ -46,7 +46,7 @@ fn light_at(i: u32) -> LightData {
     if (IS_ONE_DIRECTIONAL) {
         return first_lights();
     }
-    return lights[i];
+    return row_of_lights(i);
 }
 
 fn arriving_from(light: LightData, p: vec3f) -> Incoming {

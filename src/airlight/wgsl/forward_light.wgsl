@@ -50,9 +50,9 @@ fn forward_light(
         let light = forward_here(forward_lights, i);
         let wide = forward_here(forward_blurred, i).rgb;
         if (all(light.rgb + wide <= vec3f(0.0))) { continue; }
-        var direction = forward_table[i].direction;
-        if (forward_table[i].kind != LIGHT_DIRECTIONAL) {
-            direction = normalize(p - forward_table[i].position);
+        var direction = row_of_forward_table(i).direction;
+        if (row_of_forward_table(i).kind != LIGHT_DIRECTIONAL) {
+            direction = normalize(p - row_of_forward_table(i).position);
         }
         // What each medium scatters of it.
         let mu = dot(direction, travel);

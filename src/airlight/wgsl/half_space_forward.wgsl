@@ -7,7 +7,7 @@
 fn half_space_forward(p: vec3f, travel: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < own.forward_count; i++) {
-        let light = forward_table[i];
+        let light = row_of_forward_table(i);
         if (light.kind != LIGHT_DIRECTIONAL || light.direction.y > -1e-3) { continue; }
         let path = max(own.half_space_top - p.y, 0.0) / -light.direction.y;
         let depth = dot(media_lit_scattering[0], vec3f(1.0 / 3.0)) * path;

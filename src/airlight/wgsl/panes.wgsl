@@ -29,9 +29,9 @@ fn pane_share(maps: texture_2d_array<f32>, view: LightViewData, layer: u32, s: S
 fn panes_passed(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> vec3f {
     let index = view_of(light, in.to_light);
     if (light.kind == LIGHT_DIRECTIONAL) {
-        let view = parallel_views[index];
+        let view = row_of_parallel_views(index);
         return pane_share(parallel_panes, view, index, shadow_point(view, p, n, in.to_light, 1.0));
     }
-    let view = local_views[index];
+    let view = row_of_local_views(index);
     return pane_share(local_panes, view, index, shadow_point(view, p, n, in.to_light, in.distance));
 }

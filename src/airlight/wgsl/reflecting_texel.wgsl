@@ -15,11 +15,11 @@ const DARK = Reflecting(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0);
 
 fn reflecting(texel: vec2u, layer: u32) -> Reflecting {
     let d = textureLoad(depth, vec2i(texel), layer, 0);
-    let power = views[layer].flux_unit * textureLoad(flux, vec2i(texel), layer, 0).rgb;
+    let power = row_of_views(layer).flux_unit * textureLoad(flux, vec2i(texel), layer, 0).rgb;
     if (d >= 1.0 || all(power <= vec3f(0.0))) {
         return DARK;
     }
-    let view = views[layer];
+    let view = row_of_views(layer);
     let centre = texel_centre(texel, params.resolution);
     let p = texel_point(view, centre, d);
     let n = normalize(textureLoad(normal, vec2i(texel), layer, 0).xyz);

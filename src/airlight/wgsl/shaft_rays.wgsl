@@ -10,9 +10,9 @@
 
 fn clip_from_world(is_parallel: bool, view: u32) -> mat4x4f {
     if (HAS_DIRECTIONAL && (is_parallel || !HAS_LOCAL)) {
-        return parallel_views[view].clip_from_world;
+        return row_of_parallel_views(view).clip_from_world;
     }
-    return local_views[view].clip_from_world;
+    return row_of_local_views(view).clip_from_world;
 }
 
 fn shadow_word(entry: u32) -> u32 {
@@ -111,12 +111,12 @@ fn light_radiance(light: LightData, index: u32, direction: vec3f, hull: vec2f) -
 fn single_scattered(direction: vec3f, reach: f32) -> vec3f {
     let hull = visible_interval(media_enter(rays.eye, direction, reach));
     if (LIGHT_COUNT == 1u) {
-        return light_radiance(lights[0], 0u, direction, hull);
+        return light_radiance(row_of_lights(0), 0u, direction, hull);
     }
     var sum = vec3f(0.0);
     var i = 0u;
     loop {
-        sum += light_radiance(lights[i], i, direction, hull);
+        sum += light_radiance(row_of_lights(i), i, direction, hull);
         i++;
         if (i >= LIGHT_COUNT) { break; }
     }

@@ -49,7 +49,7 @@ fn view_surfel(id: vec3u) -> ViewSurfel {
         return seen;
     }
     // Where the texel's surface is.
-    let view = views[params.view];
+    let view = row_of_views(params.view);
     let centre = texel_centre(id.xy, params.resolution);
     let world = texel_point(view, centre, d);
     // The lattice's corner nearest to it.

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...gpu.rows import table
 from ...gpu.slots import Slot, storage, texture
 from ...maths.forward_phase import fused_table
 from ...scene.checks import F32
@@ -20,7 +21,7 @@ from ...surface.light_table import LightData
 def forward_slots() -> tuple[Slot, ...]:
     """What marching binds."""
     return (
-        storage("forward_table", LightData),
+        table("forward_table", LightData),
         texture("forward_lights", "3d"),
         texture("forward_blurred", "3d"),
         storage("fused", "vec4f"),

@@ -19,6 +19,7 @@ from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu
 from ...gpu.layout import Struct, f32, u32
 from ...gpu.memory import Buffer
+from ...gpu.rows import table
 from ...gpu.slots import Slot, storage, texture, uniform
 from ...surface.light_views import LightViewData
 from ...surface.shadow import ShadowMaps
@@ -51,7 +52,7 @@ TREE_SLOTS: tuple[Slot, ...] = (
 
 
 class _Fit(ComputePass):
-    slots = (*TREE_SLOTS, storage("views", LightViewData), storage("facets", "vec4f", "read_write"))
+    slots = (*TREE_SLOTS, table("views", LightViewData), storage("facets", "vec4f", "read_write"))
     workgroup = (16, 8, 1)
 
 

@@ -6,7 +6,7 @@ const STEEPEST = 4.0;
 
 // What one texel's side is in depth, at a depth.
 fn texel_in_depth(layer: u32, depth: f32) -> f32 {
-    let view = views[layer];
+    let view = row_of_views(layer);
     let along = view.world_from_clip[2];
     if (view.is_perspective == 0u) {
         return view.texel.x / length(along.xyz);

@@ -20,14 +20,14 @@ fn is_lit_in(clip: vec4f) -> bool {
 fn visibility(light: LightData, p: vec3f) -> f32 {
     if (light.kind == LIGHT_DIRECTIONAL) {
         let view = light.first_view;
-        let clip = parallel_views[view].clip_from_world * vec4f(p, 1.0);
+        let clip = row_of_parallel_views(view).clip_from_world * vec4f(p, 1.0);
         let uv = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
         let lit = textureSampleCompareLevel(
             parallel_shadows, shadow_compare, uv, view, min(clip.z / clip.w, 1.0));
         return select(1.0, lit, is_lit_in(clip));
     }
     let view = view_of(light, light.position - p);
-    let clip = local_views[view].clip_from_world * vec4f(p, 1.0);
+    let clip = row_of_local_views(view).clip_from_world * vec4f(p, 1.0);
     let uv = clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5;
     let lit = textureSampleCompareLevel(
         local_shadows, shadow_compare, uv, view, clamp(clip.z / clip.w, 0.0, 1.0));
@@ -94,7 +94,7 @@ fn step_radiance(
         let grids = grids_extinction(rays.eye + (t + u * dt) * ray.direction, t + u * dt);
         var k = 0u;
         loop {
-            let light = lights[k];
+            let light = row_of_lights(k);
             let sample = sampled_distance(light, ray.direction, t, t + dt, u);
             let depth = homogeneous_depth(0.0, sample.x) + grid_depth + grids * (sample.x - t);
             sum += exp(-depth) * step_radiance(light, k, ray.direction, sample);

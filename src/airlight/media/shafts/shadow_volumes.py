@@ -23,6 +23,7 @@ from ...gpu.fullscreen import FullscreenPass
 from ...gpu.layout import Struct, mat4x4f, u32
 from ...gpu.memory import Texture
 from ...gpu.raster import RasterPipeline
+from ...gpu.rows import table
 from ...gpu.slots import image, storage, texture, uniform
 from ...lighting.lights import Lights
 from ...maths.transforms import F64
@@ -61,7 +62,7 @@ class _Lit(FullscreenPass):
             uniform("rays", RayParams),
             uniform("params", LitParams),
             *media.slots,
-            storage("lights", LightData),
+            table("lights", LightData),
             texture("picked", "2d", "unfilterable-float"),
         )
         super().__init__(gpu, generated=lit_interval_wgsl(media, lights))
@@ -78,8 +79,8 @@ class _Dark(RasterPipeline):
             uniform("params", VolumeParams),
             *TREE_SLOTS,
             *media.slots,
-            storage("lights", LightData),
-            storage("views", LightViewData),
+            table("lights", LightData),
+            table("views", LightViewData),
             storage("facets", "vec4f"),
             storage("triangles", "u32"),
             texture("picked", "2d", "unfilterable-float"),

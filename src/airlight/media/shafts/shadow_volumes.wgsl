@@ -19,7 +19,7 @@ struct Corner {
 // The row of the light whose map is drawn.
 fn light_of_layer() -> u32 {
     for (var i = 0u; i < params.light_count; i++) {
-        let light = lights[i];
+        let light = row_of_lights(i);
         let is_parallel = light.kind == LIGHT_DIRECTIONAL;
         if (is_parallel == (params.is_parallel != 0u) && tree.layer >= light.first_view
             && tree.layer < light.first_view + light.view_count) {
@@ -58,7 +58,7 @@ fn top_corner(own: Facet, kind: u32, k: u32) -> vec2u {
 
 // A lattice point of the map at a depth, in the world; at NEVER, where its light goes to.
 fn world_of(at: vec2u, depth: f32, light: u32) -> vec4f {
-    let view = views[tree.layer];
+    let view = row_of_views(tree.layer);
     let ndc = vec2f(at) / f32(tree.resolution) * vec2f(2.0, -2.0) + vec2f(-1.0, 1.0);
     let near = view.world_from_clip * vec4f(ndc, 0.0, 1.0);
     let along = view.world_from_clip[2];
@@ -69,7 +69,7 @@ fn world_of(at: vec2u, depth: f32, light: u32) -> vec4f {
     if (view.is_perspective == 0u) {
         return near / PARALLEL_END + along;  // so scaled, clipping cancels nothing
     }
-    return vec4f(near.xyz / near.w - lights[light].position, 0.0);
+    return vec4f(near.xyz / near.w - row_of_lights(light).position, 0.0);
 }
 
 // A corner of the j-th triangle of half h of the wall P Q (own) to P' Q' (the neighbour's): the
@@ -116,7 +116,7 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
         let slope = own.plane.yz;
         ndc = vec4f(-half * slope.x, half * slope.y, 1.0, -own.plane.x - dot(slope, off));
     }
-    let m = views[tree.layer].clip_from_world;
+    let m = row_of_views(tree.layer).clip_from_world;
     let at_eye = m * vec4f(rays.eye, 1.0);
     return vec4f(dot(ndc, m[0]), dot(ndc, m[1]), dot(ndc, m[2]), dot(ndc, at_eye));
 }
@@ -155,7 +155,7 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
     let centre = in.clip.xy * f32(rays.scale);
     let direction = normalize(pixel_direction(rays.world_from_clip, centre, vec2f(rays.size)));
     let reach = textureLoad(picked, vec2i(texel), 0).x;
-    let light = lights[in.light];
+    let light = row_of_lights(in.light);
     let hull = visible_interval(media_enter(rays.eye, direction, reach));
     let span = light_span(light, rays.eye, direction, hull);
     // Up to the face, or to the end of the stretch.

@@ -11,7 +11,7 @@
     // F of each light over the stretch that it reaches, as if nothing stood before it.
     var sum = vec3f(0.0);
     for (var i = 0u; i < params.light_count; i++) {
-        let light = lights[i];
+        let light = row_of_lights(i);
         let span = light_span(light, rays.eye, direction, hull);
         if (span.x < span.y && any(light.color > vec3f(0.0))) {
             prepare_lit_intervals(light, rays.eye, direction);

@@ -120,7 +120,7 @@ class InterMediumLight:
             (medium.cells, mixture.blocks),
             params=medium.params,
             exchange=InterMediumParams(blocks=mixture.blocks),
-            media=mixture.rows.texture,
+            media=mixture.rows,
             ordinates=table.rows,
             blocks=self._blocks,
             reach=density.reach,

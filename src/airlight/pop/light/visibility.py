@@ -17,6 +17,7 @@ from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.layout import Struct, f32, u32
 from ...gpu.memory import Buffer
+from ...gpu.rows import table
 from ...gpu.slots import storage, texture, uniform
 from ...lattice.blockers import Blockers
 from ...lighting.lights import Lights
@@ -85,7 +86,7 @@ class Visibility(ComputePass):
         storage("sky_shares", SkyViewData),
         storage("reach", "u32"),
         *SHADOWED_LIGHT_SLOTS,
-        storage("sky_views", LightViewData),
+        table("sky_views", LightViewData),
         texture("sky_depth", "2d-array", "depth"),
         storage("passed", "f32", "read_write"),
     )

@@ -14,15 +14,15 @@ fn light_visibility(light: LightData, p: vec3f) -> f32 {
     let in = incoming(light, p);
     let view = view_of(light, in.to_light);
     if (light.kind == LIGHT_DIRECTIONAL) {
-        return lit_share(parallel_shadows, shadow_compare, parallel_views[view], view, p,
+        return lit_share(parallel_shadows, shadow_compare, row_of_parallel_views(view), view, p,
             in.to_light, in.to_light, 1.0);
     }
-    return lit_share(local_shadows, shadow_compare, local_views[view], view, p, in.to_light,
+    return lit_share(local_shadows, shadow_compare, row_of_local_views(view), view, p, in.to_light,
         in.to_light, in.distance);
 }
 
 fn sky_visibility(layer: u32, p: vec3f) -> f32 {
-    let clip = sky_views[layer].clip_from_world * vec4f(p, 1.0);
+    let clip = row_of_sky_views(layer).clip_from_world * vec4f(p, 1.0);
     return map_visibility(sky_depth, shadow_compare, layer, map_coordinates(clip.xyz));
 }
 
@@ -40,7 +40,7 @@ fn sky_visibility(layer: u32, p: vec3f) -> f32 {
         let p = (params.world_from_medium * vec4f(local, 1.0)).xyz;
         // A light of the scene has a map, or a cube of them.
         if (s.light != 0u) {
-            share += light_visibility(lights[s.light - 1u], p);
+            share += light_visibility(row_of_lights(s.light - 1u), p);
             continue;
         }
         // An ordinate of the sky is made of several of its lights.

@@ -102,7 +102,7 @@ class Mixture:
     @property
     def cell_bound(self) -> dict[str, Any]:
         """Resources of such a pass, by slot name."""
-        return {} if self.is_alone else {"media": self.rows.texture}
+        return {} if self.is_alone else {"media": self.rows}
 
     @property
     def beam_slots(self) -> tuple[Slot, ...]:
@@ -118,7 +118,7 @@ class Mixture:
     @property
     def beam_bound(self) -> dict[str, Any]:
         """Resources of such a pass, by slot name."""
-        return {} if self.is_alone else {"media": self.rows.texture, "inter_medium": self.inter_medium}
+        return {} if self.is_alone else {"media": self.rows, "inter_medium": self.inter_medium}
 
 
 def fine_slots(others: int) -> tuple[Slot, ...]:

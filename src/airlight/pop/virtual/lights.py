@@ -17,6 +17,7 @@ from ...gpu.commands import Commands
 from ...gpu.compute import ComputePass
 from ...gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ...gpu.memory import Buffer
+from ...gpu.rows import table
 from ...gpu.slots import storage, texture, uniform
 from ...lattice.blockers import BLOCKER_SLOTS
 from ...lattice.placement import LatticeParams
@@ -68,7 +69,7 @@ class VirtualVisibilityParams(Struct):
 # The reflective shadow maps, which are summed by tiles and drawn from.
 _maps = (
     uniform("params", VirtualParams),
-    storage("views", LightViewData),
+    table("views", LightViewData),
     texture("depth", "2d-array", "depth"),
     texture("normal", "2d-array", "unfilterable-float"),
     texture("flux", "2d-array", "unfilterable-float"),
