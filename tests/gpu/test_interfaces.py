@@ -120,10 +120,13 @@ def used_by(name: str, seen: set[str]) -> set[str]:
 def lacking(name: str) -> set[str]:
     """Functions that a shader calls and neither it nor what it uses defines or says it needs.
 
-    `first_SLOT` and `row_of_SLOT` are generated (gpu.interpolants, gpu.rows); types begin with a capital.
+    `first_SLOT` and `row_of_SLOT` are generated (gpu.interpolants, gpu.rows); types begin with a
+    capital.
     """
     own = re.sub(r"//.*", "", SHADERS[name].read_text())
-    calls = {c for c in re.findall(r"\b([a-z]\w*)\s*\(", own) if not c.startswith(("first_", "row_of_"))}
+    calls = {
+        c for c in re.findall(r"\b([a-z]\w*)\s*\(", own) if not c.startswith(("first_", "row_of_"))
+    }
     for text in (SHADERS[other].read_text() for other in used_by(name, set())):
         calls -= set(re.findall(r"\bfn (\w+)", re.sub(r"//(?!! needs).*", "", text)))
     return calls - BUILT_IN

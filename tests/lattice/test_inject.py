@@ -14,7 +14,7 @@ from airlight.lattice.placement import Placement
 from airlight.maths.flat_surfaces import free_sharpness
 from airlight.scene import DirectionalLight, Material, Mesh, PointLight, SpotLight
 from airlight.scene.shapes import sphere
-from airlight.surface.light_views import LightViewData, light_views
+from airlight.surface.light_views import light_views
 from airlight.surface.reflective import ReflectiveShadowMaps
 
 SIDE = 64
@@ -51,7 +51,7 @@ def injected(gpu, commands, owned, cells_texture):
 
 def flux_of(maps, views):
     total = np.zeros(3)
-    units = maps.views.read(LightViewData.dtype)["flux_unit"]
+    units = maps.views.read()["flux_unit"]
     for layer, view in enumerate(views):
         density = units[layer] * maps.flux.read(layer)[..., :3].astype(np.float64)
         measure = np.full((SIDE, SIDE), view.texel[0] * view.texel[1])

@@ -4,7 +4,8 @@ import numpy as np
 
 from airlight.fields import ForwardSource, LatticeSource
 from airlight.gpu.layout import pack_array
-from airlight.gpu.memory import Texture, buffer_of
+from airlight.gpu.memory import Texture
+from airlight.gpu.rows import Table
 from airlight.lattice.placement import Placement
 from airlight.maths.forward_phase import fused_phase
 from airlight.media.gpu_media import GpuMedia
@@ -39,7 +40,8 @@ def test_a_beam_is_scattered_by_the_fused_phase_function(gpu, look):
     beams[8:] = [1.0, 2.0, 3.0, depth]
     texture = Texture(gpu, "beams", (8, 8, 16), "rgba16float", dimension="3d")
     texture.write(beams)
-    table = buffer_of(gpu, "lights", pack_array(LightData, light_rows(lights)))
+    table = Table(gpu, "lights", LightData, len(lights))
+    table.write(pack_array(LightData, light_rows(lights)))
     bound = {f"lattice_{name}": dark for name in ("red", "green", "blue", "walls")}
     bound |= {"lattice_visibility_a": open_to_all, "lattice_visibility_b": open_to_all}
     blocks = Texture(gpu, "blocks", (2, 2, 4), "rgba16float", dimension="3d")

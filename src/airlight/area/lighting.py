@@ -55,7 +55,7 @@ fn media_passed(row: u32, count: u32, p: vec3f) -> vec3f {
     var sum = vec3f(0.0);
     var k = 0u;
     loop {
-        sum += media_light_transmittance(lights[row + k], row + k, p);
+        sum += media_light_transmittance(row_of_lights(row + k), row + k, p);
         k++;
         if (k >= count) { break; }
     }

@@ -60,11 +60,20 @@ class Table(Rows):
 
     def __init__(self, gpu: Gpu, label: str, struct: type[Struct], count: int) -> None:
         super().__init__(gpu, label, rows_of(struct) * count)
+        self._struct, self._count = struct, count
+
+    def read(self) -> NDArray[Any]:
+        """All structs, as an array of their dtype."""
+        texels = self._texture.read().reshape(-1, 4)[: rows_of(self._struct) * self._count]
+        return np.ascontiguousarray(texels).reshape(-1).view(self._struct.dtype)
 
 
 def rows_of(struct: type[Struct]) -> int:
-    """How many rows a struct takes."""
-    return -(-struct.dtype.itemsize // _ROW_BYTES)
+    """How many rows a struct takes. Raises ValueError where they are no whole ones."""
+    count, rest = divmod(struct.dtype.itemsize, _ROW_BYTES)
+    if rest:
+        raise ValueError(f"{struct.__name__} is no whole number of rows: pad it")
+    return count
 
 
 def rows(name: str) -> Slot:
