@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from airlight.reference import tracer
-from airlight.scatter.level import LatticeKind
-from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 
 
 def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, albedo=0.9):
@@ -16,11 +15,11 @@ def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, al
     source = np.zeros((3, cells, cells, cells, 4))
     source[..., 0] = albedo * depth * truth.fluence[0]
     count = (cells,) * 3
-    levels = Levels(
-        gpu, count, 1.0, schedule(*plan, count), LatticeKind(has_walls=False, is_varied=False)
+    states = StateSum(
+        gpu, count, 1.0, schedule(*plan), LatticeKind(has_walls=False, is_varied=False)
     )
-    levels.set_homogeneous([albedo * depth] * 3, [depth] * 3)
-    _, track = levels.encode(commands, lattice(source))
+    states.set_homogeneous([albedo * depth] * 3, [depth] * 3)
+    _, track = states.encode(commands, lattice(source))
     commands.submit()
     got = track.read().reshape(source.shape)[0, ..., 0]
     size = np.linalg.norm(want)
