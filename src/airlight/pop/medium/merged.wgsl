@@ -30,6 +30,7 @@ const LARGEST_HALF = 65504.0;
         }
         sum += density * media[visit.medium].sigma_t;
     }
+    // One density for all channels, cut to what a half float holds.
     let mean = params.scale * (sum.r + sum.g + sum.b) / (3.0 * f32(n * n * n));
     textureStore(voxels, id, vec4f(min(mean, LARGEST_HALF), 0.0, 0.0, 0.0));
 }
