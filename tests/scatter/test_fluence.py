@@ -27,29 +27,30 @@ def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, al
     return np.linalg.norm(got - want) / size, noise
 
 
-# Measured with these photons: 32 iterations, and 8 with the finish on coarser lattices.
+# Measured with these photons: 32 iterations, and 24 with regions. These find light that the others
+# leave under way, of which a lattice of a thin medium holds too much (maths.lattice26.true_share).
 OURS = {
-    ("point", 0.1): (0.19, 0.17),
-    ("beam", 0.1): (0.24, 0.23),
-    ("point", 0.3): (0.11, 0.11),
-    ("beam", 0.3): (0.18, 0.18),
+    ("point", 0.1): (0.19, 0.23),
+    ("beam", 0.1): (0.24, 0.26),
+    ("point", 0.3): (0.11, 0.13),
+    ("beam", 0.3): (0.18, 0.19),
     ("point", 1.0): (0.13, 0.14),
-    ("beam", 1.0): (0.23, 0.24),
-    ("point", 3.0): (0.21, 0.25),
-    ("beam", 3.0): (0.30, 0.29),
+    ("beam", 1.0): (0.23, 0.23),
+    ("point", 3.0): (0.21, 0.22),
+    ("beam", 3.0): (0.30, 0.30),
 }
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "depth"), OURS)
-@pytest.mark.parametrize("plan", [("none", 32), ("finish", 8)])
+@pytest.mark.parametrize("plan", [("none", 32), ("regions", 24)])
 def test_at_or_under_what_was_measured(gpu, commands, lattice, kind, depth, plan):
     error, noise = relative_error(gpu, commands, lattice, kind, depth, 25, plan, 400_000)
     # Two digits, and the truth's own noise.
-    assert error < OURS[kind, depth][plan[0] == "finish"] + 0.005 + noise**2
+    assert error < OURS[kind, depth][plan[0] == "regions"] + 0.005 + noise**2
 
 
-@pytest.mark.parametrize(("kind", "worst"), [("point", 0.16), ("beam", 0.24)])
+@pytest.mark.parametrize(("kind", "worst"), [("point", 0.16), ("beam", 0.20)])
 def test_a_small_cube_of_fog(gpu, commands, lattice, kind, worst):
-    error, _ = relative_error(gpu, commands, lattice, kind, 0.3, 11, ("finish", 8), 60_000)
+    error, _ = relative_error(gpu, commands, lattice, kind, 0.3, 11, ("regions", 24), 60_000)
     assert error < worst

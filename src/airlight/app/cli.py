@@ -120,11 +120,11 @@ def _warnings_said() -> Iterator[None]:
     with warnings.catch_warnings():
         shown = warnings.showwarning
 
-        def say_ours(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        def say_ours(message: Any, category: Any, *where: Any, **more: Any) -> None:
             if issubclass(category, SettingsWarning):
                 say(f"warning: {message}")
             else:
-                shown(message, category, *where)
+                shown(message, category, *where, **more)
 
         warnings.simplefilter("once", SettingsWarning)
         warnings.showwarning = say_ours

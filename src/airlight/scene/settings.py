@@ -31,8 +31,14 @@ def setting(
 
     `former`: choices that are no longer there, each with the one that is taken instead.
     """
-    metadata = {"help": help, "unit": unit, "low": low, "high": high, "choices": tuple(choices)}
-    metadata["former"] = former or {}
+    metadata = {
+        "help": help,
+        "unit": unit,
+        "low": low,
+        "high": high,
+        "choices": tuple(choices),
+        "former": former or {},
+    }
     return dataclasses.field(default=default, metadata=metadata)
 
 
