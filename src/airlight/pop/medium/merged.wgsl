@@ -2,8 +2,7 @@
 //! use media
 //! use members
 //! use cell_order
-
-const LARGEST_HALF = 65504.0;
+//! use half_range
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
