@@ -9,7 +9,8 @@
     └── ReferenceFailure       the reference renderer is missing, crashed or ran past its time
 
 Each message is complete on its own: it names the file, the key and the remedy.
-The command line prints it and exits with 2.
+The command line prints it and exits with 2. A SettingsWarning stops nothing: a value of a setting
+that is no longer there, and what is done instead.
 """
 
 from __future__ import annotations
@@ -67,6 +68,10 @@ class SceneError(AirlightError):
 
 class SettingsError(AirlightError):
     """A technique, setting or option is unknown or impossible."""
+
+
+class SettingsWarning(UserWarning):
+    """A setting has a value that is no longer there, and is taken as another one."""
 
 
 class DeviceError(AirlightError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+import warnings
 
 import click
 import numpy as np
@@ -12,7 +13,7 @@ import PIL.Image
 import pytest
 
 from airlight.app import cli
-from airlight.errors import SceneError
+from airlight.errors import SceneError, SettingsWarning
 
 
 @pytest.fixture
@@ -50,6 +51,17 @@ def test_python_m_airlight_is_the_command():
         [sys.executable, "-m", "airlight", "--version"], capture_output=True, text=True, check=True
     )
     assert done.stdout == "airlight, version 0.1.0\n"
+
+
+def test_a_warning_of_ours_is_one_line_and_told_once(monkeypatch, capsys):
+    @click.command("doctor")
+    def command() -> None:
+        for _ in range(2):
+            warnings.warn("setting a = 'b' is no longer there", SettingsWarning, stacklevel=1)
+
+    monkeypatch.setattr(cli._Commands, "get_command", lambda *_: command)
+    assert cli.run(["doctor"]) == 0
+    assert capsys.readouterr() == ("", "warning: setting a = 'b' is no longer there\n")
 
 
 def test_bad_input_is_one_message_and_exit_2(raising, capsys):

@@ -9,7 +9,7 @@ import pytest
 
 from airlight.area.emitters import Emitters
 from airlight.area.grouping import BUDGET
-from airlight.area.pieces import smooth_parts
+from airlight.area.pieces import parts_and_bodies
 from airlight.area.shapes import Kind
 from airlight.maths.light_sizes import rectangle_angle
 from airlight.scene import AreaLight, Camera, Material, Mesh, PointLight, Scene, SpotLight, Texture
@@ -175,8 +175,8 @@ def test_samples_of_a_still_differ_and_stay_on_the_light() -> None:
 
 
 def test_parts_end_at_folds() -> None:
-    assert len(np.unique(smooth_parts(box()))) == 6
-    assert len(np.unique(smooth_parts(sphere(16, 8)))) == 1
+    assert len(np.unique(parts_and_bodies(box())[0])) == 6
+    assert len(np.unique(parts_and_bodies(sphere(16, 8))[0])) == 1
 
 
 def test_visible_lights_have_surfaces() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from airlight.area.emitters import Emitters
-from airlight.area.pieces import smooth_parts
+from airlight.area.pieces import parts_and_bodies
 from airlight.area.shapes import Kind
 from airlight.area.stretches import stretches
 from airlight.rendering import render
@@ -105,11 +105,11 @@ def test_there_are_as_many_as_asked_for_even_where_nothing_is_gained() -> None:
 
 @pytest.mark.parametrize("sides", [5, 8, 24])
 def test_a_tube_is_one_part_however_few_sides_it_has(sides: int) -> None:
-    parts = smooth_parts(tube(bent_path(), sides))
+    parts, _ = parts_and_bodies(tube(bent_path(), sides))
     whole = np.bincount(parts).max() / len(parts)
     assert whole > 0.98  # all but caps, which folds may cut off
-    assert len(np.unique(smooth_parts(box()))) == 6
-    assert len(np.unique(smooth_parts(sphere(6, 4)))) > 1
+    assert len(np.unique(parts_and_bodies(box())[0])) == 6
+    assert len(np.unique(parts_and_bodies(sphere(6, 4))[0])) > 1
 
 
 @pytest.mark.parametrize(("sides", "most_off"), [(6, 0.045), (16, 0.02), (0, 0.01)])

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from airlight.maths import reflection
 from airlight.maths.reflection import SCHLICK_MEAN, bihemispherical_albedo
 
 COUNT = 2000
@@ -97,3 +98,36 @@ def test_the_device_computes_the_same(wgsl: Callable[..., np.ndarray]) -> None:
     inputs = [x.astype(np.float32).astype(np.float64) for x in draws]
     found = wgsl("bihemispherical_albedo", "bihemispherical_albedo", *inputs, returns="vec3f")
     np.testing.assert_allclose(found, bihemispherical_albedo(*inputs), atol=2e-6)
+
+
+SURFACE = """surface_reflection
+fn surface(d: vec3f, f0: vec3f, alpha: f32, l: vec3f, v: vec3f) -> vec3f {
+    return reflection(Reflector(d, f0, alpha), vec3f(0.0, 0.0, 1.0), l, v);
+}
+fn matt(d: vec3f, f0: vec3f, l: vec3f, v: vec3f) -> vec3f {
+    return matt_reflection(Reflector(d, f0, 1.0), l, v);
+}"""
+
+
+def test_light_from_one_direction_to_another(wgsl: Callable[..., np.ndarray]) -> None:
+    """Both parts. Alphas from .05 on: below, GGX's peak magnifies the rounding of n.h."""
+    light, v = (cosine_directions(COUNT).astype(np.float32) for _ in range(2))
+    d, f0 = (RNG.random((COUNT, 3)).astype(np.float32) for _ in range(2))
+    alpha = RNG.uniform(0.05, 1.0, COUNT).astype(np.float32)
+    matt = reflection.matt_reflection(d, f0, light, v)
+    got = wgsl(SURFACE, "matt", d, f0, light, v, returns="vec3f")
+    np.testing.assert_allclose(got, matt, rtol=1e-5, atol=1e-6)
+    coat = reflection.mirrored_reflection(f0, alpha, (0.0, 0.0, 1.0), light, v)
+    got = wgsl(SURFACE, "surface", d, f0, alpha, light, v, returns="vec3f")
+    np.testing.assert_allclose(got, matt + coat, rtol=2e-3, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["glow_share", "medium_glow_share"])
+def test_what_mirrored_rays_show_of_things_that_glow(
+    wgsl: Callable[..., np.ndarray], name: str
+) -> None:
+    alpha = np.linspace(0.0, 0.2, 200).astype(np.float32)
+    want = getattr(reflection, name)(alpha)
+    assert want[0] == 1.0
+    assert want[-1] == 0.0
+    np.testing.assert_allclose(wgsl("glow_share", name, alpha), want, atol=1e-6)

@@ -17,9 +17,8 @@ def isotropic_gain(row):
 
 @pytest.mark.parametrize("sigma_t", [0.0, 1e-4, 0.3, 10.0])
 def test_power_is_kept_without_absorption_and_lost_with_it(sigma_t):
-    for level in (0, 1, 2):
-        moves = step_rows([sigma_t] * 3, [sigma_t] * 3, 1.0, level=level)[:3]
-        assert isotropic_gain(moves[0]) == pytest.approx(1.0, rel=1e-12)
+    move = step_rows([sigma_t] * 3, [sigma_t] * 3, 1.0)[0]
+    assert isotropic_gain(move) == pytest.approx(1.0, rel=1e-12)
     absorbing = step_rows([0.0] * 3, [sigma_t] * 3, 1.0)[0]
     h = lattice26.hops()
     assert isotropic_gain(absorbing) == pytest.approx(h.weights @ np.exp(-sigma_t * h.lengths))

@@ -5,14 +5,12 @@ import pytest
 
 from airlight.lattice.placement import Placement
 from airlight.maths.lattice6 import surface_irradiance
-from airlight.maths.lattice26 import LOOKUP_SCALE, scattered_lookup_scale
-from airlight.maths.lattice26_levels import mean_track
+from airlight.maths.lattice26 import LOOKUP_SCALE, mean_track, scattered_lookup_scale
 from airlight.maths.lattice26_walls import returned_sharpness
 from airlight.reference.quadrature import polygon_irradiance
 from airlight.scatter.emission import Emission
-from airlight.scatter.level import LatticeKind
-from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 from airlight.scatter.surface_light import SurfaceLight, SurfaceMedium
 
 PLACEMENT = Placement((0.0, 0.0, 0.0), 0.5, (6, 4, 2))
@@ -90,15 +88,15 @@ def test_a_floor_beside_a_glowing_wall(gpu, commands, lattice):
     corners = np.array([[0, 0, 8], [0, 12, 8], [0, 12, 20], [0, 0, 20.0]])
     want = np.abs(polygon_irradiance(points, normals, corners, 1.0))
     for iterations, worst in ((16, 0.18), (32, 0.09)):
-        levels = Levels(
+        states = StateSum(
             gpu,
             count,
             1.0,
-            schedule("none", iterations, count),
+            schedule("none", iterations),
             LatticeKind(has_walls=False, is_varied=False),
         )
-        levels.set_homogeneous([0.0] * 3, [0.0] * 3)
-        total, _ = levels.encode(commands, lattice(wall))
+        states.set_homogeneous([0.0] * 3, [0.0] * 3)
+        total, _ = states.encode(commands, lattice(wall))
         commands.submit()
         state = total.read().reshape(wall.shape)[0, 4:24, 0, :16] / (4 * np.pi)
         got = surface_irradiance(state, normals, 1.0, LOOKUP_SCALE)

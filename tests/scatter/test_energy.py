@@ -22,7 +22,7 @@ def run(gpu, lattice, commands, state, sigma_s, sigma_t, steps, packs=None, is_v
     shape = state.shape[:-1]
     sigmas = [np.broadcast_to(np.reshape(v, (3, 1, 1, 1)), shape) for v in (sigma_s, sigma_t)]
     medium = lattice(np.stack(sigmas, axis=-1))
-    cells = StepMedium(COUNT, 1.0, medium, lattice(rows.view(np.uint32)), 0, packs or source)
+    cells = StepMedium(COUNT, 1.0, medium, lattice(rows.view(np.uint32)), packs or source)
     step = Step(gpu, has_walls=packs is not None, is_varied=is_varied)
     seen = []
     for _ in range(steps):

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from airlight.scatter.level import LatticeKind
-from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import ACCELERATIONS, schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 
 from .test_propagate import packed_faces  # type: ignore[import-not-found]
 
@@ -17,14 +16,14 @@ ALBEDOS = (0.0, 0.3, 0.9, 0.99, 1.0)
 
 def track_of(gpu, commands, lattice, source, plan, sigma_t, albedo, is_blocked):
     """(3, Z, Y, X): W m of track in cells of 1 m; walls half open at random, white 0.9."""
-    levels = Levels(gpu, COUNT, 1.0, plan, LatticeKind(has_walls=is_blocked, is_varied=False))
-    levels.set_homogeneous(albedo * sigma_t, sigma_t)
+    states = StateSum(gpu, COUNT, 1.0, plan, LatticeKind(has_walls=is_blocked, is_varied=False))
+    states.set_homogeneous(albedo * sigma_t, sigma_t)
     if is_blocked:
         rng = np.random.default_rng(3)
         faces = np.clip(3.0 * rng.random((6, *SHAPE)) - 1.0, 0.0, 1.0)
         white = np.full((*SHAPE, 4), 230, np.uint8)
-        levels.set_walls(commands, lattice(packed_faces(faces)), lattice(white.view(np.uint32)))
-    _, track = levels.encode(commands, lattice(source))
+        states.set_walls(commands, lattice(packed_faces(faces)), lattice(white.view(np.uint32)))
+    _, track = states.encode(commands, lattice(source))
     commands.submit()
     return track.read().reshape(source.shape)[..., 0].astype(np.float64)
 
@@ -36,7 +35,7 @@ def test_light_stays_finite_positive_and_bounded(gpu, commands, lattice, acceler
     source[..., 0] = np.random.default_rng(4).random((3, *SHAPE)) ** 8
     source[:, 4, 5, 6, 0] = 30.0
     power = source[..., 0].sum(axis=(1, 2, 3))
-    plan = schedule(acceleration, 8, COUNT)
+    plan = schedule(acceleration, 8)
     for depths in DEPTHS:
         for albedo in ALBEDOS:
             sigma_t = np.array(depths)

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from airlight.reference import tracer
-from airlight.scatter.level import LatticeKind
-from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 
 
 def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, albedo=0.9):
@@ -16,11 +15,11 @@ def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, al
     source = np.zeros((3, cells, cells, cells, 4))
     source[..., 0] = albedo * depth * truth.fluence[0]
     count = (cells,) * 3
-    levels = Levels(
-        gpu, count, 1.0, schedule(*plan, count), LatticeKind(has_walls=False, is_varied=False)
+    states = StateSum(
+        gpu, count, 1.0, schedule(*plan), LatticeKind(has_walls=False, is_varied=False)
     )
-    levels.set_homogeneous([albedo * depth] * 3, [depth] * 3)
-    _, track = levels.encode(commands, lattice(source))
+    states.set_homogeneous([albedo * depth] * 3, [depth] * 3)
+    _, track = states.encode(commands, lattice(source))
     commands.submit()
     got = track.read().reshape(source.shape)[0, ..., 0]
     size = np.linalg.norm(want)
@@ -28,29 +27,30 @@ def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, al
     return np.linalg.norm(got - want) / size, noise
 
 
-# Measured with these photons: 32 iterations, and 8 with the finish on coarser lattices.
+# Measured with these photons: 32 iterations, and 24 with regions. These find light that the others
+# leave under way, of which a lattice of a thin medium holds too much (maths.lattice26.true_share).
 OURS = {
-    ("point", 0.1): (0.19, 0.17),
-    ("beam", 0.1): (0.24, 0.23),
-    ("point", 0.3): (0.11, 0.11),
-    ("beam", 0.3): (0.18, 0.18),
+    ("point", 0.1): (0.19, 0.23),
+    ("beam", 0.1): (0.24, 0.26),
+    ("point", 0.3): (0.11, 0.13),
+    ("beam", 0.3): (0.18, 0.19),
     ("point", 1.0): (0.13, 0.14),
-    ("beam", 1.0): (0.23, 0.24),
-    ("point", 3.0): (0.21, 0.25),
-    ("beam", 3.0): (0.30, 0.29),
+    ("beam", 1.0): (0.23, 0.23),
+    ("point", 3.0): (0.21, 0.22),
+    ("beam", 3.0): (0.30, 0.30),
 }
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "depth"), OURS)
-@pytest.mark.parametrize("plan", [("none", 32), ("finish", 8)])
+@pytest.mark.parametrize("plan", [("none", 32), ("regions", 24)])
 def test_at_or_under_what_was_measured(gpu, commands, lattice, kind, depth, plan):
     error, noise = relative_error(gpu, commands, lattice, kind, depth, 25, plan, 400_000)
     # Two digits, and the truth's own noise.
-    assert error < OURS[kind, depth][plan[0] == "finish"] + 0.005 + noise**2
+    assert error < OURS[kind, depth][plan[0] == "regions"] + 0.005 + noise**2
 
 
-@pytest.mark.parametrize(("kind", "worst"), [("point", 0.16), ("beam", 0.24)])
+@pytest.mark.parametrize(("kind", "worst"), [("point", 0.16), ("beam", 0.20)])
 def test_a_small_cube_of_fog(gpu, commands, lattice, kind, worst):
-    error, _ = relative_error(gpu, commands, lattice, kind, 0.3, 11, ("finish", 8), 60_000)
+    error, _ = relative_error(gpu, commands, lattice, kind, 0.3, 11, ("regions", 24), 60_000)
     assert error < worst

@@ -53,7 +53,7 @@ def solved(light, g, sigma):
         solver = renderer.technique.find(ScatterSolver)
         # What is drawn of the track; the lattice solves for the reduced medium.
         share = true_share(sigma * (1.0 - g), renderer.technique.kit.placement.cell)
-        lattice = share * states(renderer, solver.largest.levels.levels[0].track)
+        lattice = share * states(renderer, solver.largest.states.track)
         return lattice[..., 0], states(renderer, solver.largest.injection.forward.all)[..., 0]
 
 

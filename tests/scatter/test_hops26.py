@@ -9,7 +9,7 @@ import pytest
 import airlight
 from airlight.lattice.placement import Placement
 from airlight.maths import lattice26, lattice26_walls
-from airlight.maths.lattice26_levels import mean_track
+from airlight.maths.lattice26 import mean_track
 from airlight.scatter.surface_light import SurfaceLight, SurfaceMedium
 
 TEXT = (Path(airlight.__file__).parent / "wgsl" / "hops26.wgsl").read_text()

@@ -8,9 +8,8 @@ import pytest
 from airlight.gpu.memory import Texture, buffer_of
 from airlight.lattice.placement import Placement
 from airlight.scatter.inject_outer import InjectOuter
-from airlight.scatter.level import LatticeKind
-from airlight.scatter.levels import Levels
 from airlight.scatter.schedule import schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 
 OUTER = Placement((0.0, 0.0, 0.0), 0.5, (18, 14, 16))
 SPAN = max(OUTER.count)
@@ -41,29 +40,25 @@ class Nest:
         for place in (OUTER, inner):
             span = round(SPAN * OUTER.cell / place.cell)
             kind = LatticeKind(has_walls=False, is_varied=is_varied, span=span)
-            levels = Levels(
-                gpu, place.count, place.cell, schedule("none", ITERATIONS, place.count), kind
-            )
+            states = StateSum(gpu, place.count, place.cell, schedule("none", ITERATIONS), kind)
             if is_varied:
                 pairs = np.array([ALBEDO * sigma, sigma], np.float32)
                 medium = np.broadcast_to(pairs, (3 * place.cells, 2))
-                levels.set_varied(
-                    commands, owned(buffer_of(gpu, "medium", np.ascontiguousarray(medium)))
-                )
+                states.set_varied(owned(buffer_of(gpu, "medium", np.ascontiguousarray(medium))))
             else:
-                levels.set_homogeneous((ALBEDO * sigma,) * 3, sigma_t)
+                states.set_homogeneous((ALBEDO * sigma,) * 3, sigma_t)
             own = owned(buffer_of(gpu, "own", emitted(place, *sources)))
             if around is not None:
                 InjectOuter(gpu, is_varied=is_varied).encode(
                     commands,
                     (inner, OUTER),
-                    (levels.medium, around.medium),
+                    (states.medium, around.medium),
                     bound,
                     outer_sum=total,
                     cells=own,
                     sigma_t=sigma_t,
                 )
-            around, (total, track) = levels, levels.encode(commands, own)
+            around, (total, track) = states, states.encode(commands, own)
             commands.submit()
             shape = (3, *place.count[::-1], 4)
             self.sums.append(total.read().reshape(shape).astype(np.float64))

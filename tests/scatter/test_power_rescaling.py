@@ -3,20 +3,17 @@
 import numpy as np
 import pytest
 
-from airlight.scatter.level import LatticeKind, Level
-from airlight.scatter.levels import Levels
 from airlight.scatter.power_rescaling import PowerRescaling
-from airlight.scatter.schedule import Schedule, schedule
+from airlight.scatter.schedule import schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 
-from .test_levels import ALBEDO, COUNT, SIGMA_T, solved, sparks, summed  # type: ignore[import-not-found]
+from .test_state_sum import COUNT, sparks  # type: ignore[import-not-found]
 
 
 def rescaled(gpu, commands, lattice, source, current, stepped):
     """(what became of `current`, scales) where `stepped` is one step on."""
-    level = Level(gpu, COUNT, 1.0, LatticeKind(has_walls=False, is_varied=False), is_finest=True)
-    level.source, rescaling = lattice(source), PowerRescaling(gpu)
-    out = lattice(current)
-    rescaling.encode(commands, level, current=out, stepped=lattice(stepped))
+    out, rescaling = lattice(current), PowerRescaling(gpu)
+    rescaling.encode(commands, COUNT, lattice(source), current=out, stepped=lattice(stepped))
     commands.submit()
     return out.read().reshape(source.shape), rescaling.scales.read()[:3]
 
@@ -40,32 +37,11 @@ def test_neither_darkness_nor_light_that_nothing_takes_out_grows_without_end(
     np.testing.assert_allclose(got, 3.0 * light, rtol=1e-6)
 
 
-def test_a_single_cycle_holds_nearly_all_light(gpu, commands, lattice):
-    """White, thick air, which one cycle alone does not finish."""
-    source = sparks()
-    want = summed(100)[0, ..., 0].sum()
-    rough = Schedule((1, 0), (1, 0), cycles=1)
-    plans = rough, Schedule((1, 0), (1, 0), cycles=1, is_rescaled=True)
-    alone, ours = (
-        solved(gpu, commands, lattice, source, p, ALBEDO * SIGMA_T, SIGMA_T)[0, ..., 0].sum() / want
-        for p in plans
-    )
-    assert alone < 0.9
-    assert abs(ours - 1.0) < 0.5 * (1.0 - alone)
-
-
-def test_only_cycles_and_regions_are_rescaled():
-    assert schedule("cycle", 8, COUNT).is_rescaled
-    assert schedule("regions", 8, COUNT).is_rescaled
-    assert not schedule("none", 8, COUNT).is_rescaled
-    assert not schedule("finish", 8, COUNT).is_rescaled
-
-
 def test_a_lattice_in_the_dark_stays_dark(gpu, commands, lattice):
-    levels = Levels(
-        gpu, COUNT, 1.0, schedule("cycle", 8, COUNT), LatticeKind(has_walls=False, is_varied=False)
+    states = StateSum(
+        gpu, COUNT, 1.0, schedule("regions", 8), LatticeKind(has_walls=False, is_varied=False)
     )
-    levels.set_homogeneous([1.0] * 3, [1.0] * 3)
-    _, track = levels.encode(commands, lattice(0.0 * sparks()))
+    states.set_homogeneous([1.0] * 3, [1.0] * 3)
+    _, track = states.encode(commands, lattice(0.0 * sparks()))
     commands.submit()
     assert not track.read().any()

@@ -94,7 +94,7 @@ def stepped(
         has_rows=has_rows,
     )
     cells = StepMedium(
-        COUNT, CELL_M, varied or before, lattice(rows.view(np.uint32)), 0, packs or before
+        COUNT, CELL_M, varied or before, lattice(rows.view(np.uint32)), packs or before
     )
     step.encode(commands, cells, operator, before=before, source=source, after=after)
     commands.submit()

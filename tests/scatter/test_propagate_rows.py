@@ -21,7 +21,7 @@ def test_every_processor_has_tiles_and_no_slab_is_thin():
     assert tiles((6, 3, 5), 64) == (2, 2, 1)
 
 
-@pytest.mark.parametrize("operator", [Operator.CHANGE, Operator.TRACK])
+@pytest.mark.parametrize("operator", [Operator.MOVE, Operator.TRACK])
 @pytest.mark.parametrize("is_varied", [False, True], ids=["homogeneous", "varied"])
 @pytest.mark.parametrize("has_walls", [False, True], ids=["open", "walls"])
 @pytest.mark.parametrize("count", [(6, 5, 18), (2, 1, 1), (44, 3, 17), (70, 9, 2)])
@@ -38,7 +38,7 @@ def test_every_cut_is_the_plain_step(gpu, commands, owned, count, has_walls, is_
     rows = owned(
         buffer_of(gpu, "rows", pack_array(StepCoefficients, step_rows(SIGMA_S, SIGMA_T, 0.7)))
     )
-    lattice = StepMedium(count, 0.7, medium, rows, 0, packs)
+    lattice = StepMedium(count, 0.7, medium, rows, packs)
     found = []
     for has_rows in (False, True):
         after = owned(buffer_of(gpu, "after", np.full(shape, np.nan, np.float32)))

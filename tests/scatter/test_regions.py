@@ -5,10 +5,9 @@ import pytest
 
 from airlight.gpu.memory import Buffer
 from airlight.maths import regions as maths
-from airlight.scatter.level import LatticeKind
-from airlight.scatter.levels import Levels
 from airlight.scatter.propagate import Operator
 from airlight.scatter.schedule import region_steps_to, schedule
+from airlight.scatter.state_sum import LatticeKind, StateSum
 
 from .test_propagate import packed_faces  # type: ignore[import-not-found]
 
@@ -36,28 +35,28 @@ def walls():
 
 def prepared(gpu, commands, lattice, *, is_varied, iterations=6):
     """A lattice with walls and media that has been solved once, so that its regions are known."""
-    plan = schedule("regions", iterations, COUNT)
-    levels = Levels(gpu, COUNT, 1.0, plan, LatticeKind(has_walls=True, is_varied=is_varied))
+    plan = schedule("regions", iterations)
+    states = StateSum(gpu, COUNT, 1.0, plan, LatticeKind(has_walls=True, is_varied=is_varied))
     if is_varied:
         rng = np.random.default_rng(5)
         sigma_t = SIGMA_T.reshape(3, 1, 1, 1) * rng.random((3, *SHAPE))
         sigma_s = sigma_t * ALBEDO.reshape(3, 1, 1, 1)
-        levels.set_varied(commands, lattice(np.stack([sigma_s, sigma_t], axis=-1)))
+        states.set_varied(lattice(np.stack([sigma_s, sigma_t], axis=-1)))
     else:
-        levels.set_homogeneous(ALBEDO * SIGMA_T, SIGMA_T)
+        states.set_homogeneous(ALBEDO * SIGMA_T, SIGMA_T)
     white = np.full((*SHAPE, 4), 200, np.uint8)
-    levels.set_walls(commands, lattice(packed_faces(walls())), lattice(white.view(np.uint32)))
-    return levels
+    states.set_walls(commands, lattice(packed_faces(walls())), lattice(white.view(np.uint32)))
+    return states
 
 
-def stepped(gpu, commands, levels, power):
+def stepped(gpu, commands, states, power):
     """M of powers (3, Z, Y, X) without direction, power alone."""
     state = np.zeros((*power.shape, 4), np.float32)
     state[..., 0] = power
     before, after = (Buffer(gpu, name, state.nbytes) for name in ("before", "after"))
     before.write(state)
-    levels._step.encode(
-        commands, levels.medium, Operator.CHANGE, before=before, source=levels._zero, after=after
+    states._step.encode(
+        commands, states.medium, Operator.MOVE, before=before, source=states._zero, after=after
     )
     commands.submit()
     return after.read().reshape(state.shape)[..., 0].astype(np.float64)
@@ -65,18 +64,18 @@ def stepped(gpu, commands, levels, power):
 
 @pytest.mark.parametrize("is_varied", [False, True])
 def test_regions_and_their_exchange_are_numpys(gpu, commands, lattice, is_varied):
-    levels = prepared(gpu, commands, lattice, is_varied=is_varied)
-    levels.encode(commands, lattice(np.ones((3, *SHAPE, 4))))
+    states = prepared(gpu, commands, lattice, is_varied=is_varied)
+    states.encode(commands, lattice(np.ones((3, *SHAPE, 4))))
     commands.submit()
-    regions = levels._regions.regions.read(np.uint32).reshape(SHAPE) & 255
+    regions = states._regions.regions.read(np.uint32).reshape(SHAPE) & 255
     want = maths.flooded(COUNT, walls())
     np.testing.assert_array_equal(np.where(regions == 255, -1, regions), want)
     # The matrix holds what steps do to light that is alike in each region.
-    got = levels._regions.matrix.read().reshape(3, maths.REGIONS, maths.REGIONS)
+    got = states._regions.matrix.read().reshape(3, maths.REGIONS, maths.REGIONS)
     for channel in range(3):
 
         def step(power, channel=channel):
-            return stepped(gpu, commands, levels, np.broadcast_to(power, (3, *SHAPE)))[channel]
+            return stepped(gpu, commands, states, np.broadcast_to(power, (3, *SHAPE)))[channel]
 
         gained = maths.gain(maths.exchange(want, step), want)
         # Open shares are bytes, sums in units of 2e-9; the inverse makes much of what is closed.
@@ -84,14 +83,14 @@ def test_regions_and_their_exchange_are_numpys(gpu, commands, lattice, is_varied
 
 
 def test_a_correction_is_numpys(gpu, commands, lattice):
-    levels = prepared(gpu, commands, lattice, is_varied=False)
+    states = prepared(gpu, commands, lattice, is_varied=False)
     source = np.random.default_rng(1).random((3, *SHAPE, 4))
-    levels.encode(commands, lattice(source))
+    states.encode(commands, lattice(source))
     commands.submit()
     regions = maths.flooded(COUNT, walls())
-    gained = levels._regions.matrix.read().reshape(3, maths.REGIONS, maths.REGIONS)
+    gained = states._regions.matrix.read().reshape(3, maths.REGIONS, maths.REGIONS)
     before, after = lattice(source), lattice(1.5 * source)
-    levels._regions.correct(commands, COUNT, current=before, stepped=after)
+    states._regions.correct(commands, current=before, stepped=after)
     commands.submit()
     got = after.read().reshape(source.shape)
     for channel in range(3):
@@ -112,9 +111,9 @@ def test_light_comes_around_walls(gpu, commands, lattice, is_varied):
         ("plain", "none", 24),
         ("regions", "regions", 24),
     ):
-        levels = prepared(gpu, commands, lattice, is_varied=is_varied, iterations=24)
-        levels.schedule = schedule(acceleration, count, COUNT)
-        total, _ = levels.encode(commands, lattice(source))
+        states = prepared(gpu, commands, lattice, is_varied=is_varied, iterations=24)
+        states.schedule = schedule(acceleration, count)
+        total, _ = states.encode(commands, lattice(source))
         commands.submit()
         behind[name] = total.read().reshape(source.shape)[:, 7:, ..., 0].sum(axis=(1, 2, 3))
     print(behind)

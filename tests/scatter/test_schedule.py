@@ -1,45 +1,37 @@
-"""Plans: how many levels and steps; iterations that leave a given residual."""
+"""Plans: how many steps; iterations that leave a given residual."""
 
 import numpy as np
 import pytest
 
-from airlight.errors import SettingsError
+from airlight.errors import SettingsError, SettingsWarning
 from airlight.maths import lattice26
-from airlight.scatter.schedule import cycles_to, iterations_to, schedule
+from airlight.scatter.schedule import iterations_to, schedule
 from airlight.scatter.settings import ScatterSettings, iterations_of
-
-
-def test_levels_go_down_to_four_cells():
-    assert schedule("cycle", 8, (32, 16, 9)).counts((32, 16, 9)) == [
-        (32, 16, 9),
-        (16, 8, 5),
-        (8, 4, 3),
-        (4, 2, 2),
-    ]
-    assert len(schedule("finish", 8, (32, 32, 32)).before) == 3
-    assert schedule("finish", 8, (4, 4, 4)).before == (7,)
-    assert schedule("none", 5, (32, 32, 32)).before == (4,)
-    assert schedule("finish", 0, (32, 32, 32)).is_empty
+from airlight.scene.settings import make_settings
 
 
 def test_regions_are_corrected_after_the_first_step_and_every_third():
-    plan = schedule("regions", 8, (32, 32, 32))
-    assert plan.counts((32, 32, 32)) == [(32, 32, 32)]
-    assert plan.region_steps == 8
-    assert [k for k in range(8) if plan.is_corrected(k)] == [0, 2, 5]
-    assert not schedule("cycle", 8, (32, 32, 32)).has_regions
+    plan = schedule("regions", 8)
+    assert plan.by_regions
+    assert [k for k in range(plan.steps) if plan.is_corrected(k)] == [0, 2, 5]
 
 
-def test_iterations_pay_for_cycles():
-    assert [schedule("cycle", n, (32, 32, 32)).cycles for n in (1, 8, 16)] == [1, 2, 4]
-    assert schedule("cycle", 8, (32, 32, 32)).iterations == 8
-    assert cycles_to(0.1) == 8
-    assert cycles_to(0.005) > cycles_to(0.05)
+def test_the_first_state_is_an_iteration():
+    plan = schedule("none", 5)
+    assert (plan.steps, plan.by_regions, plan.is_empty) == (4, False, False)
+    assert schedule("none", 0).is_empty
+
+
+@pytest.mark.parametrize("former", ["finish", "cycle"])
+def test_multigrid_cycles_are_taken_as_regions(former):
+    with pytest.warns(SettingsWarning, match=f"'{former}' is no longer there, 'regions' is taken"):
+        made = make_settings(ScatterSettings, {"acceleration": former})
+    assert made.acceleration == "regions"
 
 
 def test_an_unknown_acceleration_is_refused():
-    with pytest.raises(SettingsError, match=r"acceleration = 'finnish' is unknown\. Did you mean"):
-        schedule("finnish", 8, (8, 8, 8))
+    with pytest.raises(SettingsError, match=r"acceleration = 'ones' is unknown\. Did you mean"):
+        schedule("ones", 8)
 
 
 @pytest.mark.parametrize(("sigma_t", "albedo"), [(0.1, 1.0), (0.5, 0.9), (1.0, 1.0), (3.0, 0.9)])

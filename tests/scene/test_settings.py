@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from airlight.errors import SettingsError
+from airlight.errors import SettingsError, SettingsWarning
 from airlight.scene.settings import make_settings, setting
 
 
@@ -14,7 +14,9 @@ from airlight.scene.settings import make_settings, setting
 class Knobs:
     resolution: int = setting(32, "cells along the longest side", low=2, high=256)
     gain: float = setting(1.0, "brightness", low=0.0)
-    scheme: str = setting("centroid", "propagation", choices=("centroid", "paper"))
+    scheme: str = setting(
+        "centroid", "propagation", choices=("centroid", "paper"), former={"faces": "centroid"}
+    )
     is_clamped: bool = setting(False, "clamp intensities")
     centre: tuple[float, ...] = setting((0.0, 0.0, 0.0), "where", unit="m")
 
@@ -42,6 +44,12 @@ def test_values_from_a_file_are_taken():
     assert make_settings(Knobs, {"resolution": 8, "gain": 2, "is_clamped": True}) == Knobs(
         8, 2.0, is_clamped=True
     )
+
+
+def test_a_choice_that_is_gone_is_taken_as_another_one_and_told():
+    told = "setting scheme = 'faces' is no longer there, 'centroid' is taken for it"
+    with pytest.warns(SettingsWarning, match=f"^{told}$"):
+        assert make_settings(Knobs, {"scheme": "faces"}) == Knobs()
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,14 @@ import importlib
 import importlib.util
 import sys
 import traceback
-from collections.abc import Sequence
-from typing import NoReturn, cast
+import warnings
+from collections.abc import Iterator, Sequence
+from typing import Any, NoReturn, cast
 
 import click
 
 from .. import __version__, env, interrupts
-from ..errors import AirlightError, memory_wanted
+from ..errors import AirlightError, SettingsWarning, memory_wanted
 from .streams import ClosedPipe, guarded, let_go, say
 
 COMMANDS: tuple[str, ...] = (
@@ -83,7 +84,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     try:
         # Files that the command reads are recorded, so that it does not write over them.
-        with interrupts.taken_up(), guarded(), recorded():
+        with interrupts.taken_up(), guarded(), recorded(), _warnings_said():
             code = airlight.main(args=arguments, prog_name="airlight", standalone_mode=False)
         return code if isinstance(code, int) else 0
     # What a person can mend is one line and exit code 2.
@@ -111,6 +112,23 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return 2
     except Exception as error:
         return _report(error)
+
+
+@contextlib.contextmanager
+def _warnings_said() -> Iterator[None]:
+    """What Python gets as a warning of ours is a line on stderr, each once."""
+    with warnings.catch_warnings():
+        shown = warnings.showwarning
+
+        def say_ours(message: Any, category: Any, *where: Any, **more: Any) -> None:
+            if issubclass(category, SettingsWarning):
+                say(f"warning: {message}")
+            else:
+                shown(message, category, *where, **more)
+
+        warnings.simplefilter("once", SettingsWarning)
+        warnings.showwarning = say_ours
+        yield
 
 
 def _hint_at_quotes(error: click.ClickException) -> None:

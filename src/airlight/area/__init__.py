@@ -7,7 +7,7 @@ sources   a scene's area lights and emissive meshes, one side each; touching: th
 -> grouping, strata, stretches   groups of equal power, a sample for each stratum; bent ones in
                straight stretches
 -> shapes, emitters   a polygon or sphere for each group; samples with shadow maps (emitter),
-               segments where a part is long and thin
+               segments where a part is long and thin, at places in or on it
 -> sizes  what a part is as large as, to media near it
 -> table  emitters and samples on the device
 -> outlines, coverage   polygons in stills, by the part of each pixel that they cover

@@ -23,11 +23,11 @@ from .emitter import Emitter, Sample
 from .glowing import GlowingMedia
 from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
 from .outlines import apart
+from .places import piece_on_surface, place_inside
 from .segments import long_part
 from .sizes import body, own_reach, rectangle
 from .sources import has_extent
 
-_OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
 _GOLDEN = 0.6180339887498949
 
 
@@ -220,20 +220,11 @@ class Emitters:
         bodies = self._grouping.cut.body[rows]
         # A still's samples step by the golden ratio, strata by the plastic number's inverse.
         at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
-        if segment is not None and has_cube:
-            # Anywhere along the segment.
-            middle = segment.middle + (2.0 * at - 1.0 if index else 0.0) * segment.half
-        elif has_cube and bodies.min() < bodies.max():
-            # One of several bodies: between them the others would hide it, or walls.
-            middle = _one_of(bodies, points, weight, at if index else None)
-        elif index and not has_cube:
-            piece = int(np.searchsorted(np.cumsum(weight), at * weight.sum()))
-            piece = min(piece, len(rows) - 1)
-            middle, normal = points[piece], normals[piece]
-        elif not has_cube and float(np.ptp((points - middle) @ normal)) > _OFF_PLANE * extent:
-            # A point of the surface itself: the middle of a curved part lies behind it.
-            piece = int(((points - middle) ** 2).sum(axis=1).argmin())
-            middle = points[piece]
+        share = at if index else None
+        if has_cube:
+            middle = place_inside(points, weight, bodies, segment, share)
+        elif (piece := piece_on_surface(points, weight, normal, extent, share)) is not None:
+            middle, normal = points[piece], normals[piece] if index else normal
         # By Cauchy a convex body shows a quarter of its surface to all sides alike; only what its
         # normals have in common faces one side.
         front = length if has_cube else 1.0
@@ -254,19 +245,6 @@ class Emitters:
             triple(near),
         )
         return Sample(sample, min(max(extent, spread), float(near.max())), has_cube, segment)
-
-
-def _one_of(bodies: I64, points: F64, weight: F64, share: float | None) -> F64:
-    """The middle (3,) of that body up to which pieces have this `share` of the weight, or, without
-    one, of the body that is nearest to the middle of all."""
-    if share is None:
-        far = np.linalg.norm(points - weight @ points, axis=1)
-        # What is as near but for rounding is the same body wherever the scene stands.
-        piece = int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
-    else:
-        piece = int(np.searchsorted(np.cumsum(weight), share * weight.sum()))
-    own = bodies == bodies[min(piece, len(points) - 1)]
-    return np.asarray(weight[own] @ points[own] / max(float(weight[own].sum()), 1e-300))
 
 
 def _spots(spot: SpotLight) -> list[SpotLight]:

@@ -143,13 +143,9 @@ def _parts_of(geometry: Geometry) -> tuple[I64, I64]:
     return found
 
 
-def smooth_parts(geometry: Geometry) -> I64:
-    """(T,): numbers of the parts of a mesh that join without a fold; threads are whole."""
-    return parts_and_bodies(geometry)[0]
-
-
 def parts_and_bodies(geometry: Geometry) -> tuple[I64, I64]:
-    """(T,) each: numbers of `smooth_parts`, and of the bodies whose triangles are connected."""
+    """(T,) each: numbers of the parts of a mesh that join without a fold, threads whole; and of the
+    bodies whose triangles are connected."""
     # Corners in one place are one: seams of texture coordinates cut no surface.
     corners = welded(snapped(geometry).positions)[geometry.indices]
     points = geometry.positions.astype(np.float64)[geometry.indices]

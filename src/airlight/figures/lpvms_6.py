@@ -51,7 +51,7 @@ def _row(request: Request, scene: Scene, more_stops: float, told: dict[str, Any]
     paper = {**kept, **PAPER} | ({} if once else {"iterations": PAPER_ITERATIONS})
     modes = {"the paper's": paper, "ours": kept}
     if once:
-        modes["ours, iterated"] = {**kept, "iterations": 8, "acceleration": "cycle"}
+        modes["ours, iterated"] = {**kept, "iterations": 24, "acceleration": "regions"}
     modes["ours, gathered"] = {**modes[list(modes)[-1]], "gather": "still"}
     images = {
         name: rendered(request, scene, mode, technique="lpv-scatter")

@@ -68,6 +68,7 @@ fn air_along(start: vec4f, direction: vec3f, reach: f32) -> Air {
     if (hull.x >= hull.y) {
         return out;
     }
+    // Steps through all media on the ray, each with source and extinction at its middle.
     let step = max(own.step, (hull.y - hull.x) / f32(own.max_steps));
     let most = 2u * own.max_steps + (GRID_COUNT + MEDIA_COUNT) * u32(GRID_STEPS);
     var i = 0u;
@@ -86,6 +87,7 @@ fn air_along(start: vec4f, direction: vec3f, reach: f32) -> Air {
         i++;
         if (i >= most || t >= hull.y || all(out.passed < vec3f(own.cutoff))) { break; }
     }
+    // The light's mean distance; what lies beyond the media comes through the media themselves.
     out.inverse_m /= max(luminance(out.light), 1e-20);
     out.passed = select(out.passed, passed, reach >= FARTHEST);
     return out;

@@ -3,9 +3,9 @@
 //! use gather
 //! use cell_order
 //! use tone
+//! use half_range
 
 const NO_POINT = 0xffffffffu;
-const LARGEST_HALF = 65504.0;
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= lattice.count)) {
@@ -22,7 +22,7 @@ const LARGEST_HALF = 65504.0;
             let mean = params.solved_scale * max(scattered, vec3f(0.0));
             before[2u * cell] = vec4f(mean, 0.0);
             before[2u * cell + 1u] = vec4f(0.0);
-            textureStore(inscattered, texel, vec4f(min(params.scale * mean, vec3f(LARGEST_HALF)), 1.0));
+            textureStore(inscattered, texel, vec4f(in_half_range(params.scale * mean), 1.0));
         }
         return;
     }
@@ -57,5 +57,5 @@ const LARGEST_HALF = 65504.0;
     before[row + 1u] = mix(before[row + 1u], vec4f(along / f32(count), 0.0), weight);
     // The sum as marching reads it, scaled to half floats.
     let seen = params.scale / f32(count) * towards_eye;
-    textureStore(inscattered, texel, vec4f(min(seen, vec3f(LARGEST_HALF)), 1.0));
+    textureStore(inscattered, texel, vec4f(in_half_range(seen), 1.0));
 }

@@ -113,6 +113,7 @@ fn inverse_of(total: f32) -> f32 {
 // Weighted sums over their weights.
 fn mean_of(so_far: Shared) -> PointSums {
     var out = so_far.sums;
+    // Near surfaces, far ones, those met later and the sky were weighted apart.
     let near = inverse_of(so_far.total.near);
     out.near *= near;
     out.far_share *= near;

@@ -25,6 +25,7 @@ fn between(tile: LitTile, low: f32, high: f32) -> f32 {
 }
 
 fn put_together(low: f32, high: f32) -> LightPatch {
+    // The tiles from `low` to `high` of the running weight, those at the ends in part: their means.
     let first = tile_at(low);
     var weight = 0.0;
     var flux = 0.0;

@@ -47,6 +47,7 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
     var light = vec4f(0.0);
     let row = textureLoad(rows, id.xy, 0).x;
     if (row > 0u) {
+        // The pixel's surface, and which rays it would have sent.
         let p = pixel_point(vec2f(id.xy) + 0.5, textureLoad(depth, id.xy, 0));
         let facing = textureLoad(normal, id.xy, 0);
         let base = textureLoad(albedo, id.xy, 0);
@@ -55,6 +56,7 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
         let n = normalize(facing.xyz);
         let own = Asking(ray_start(vec4f(p, length(away)), n), n, normalize(away), r.alpha,
             4.0 * params.texel * length(away));
+        // Rays of the pixels around it, by how likely its own would have been those; a sharp mirror takes its own alone.
         var whole = 0.0;
         let count = select(AROUND, 1u, r.alpha < SHARP);
         var k = 0u;
@@ -78,6 +80,7 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
             if (k >= count) { break; }
         }
         whole = sky.a;
+        // Of their mean, as much as the surface mirrors.
         let albedos = specular_cosine(max(dot(n, own.v), 1e-4), r.alpha).albedos;
         let f90 = saturate(max(r.f0.x, max(r.f0.y, r.f0.z)) * 50.0);
         let gain = (r.f0 * albedos.x + vec3f(f90 * albedos.y)) / max(whole, 1e-20);

@@ -53,6 +53,7 @@ fn with_nearness(sums: PointSums, side: vec4f, inverse_m: f32, most_m: f32) -> P
     let facing = textureLoad(normals, id.xy, 0);
     let point_m = params.texel * textureLoad(places, id.xy, 0).w;
     let most_m = 1.0 / max(LEAST_RAY * point_m, 1e-9);
+    // The sum goes on from the rays before, unless these are the first.
     var sum: PointSums;
     if (params.first_ray > params.begun) {
         sum = sums[point];

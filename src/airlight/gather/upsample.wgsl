@@ -34,6 +34,7 @@ struct Around {
 
 // Weights fall off linearly over `reach` points, 1 or 2; kin count `kin_weight`.
 fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32, kin_weight: f32) -> Around {
+    // The points around the pixel: 2 reach of them along each axis, the nearer the more.
     let texel_m = params.texel * length(p - params.eye);
     let last = vec2i(params.reduced) - 1;
     let middle = position / f32(params.scale) - 0.5;
@@ -52,6 +53,7 @@ fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32, kin_weight: f32) -> A
             let its = textureLoad(planes, texel, 0).xyz;
             let its_sums = sums_at(sums, texel);
             let each = 1.0 / max(its_sums.met_rays, FEWEST * f32(params.rays));
+            // By how alike their surfaces are, and by how alike their light is.
             let kin = kinship(n, its, p - place.xyz, each * its_sums.squares, each * its_sums.products, texel_m);
             let share = select(0.0, near.x * near.y, place.w > 0.0);
             let like = share * likeness(p, n, place.xyz, its, texel_m);

@@ -3,25 +3,15 @@
 // (+x -x +y -y +z -z) the reflected share (rgb) and the closed share (a) as unorm8, then the open
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
 //! use face_sums
+//! use share_between
 
 const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
 const ENCLOSED_COVER = 0.5;
 const SEPARATE = 0.02;     // cells
-const LEAST = 1e-3;        // walls that touch leave nothing between them
-
-// The share that one of a face's values has of what can count around its four corners, at most. `most`: of one and of the
-// other cell that it lies between; where a wall ends at another one, the corners there have a part of it.
-fn share_between(f: CellFace, index: u32, most: array<vec4f, 2>) -> f32 {
-    let values = vec4f(value(f.corner, index), value(f.corner + f.across, index), value(f.corner + f.up, index),
-        value(f.corner + f.across + f.up, index)) / params.units;
-    let one = dot(min(values, most[0]), vec4f(1.0)) / max(dot(most[0], vec4f(1.0)), LEAST);
-    let other = dot(min(values, most[1]), vec4f(1.0)) / max(dot(most[1], vec4f(1.0)), LEAST);
-    return max(0.25 * dot(values, vec4f(1.0)), max(one, other));
-}
 
 // Light that travels along `hop` is stopped by what faces it: the other side of the same axis.
 fn closed_share(f: CellFace, hop: u32, most: array<vec4f, 2>) -> f32 {
-    return saturate(OCCLUSION_GAIN * share_between(f, hop ^ 1u, most));
+    return saturate(OCCLUSION_GAIN * share_between(around_face(f, hop ^ 1u), most));
 }
 
 // The colour of what faces the hop, times its share; and the share.
@@ -54,11 +44,11 @@ fn wall_shift(f: CellFace, axis: u32, most: array<vec4f, 2>) -> f32 {
     if (minus >= 1.0) { shift = plus; }
     if (plus >= 1.0) { shift = -minus; }
     if (minus >= 1.0 && plus >= 1.0) { shift = 0.0; }
-    let share = share_between(f, AXIS_COVER + axis, most);
+    let share = share_between(around_face(f, AXIS_COVER + axis), most);
     return clamp(shift, -LARGEST_SHIFT, LARGEST_SHIFT) * smoothstep(0.25, 0.6, share);
 }
 
-// Of what counts around the four corners of a cell's face across an axis, in the order of share_between, the part before
+// Of what counts around the four corners of a cell's face across an axis, in the order of around_face, the part before
 // the walls at the ends of the cell's other axes (wall_ends.wgsl).
 fn most_on_face(cell: vec3u, axis: u32) -> vec4f {
     let packed = ends[cell_in(params.count, cell)];

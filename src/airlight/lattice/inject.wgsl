@@ -47,6 +47,7 @@ fn add_seen(seen: Seen, view: LightViewData, layer: u32) {
     let p = seen.place / seen.texels;
     let share = object_share(seen.size, p);
     if (share > 0.0) {
+        // Where the surface is among the cells, and the power that it sends.
         let n = lattice_from_world(lattice, normalize(seen.normal));
         let warped = warped_surface_coordinates(lattice, p, n);
         let upright = warped + ENTERS * n;

@@ -1,4 +1,4 @@
-"""How far lattices reach into a medium, and the scenes that what was made for one can show."""
+"""How far lattices reach into a medium, and which other scenes a renderer can show with them."""
 
 from __future__ import annotations
 

@@ -247,6 +247,7 @@ class Surfaces:
         # A pass for each combination that a frame asks for, made when it first does.
         key = (part, gloss, shadow_key(shadows))
         if key not in self._passes:
+            # What lights there are, and what the lattices' lookup asks for.
             count, directional = self._plain
             emitters = Emitters(
                 has_surfaces=bool(self.kit.meshes.draws),

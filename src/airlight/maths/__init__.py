@@ -4,7 +4,7 @@
                gather, gather_history, gather_orphans, light_guide, ggx_sampling, translucency,
                cosines_fit (of area_light's table)
    sky         sun_position, sunlight, atmosphere; blackbody, observer, spectra: as colours
-   lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, lattice26_levels, regions
+   lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, regions
                (Billeter2012); flat_surfaces: before which light enters farther
    ordinates   ordinates, view_ordinates, view_importance: which; ordinate_grid, ordinate_hops,
                radial_grid: propagation; delta_beam, outgoing_light, point_light_beam, diffusion:

@@ -1,9 +1,9 @@
-"""Light that scattered nearly straight on but for one bend, if any, on its way to the eye.
+"""The phase function of light with at most one deflection on its path to the eye, of all orders.
 
-Scattering of mean cosine g is like going straight on in a share g of all cases, and else any way
-(`media.reduced`). A lattice holds what was sent any way twice or more. What was but once, or
-never, has all its bends at about one place: of order k it scatters there as if k times (Henyey and
-Greenstein's function of g^k), less what the lattice has of that order.
+By similarity, scattering of mean cosine g goes straight on in a share g of all events and is
+isotropic in the others (`media.reduced`). A lattice holds light with two isotropic events or more.
+Light with one or none is deflected at about one point: scattered k times it has there the phase
+function of Henyey and Greenstein with g^k, less what the lattice has of that order.
 Source: ours (measured against Monte Carlo).
 """
 

@@ -277,6 +277,14 @@ def mean_hop_length() -> float:
     return float(table.weights @ table.lengths)
 
 
+def mean_track(sigma_t: ArrayLike, cell_size_m: float) -> F64:
+    """Track length, m, of isotropic light per hop in extinction `sigma_t` (...), m^-1."""
+    # Each hop's length by its mean transmittance, weighted by the power it takes.
+    table, sigma = hops(), np.asarray(sigma_t, dtype=np.float64)
+    lengths = cell_size_m * table.lengths
+    return np.asarray((lengths * mean_transmittance(sigma[..., None] * lengths)) @ table.weights)
+
+
 def scattered_lookup_scale() -> float:
     """lattice6.surface_irradiance's `scale` where light comes from all of the medium: 1.288.
 

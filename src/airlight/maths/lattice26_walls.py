@@ -25,6 +25,8 @@ FACE_HOPS = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)
 SPLIT_FLOOR = 1e-3
 # Net direction per power of diffusely reflected light, as track: that of a cosine lobe.
 REFLECTED_TRACK = 2.0 / 3.0
+# Walls that touch leave nothing between them.
+_LEAST = 1e-3
 
 
 @cache
@@ -52,6 +54,17 @@ def returned_sharpness() -> float:
     into = table.directions[:, 2] < -1e-9
     along = -table.directions[into, 2]
     return float(table.weights[into].sum() / (RHO * (table.weights[into] @ along)))
+
+
+def share_between(values: ArrayLike, most: ArrayLike) -> F64:
+    """The share (n,) that what surfaces cover of a face has of what they can cover there, at most.
+
+    `values` (n, 4) are the shares covered around the face's corners, `most` (n, 2, 4) what can be
+    covered there of the two cells that it lies between: less where a wall ends at another one.
+    """
+    covered, whole = np.asarray(values, dtype=np.float64), np.asarray(most, dtype=np.float64)
+    shares = np.minimum(covered[:, None], whole).sum(-1) / np.maximum(whole.sum(-1), _LEAST)
+    return np.asarray(np.maximum(covered.mean(-1), shares.max(-1)))
 
 
 def free_sharpness() -> float:
@@ -129,8 +142,6 @@ def bounced(
     cell_size_m: float,
     blocked: ArrayLike,
     reflectance: ArrayLike,
-    *,
-    is_deficit_kept: bool = True,
 ) -> tuple[F64, F64]:
     """(state, track) that walls give back to the cells (C, Z, Y, X, 4) whose light they stop.
 
@@ -138,7 +149,7 @@ def bounced(
     `sigma_t` m^-1 and `reflectance` broadcast to (C, Z, Y, X). The wall stands half a hop away:
     light is attenuated to it, reflected, and attenuated on its way back; what is scattered
     meanwhile stays in the cell. A two-band hop may carry negative power; a wall then gives all of
-    it back (`is_deficit_kept`), or absorbing it would add light.
+    it back, or absorbing it would add light.
     """
     before, table = np.asarray(state, dtype=np.float64), hops()
     shape = before.shape[:-1]
@@ -155,7 +166,7 @@ def bounced(
         left = np.exp(-half_m * total)
         way_m = half_m * mean_transmittance(half_m * total)
         # Reflected into a lobe about the normal of the wall, attenuated on both legs.
-        mirror = np.where(power < 0.0, 1.0, white) if is_deficit_kept else white
+        mirror = np.where(power < 0.0, 1.0, white)
         stopped = shut[j] * power
         back = mirror * stopped * left
         normal = wall_normals(shut, j)

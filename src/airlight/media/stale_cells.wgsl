@@ -64,6 +64,7 @@ fn is_touched(span: CellSpan, i: u32, from_world: mat4x4f) -> bool {
     let radius = (0.25 * length(span.side) + MARGIN) * lattice.cell;
     var is_stale = false;
     for (var b = 0u; b < params.boxes && !is_stale; b++) {
+        // A cell is stale where a point of it lies in a box, or has one between itself and a light.
         let from_world = boxes[b].volume_from_world;
         let away = boxes[b].centre - centre;
         let reach = boxes[b].radius + radius;

@@ -1,6 +1,6 @@
 """The child process that renders: `python -m airlight.reference.mitsuba_process JOB.json`.
 
-Mitsuba can abort or hang; here only this process suffers. It reads a Job, prints lines
+Mitsuba can abort or hang; then only this process is lost. It reads a Job, prints lines
     ready VARIANT        Mitsuba has started and compiled a first kernel
     progress 0.25        share of all samples done
 and writes the result file whole. It ends when its standard input closes, which the parent's

@@ -10,9 +10,8 @@
                    |                                   |
                    +----------------+------------------+
                                     |
-                  levels: steps (propagate, schedule) with corrections by regions
-                          (region_passes) or multigrid cycles (level_passes,
-                          line_search), global power_rescaling
+               state_sum: steps (propagate, schedule) with corrections by regions
+                          (region_passes), global power_rescaling
                                     |
                        sum of states Q, its track T Q
                          |                        |
@@ -22,10 +21,10 @@
 
 `solver` runs all of it for each of `cascades`. `entering_light` is what these share of lights, and
 `cell_lights` what their cells gather, of the sky from a `sky_table`; `settings` says what can be
-told, `map_blockers` takes walls from six shadow maps. `propagate` has the stencil, `level` a
-lattice of the stack. `forward_textures` and `light_in_air` are what marching and
-the final gather read; `surface_beams` what surfaces read of `forward`, `forward_beams` the same of
-all media of a scene, in the cells that `near_surfaces` finds.
+told, `map_blockers` takes walls from six shadow maps. `propagate` has the stencil.
+`forward_textures` and `light_in_air` are what marching and the final gather read; `surface_beams`
+what surfaces read of `forward`, `forward_beams` the same of all media of a scene, in the cells that
+`near_surfaces` finds.
 
 A lattice is a storage buffer of vec4f (A, Bx, By, Bz) laid out [channel][z][y][x], in power units:
 (A, B) = 4pi (a, b) of the intensity a + b.w, so A is the cell's power, W.

@@ -16,19 +16,19 @@ from ..scene.scene import Scene
 from .cells import LatticeCells
 from .entering_light import EnteringLight
 from .injection import Injection
-from .levels import Levels
-from .schedule import Schedule, cycles_to, iterations_to, region_steps_to, schedule
+from .schedule import Schedule, iterations_to, region_steps_to, schedule
 from .settings import ScatterSettings, densest_medium, is_varied, iterations_of
+from .state_sum import StateSum
 
 
 @dataclass(frozen=True, eq=False)
 class Cascade:
-    """A lattice: `cells` with media and walls, `injection` of light, `levels` that solve it."""
+    """A lattice: `cells` with media and walls, `injection` of light, `states` that solve it."""
 
     level: Level
     cells: LatticeCells
     injection: Injection
-    levels: Levels
+    states: StateSum
     plans: tuple[Schedule, Schedule]  # of frames, of stills
 
     @property
@@ -43,9 +43,9 @@ class Cascade:
         """
         # What the lattice's cells hold: the reduced media, and the walls between them.
         with commands.stage("air"):
-            is_new = self.cells.take_media(commands, self.levels)
+            is_new = self.cells.take_media(commands, self.states)
         with commands.stage("prepare blockers"):
-            return self.cells.take_walls(commands, self.levels) or is_new
+            return self.cells.take_walls(commands, self.states) or is_new
 
 
 def cascades(
@@ -67,10 +67,10 @@ def cascades(
         frames, stills = (
             _schedule(reduced, settings, placement, is_still=s) for s in (False, True)
         )
-        levels = Levels(gpu, placement.count, placement.cell, frames, cells.kind(scene, inner))
+        states = StateSum(gpu, placement.count, placement.cell, frames, cells.kind(scene, inner))
         # What fills its cells with light, and what spreads that.
         injection = Injection(kit, scene, light, cells)
-        made.append(Cascade(level, cells, injection, levels, (frames, stills)))
+        made.append(Cascade(level, cells, injection, states, (frames, stills)))
     return made
 
 
@@ -83,10 +83,8 @@ def _schedule(
     # As many iterations as were asked for, or as leave the residual that was.
     sigma_s, sigma_t = densest_medium(reduced)
     steps = iterations_of(s, is_still=is_still)
-    if s.residual > 0.0 and faster == "cycle":
-        steps = cycles_to(s.residual)
-    elif s.residual > 0.0 and faster == "regions":
+    if s.residual > 0.0 and faster == "regions":
         steps = region_steps_to(s.residual)
     elif s.residual > 0.0:
         steps = iterations_to(s.residual, sigma_s, sigma_t, placement.cell, count)
-    return schedule(faster, steps, count)
+    return schedule(faster, steps)

@@ -42,6 +42,7 @@ fn density_of_points(m: u32, cell: vec3u, n: u32) -> f32 {
         extinction += found;
         scattering += found * row_of_media(visit.medium).albedo;
     }
+    // Their mean, for each channel apart.
     let share = 1.0 / f32(n * n * n);
     let cells_in_all = lattice.count.x * lattice.count.y * lattice.count.z;
     let cell = cell_in(lattice.count, id);

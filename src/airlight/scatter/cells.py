@@ -20,10 +20,9 @@ from ..lattice.placement import Placement
 from ..scene.scene import Scene
 from .cell_medium import CellMedium
 from .hop_visibility import CellReflectance
-from .level import LatticeKind
-from .levels import Levels
 from .reduced_media import ReducedMedia
 from .settings import ScatterSettings, densest_medium
+from .state_sum import LatticeKind, StateSum
 from .surface_light import NO_MEDIUM, SurfaceMedium
 
 
@@ -83,8 +82,8 @@ class LatticeCells:
         """Of the walls in each cell, rgb unorm8 in a u32; None where walls do not count."""
         return self._reflectance if self._settings.occlusion else None
 
-    def take_media(self, commands: Commands, levels: Levels) -> bool:
-        """Take on the media, which are up to date, and hand them to `levels`; whether they changed.
+    def take_media(self, commands: Commands, states: StateSum) -> bool:
+        """Take on the media, which are up to date, and hand them to `states`; whether they changed.
 
         Raises SettingsError (scheme paper in a dense medium).
         """
@@ -97,17 +96,17 @@ class LatticeCells:
         # One medium for all cells is a row of coefficients; else each cell has its own.
         if self._means is None:
             self.surface_medium = SurfaceMedium(media.sigma_s, media.sigma_t)
-            levels.set_homogeneous(media.sigma_s, media.sigma_t)
+            states.set_homogeneous(media.sigma_s, media.sigma_t)
         else:
             self.surface_medium = SurfaceMedium(cells=self._medium)
             self._means.encode(commands, placement, self._medium, self._samples())
-            levels.set_varied(commands, self._medium)
+            states.set_varied(self._medium)
         return True
 
-    def take_walls(self, commands: Commands, levels: Levels) -> bool:
-        """Update the walls and hand them to `levels`; whether they changed."""
+    def take_walls(self, commands: Commands, states: StateSum) -> bool:
+        """Update the walls and hand them to `states`; whether they changed."""
         version = self.blockers.version
-        # Walls that stay as they were are in all levels already.
+        # Walls that stay as they were are known already.
         if version == self._walls_version:
             return False
         self._walls_version = version
@@ -116,7 +115,7 @@ class LatticeCells:
             self._reflectances.encode(
                 commands, self.placement.count, self.blockers.faces, self._reflectance
             )
-            levels.set_walls(commands, self.blockers.face_visibility, self._reflectance)
+            states.set_walls(commands, self.blockers.face_visibility, self._reflectance)
         return True
 
     def _samples(self) -> int:

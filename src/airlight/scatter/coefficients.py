@@ -14,9 +14,8 @@ import numpy as np
 from ..errors import SettingsError
 from ..gpu.layout import Struct, vec3f, vec4f
 from ..maths.lattice26 import RHO, flux_gain, hops, mean_hop_length
-from ..maths.lattice26_levels import coarse_absorption_depth
 from ..maths.lattice26_walls import REFLECTED_TRACK, returned_sharpness
-from ..maths.medium import mean_transmittance
+from ..maths.medium import mean_absorption_depth, mean_transmittance
 from ..maths.transforms import F64
 
 # Red, green and blue, each with a medium of its own.
@@ -41,25 +40,23 @@ def step_rows(
     sigma_t: Sequence[float],
     cell_size_m: float,
     *,
-    level: int = 0,
     persistence: float = RHO**2,
 ) -> list[dict[str, Any]]:
     """Rows of StepCoefficients: M of channels 0, 1, 2, then T of the same.
 
-    `sigma_s`, `sigma_t` (3,) m^-1. On a coarse `level` light is deposited where the finer walk
-    would have. `persistence` is maths.lattice26.persistence of the finest lattice.
+    `sigma_s`, `sigma_t` (3,) m^-1; `persistence` is maths.lattice26.persistence of the lattice.
     """
     # M moves light on, T adds up its track in the cell; both by channel.
     moves, tracks = [], []
     for s, t in zip(sigma_s, sigma_t, strict=True):
-        move, track = _channel_rows(float(s), float(t), cell_size_m, level, persistence / RHO)
+        move, track = _channel_rows(float(s), float(t), cell_size_m, persistence / RHO)
         moves.append(move)
         tracks.append(track)
     return moves + tracks
 
 
 def _channel_rows(
-    sigma_s: float, sigma_t: float, cell_size_m: float, level: int, straight: float
+    sigma_s: float, sigma_t: float, cell_size_m: float, straight: float
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     table = hops()
     # One hop of each kind stands for all of its kind.
@@ -68,7 +65,7 @@ def _channel_rows(
     # Of a hop and of half of it: optical depth, transmittance, track; m: how far along it is lost.
     x = sigma_t * length_m
     p, half = np.exp(-x), np.exp(-0.5 * x)
-    m = coarse_absorption_depth(x, level)
+    m = mean_absorption_depth(x)
     t = length_m * mean_transmittance(x)
     t_half = 0.5 * length_m * mean_transmittance(0.5 * x)
     ahead = float(flux_gain(sigma_s, sigma_t, cell_size_m, straight * RHO)) ** 2

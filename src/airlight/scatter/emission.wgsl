@@ -1,7 +1,6 @@
 // The solved track as textures for marching: a channel each, and the constant terms of all three.
 //! use cell_order
-
-const LARGEST_HALF = 65504.0;
+//! use half_range
 
 // (V_a, 3 V_b) as half floats hold them.
 fn stored(index: u32, share: f32) -> vec4f {
@@ -11,8 +10,7 @@ fn stored(index: u32, share: f32) -> vec4f {
     }
     // A two-band state may dip below zero beside a strong source; light does not.
     let power = max(v.x, 0.0);
-    return clamp(vec4f(power, 3.0 * v.yzw) * params.scale, vec4f(-LARGEST_HALF),
-        vec4f(LARGEST_HALF));
+    return within_half_range(vec4f(power, 3.0 * v.yzw) * params.scale);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -78,6 +78,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> Arriving {
     var sum = Arriving(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < params.light_count; i++) {
         let light = row_of_lights(i);
+        // What arrives at the middle of the box, unless surfaces or the light's cone keep it off.
         let in = incoming_in_media(light, p);
         let reach = true_reach(light, p, in.distance);
         let is_near = reach < 4.0 * radius;

@@ -1,8 +1,7 @@
 // All light in cells for rays that surfaces send: the solved track, and the unscattered light beside
 // it as reduced media attenuate it; that as the media themselves do, and where it goes.
 //! use cell_order
-
-const LARGEST_HALF = 65504.0;
+//! use half_range
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
@@ -17,7 +16,7 @@ const LARGEST_HALF = 65504.0;
     let alone = params.volume * light[3u * cell + 1u].rgb;
     let going = params.volume * light[3u * cell + 2u].rgb;
     let texel = id + vec3u(0u, params.first_row, 0u);
-    textureStore(mean, texel, vec4f(min(whole * params.scale, vec3f(LARGEST_HALF)), 1.0));
-    textureStore(straight, texel, vec4f(min(alone * params.scale, vec3f(LARGEST_HALF)), 1.0));
+    textureStore(mean, texel, vec4f(in_half_range(whole * params.scale), 1.0));
+    textureStore(straight, texel, vec4f(in_half_range(alone * params.scale), 1.0));
     textureStore(along, texel, vec4f(clamp(going * params.scale, vec3f(-LARGEST_HALF), vec3f(LARGEST_HALF)), 1.0));
 }

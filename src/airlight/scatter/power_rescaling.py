@@ -1,8 +1,8 @@
 """Global power rescaling: the sum of all states, scaled so that all power that came in is lost.
 
 Of Q = I + M Q a sum Q has lost the power of Q - M Q to media, walls and the world outside; in the
-end that is all of I. What is under way after a few cycles is a smooth global mode, which a scale
-per channel corrects. Another step costs nothing more: I + s M Q.
+end that is all of I. What is still under way is a smooth global mode, which a scale per channel
+corrects. Another step costs nothing more: I + s M Q.
 Source: the coarsest correction of iterative aggregation (Koury1984).
 """
 
@@ -15,23 +15,17 @@ from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
 from ..lattice.placement import LatticeSize
 from .coefficients import CHANNELS
-from .level import Level
+from .propagate import Count
 
 _PARTS = 512  # partial sums of a channel
 _MOST = 2.0  # a scale beyond which a sum knows too little of where light goes
 
-
 _PARAMS = uniform("params", LatticeSize)
+_SOURCE, _STEPPED, _SUM = (storage(name, "vec4f") for name in ("source", "stepped", "sum"))
 
 
 class _Sum(ComputePass):
-    slots = (
-        _PARAMS,
-        storage("source", "vec4f"),
-        storage("stepped", "vec4f"),
-        storage("sum", "vec4f"),
-        storage("parts", "vec2f", "read_write"),
-    )
+    slots = (_PARAMS, _SOURCE, _STEPPED, _SUM, storage("parts", "vec2f", "read_write"))
     workgroup = (64, 1, 1)
     file = "power_sum.wgsl"
 
@@ -45,8 +39,8 @@ class _Scale(ComputePass):
 class _Apply(ComputePass):
     slots = (
         _PARAMS,
-        storage("source", "vec4f"),
-        storage("stepped", "vec4f"),
+        _SOURCE,
+        _STEPPED,
         storage("scales", "f32"),
         storage("rescaled", "vec4f", "read_write"),
     )
@@ -65,15 +59,17 @@ class PowerRescaling:
         self._parts = Buffer(gpu, "partial powers", CHANNELS * _PARTS * 8)
         self.scales = Buffer(gpu, "scales of the sum", CHANNELS * 4)
 
-    def encode(self, commands: Commands, level: Level, *, current: Buffer, stepped: Buffer) -> None:
+    def encode(
+        self, commands: Commands, count: Count, source: Buffer, *, current: Buffer, stepped: Buffer
+    ) -> None:
         """`current` becomes source + s (stepped - source); `stepped` = source + M current."""
-        params = LatticeSize(count=level.count)
+        params = LatticeSize(count=count)
         # What came in, and what of it is still under way.
         self._sum.dispatch(
             commands,
             (_PARTS, CHANNELS),
             params=params,
-            source=level.source,
+            source=source,
             stepped=stepped,
             sum=current,
             parts=self._parts,
@@ -82,9 +78,9 @@ class PowerRescaling:
         self._scale.dispatch(commands, (CHANNELS,), parts=self._parts, scales=self.scales)
         self._apply.dispatch(
             commands,
-            level.grid,
+            (*count[:2], CHANNELS * count[2]),
             params=params,
-            source=level.source,
+            source=source,
             stepped=stepped,
             scales=self.scales,
             rescaled=current,

@@ -38,23 +38,9 @@ class Operator(enum.Enum):
     """What a step applies to a state."""
 
     MOVE = enum.auto()
-    """M, for states of the finest lattice: walls give back negative power whole."""
-    CHANGE = enum.auto()
-    """M, for corrections, whose power has either sign: walls reflect all of it alike."""
+    """M, which gives the next state, W."""
     TRACK = enum.auto()
-    """T, for states of the finest lattice."""
-    CHANGE_TRACK = enum.auto()
-    """T, for corrections."""
-
-    @property
-    def is_track(self) -> bool:
-        """Whether it gives the track, W m, and not the next state, W."""
-        return self in (Operator.TRACK, Operator.CHANGE_TRACK)
-
-    @property
-    def keeps_deficits(self) -> bool:
-        """Whether walls give back negative power whole."""
-        return self in (Operator.MOVE, Operator.TRACK)
+    """T, which gives the track, W m."""
 
 
 class StepParams(Struct):
@@ -65,7 +51,6 @@ class StepParams(Struct):
     slabs = u32("slabs along z, which invocations march, of equally many layers")
     cell = f32("m")
     straight = f32("net direction of what arrives, per 3 W")
-    deficit = f32("least reflectance of negative power: 1, or 0 for corrections of either sign")
     is_track = u32("1: the track, not the next state")
 
 
@@ -78,24 +63,22 @@ class StepMedium:
     medium: Buffer
     """Where it varies: (sigma_s, sigma_t), m^-1, per channel and cell."""
     coefficients: Buffer
-    """Where it is homogeneous: rows of StepCoefficients."""
-    row: int
-    """The first of its six rows: M of three channels, then T of them."""
+    """Where it is homogeneous: rows of StepCoefficients, M of three channels, then T of them."""
     packs: Buffer
     """Visibility of the hops (see hop_visibility); read where there are walls."""
     persistence: float = RHO**2
     """Share of its net direction that light keeps on a hop (maths.lattice26.persistence)."""
 
     def params(self, operator: Operator, *, slabs: int) -> StepParams:
-        """As shaders read it: M or T, of a state or of a correction, which share a pipeline."""
+        """As shaders read it: M and T share a pipeline."""
+        is_track = operator is Operator.TRACK
         return StepParams.of(
             count=self.count,
-            row=self.row + CHANNELS * operator.is_track,
+            row=CHANNELS * is_track,
             slabs=slabs,
             cell=self.cell_m,
             straight=self.persistence / RHO,
-            deficit=float(operator.keeps_deficits),
-            is_track=int(operator.is_track),
+            is_track=int(is_track),
         )
 
 

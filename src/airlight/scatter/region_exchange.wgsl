@@ -45,6 +45,7 @@ fn add_cell(cell: u32, region: u32, channel: u32, units: f32) {
     if (IS_VARIED && HANDED_ON == 0.0) {
         c = varied_coefficients(own);
     }
+    // What the walls around it reflect.
     var white = 0.0;
     if (HAS_WALLS) {
         white = unpack4x8unorm(packs[4u * cell + 3u].w)[channel];

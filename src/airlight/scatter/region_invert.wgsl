@@ -10,6 +10,7 @@ var<workgroup> pivots: array<f32, REGIONS>;
     for (var r = 0u; r < REGIONS; r++) {
         column[r] = matrix[first + r * REGIONS];
     }
+    // Each column in turn is the pivot, which its lane hands to all others.
     for (var k = 0u; k < REGIONS; k++) {
         if (lane == k) {
             pivots = column;

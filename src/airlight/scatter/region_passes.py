@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3u
-from ..gpu.slots import storage, uniform
+from ..gpu.slots import Slot, storage, uniform
 from ..lattice.placement import LatticeSize
 from ..maths.regions import OPEN, REGIONS
 from .coefficients import StepCoefficients
@@ -31,6 +31,16 @@ class SortParams(Struct):
     runs = u32("of RUN cells")
 
 
+_SORT, _SIZE = uniform("params", SortParams), uniform("params", LatticeSize)
+# By cell; cells by region, and where each region begins; light between regions.
+_REGIONS, _MEMBERS, _STARTS = (storage(name, "u32") for name in ("regions", "members", "starts"))
+_STEPPED, _SUM = storage("stepped", "vec4f"), storage("sum", "vec4f")
+
+
+def _made(name: str, kind: str) -> Slot:
+    return storage(name, kind, "read_write")
+
+
 class Flood(ComputePass):
     """Which region each cell belongs to, after one more step."""
 
@@ -38,7 +48,7 @@ class Flood(ComputePass):
         uniform("params", FloodParams),
         storage("face_visibility", "vec2u"),
         storage("before", "u32"),
-        storage("after", "u32", "read_write"),
+        _made("after", "u32"),
     )
     workgroup = (32, 4, 1)
     file = "region_flood.wgsl"
@@ -48,7 +58,9 @@ class Flood(ComputePass):
 
 
 class _OfRegions(ComputePass):
-    """Knows how many regions there are at most."""
+    """Knows how many regions there are at most; a lane for each, unless it says otherwise."""
+
+    workgroup = (REGIONS, 1, 1)
 
     def __init__(self, gpu: Gpu, *, constants: dict[str, float] | None = None) -> None:
         generated = f"const REGIONS = {REGIONS}u;\nconst RUN = {RUN}u;"
@@ -58,11 +70,7 @@ class _OfRegions(ComputePass):
 class Count(_OfRegions):
     """The cells of each region in each run."""
 
-    slots = (
-        uniform("params", SortParams),
-        storage("regions", "u32"),
-        storage("firsts", "u32", "read_write"),
-    )
+    slots = (_SORT, _REGIONS, _made("firsts", "u32"))
     workgroup = (32, 1, 1)
     file = "region_count.wgsl"
 
@@ -70,24 +78,14 @@ class Count(_OfRegions):
 class Scan(_OfRegions):
     """Where in the list they begin."""
 
-    slots = (
-        uniform("params", SortParams),
-        storage("firsts", "u32", "read_write"),
-        storage("starts", "u32", "read_write"),
-    )
-    workgroup = (REGIONS, 1, 1)
+    slots = (_SORT, _made("firsts", "u32"), _made("starts", "u32"))
     file = "region_scan.wgsl"
 
 
 class Sort(_OfRegions):
     """The list of cells, region by region."""
 
-    slots = (
-        uniform("params", SortParams),
-        storage("regions", "u32"),
-        storage("firsts", "u32", "read_write"),
-        storage("members", "u32", "read_write"),
-    )
+    slots = (_SORT, _REGIONS, _made("firsts", "u32"), _made("members", "u32"))
     workgroup = (32, 1, 1)
     file = "region_list.wgsl"
 
@@ -100,58 +98,38 @@ class Exchange(_OfRegions):
         storage("coefficients", StepCoefficients),
         storage("medium", "vec2f"),
         storage("packs", "vec4u"),
-        storage("regions", "u32"),
-        storage("members", "u32"),
-        storage("starts", "u32"),
-        storage("matrix", "f32", "read_write"),
+        _REGIONS,
+        _MEMBERS,
+        _STARTS,
+        _made("matrix", "f32"),
     )
-    workgroup = (REGIONS, 1, 1)
     file = "region_exchange.wgsl"
 
 
 class Invert(_OfRegions):
-    """What all of it comes to in the end."""
+    """The sum over all later steps: the inverse of that matrix, less what a step has done."""
 
-    slots = (storage("starts", "u32"), storage("matrix", "f32", "read_write"))
-    workgroup = (REGIONS, 1, 1)
+    slots = (_STARTS, _made("matrix", "f32"))
     file = "region_invert.wgsl"
 
 
 class Missing(_OfRegions):
-    """Light under way, region by region."""
+    """Power under way, by region: what a step has brought."""
 
-    slots = (
-        uniform("params", LatticeSize),
-        storage("members", "u32"),
-        storage("starts", "u32"),
-        storage("stepped", "vec4f"),
-        storage("sum", "vec4f"),
-        storage("missing", "f32", "read_write"),
-    )
-    workgroup = (REGIONS, 1, 1)
+    slots = (_SIZE, _MEMBERS, _STARTS, _STEPPED, _SUM, _made("missing", "f32"))
     file = "region_missing.wgsl"
 
 
 class Shares(_OfRegions):
-    """What comes of it for each cell of a region."""
+    """What later steps will bring to each cell of a region."""
 
-    slots = (
-        storage("matrix", "f32"),
-        storage("missing", "f32"),
-        storage("shares", "f32", "read_write"),
-    )
-    workgroup = (REGIONS, 1, 1)
+    slots = (storage("matrix", "f32"), storage("missing", "f32"), _made("shares", "f32"))
     file = "region_shares.wgsl"
 
 
 class Apply(_OfRegions):
-    """That, added to the cells."""
+    """Adds the shares to the cells."""
 
-    slots = (
-        uniform("params", LatticeSize),
-        storage("regions", "u32"),
-        storage("shares", "f32"),
-        storage("stepped", "vec4f", "read_write"),
-    )
+    slots = (_SIZE, _REGIONS, storage("shares", "f32"), _made("stepped", "vec4f"))
     workgroup = (32, 4, 2)
     file = "region_apply.wgsl"

@@ -2,10 +2,10 @@
 
 Light that finds its way around walls takes hundreds of steps. A lattice is parted into at most 64
 regions, each of the cells that are nearest to its middle through open faces, so that no region
-reaches through a wall. Cells of a region are taken to hold alike; how much they then keep and send
-to each other region in a step depends on walls and media alone, and the sum over all steps to come
-is the inverse of a small matrix. After a step the power that it brought to each region, times that
-inverse, is added to the cells (maths.regions is the NumPy twin).
+reaches through a wall. All cells of a region are taken to have the same power; what a region then
+keeps and sends to others in a step depends on walls and media alone, and the sum over all steps to
+come is the inverse of a small matrix. After a step the power that it brought to each region, times
+that inverse, is added to the cells (maths.regions is the NumPy twin).
 Source: ours, after aggregation (Koury1984). Cells that no middle reaches are left to the steps.
 
     walls --flood, sort--> regions, members         media, walls --exchange, invert--> matrix
@@ -44,7 +44,7 @@ class Regions:
         self, gpu: Gpu, count: tuple[int, int, int], *, has_walls: bool, is_varied: bool
     ) -> None:
         cells = count[0] * count[1] * count[2]
-        self._grid, self._has_walls = region_grid(count), has_walls
+        self._count, self._grid, self._has_walls = count, region_grid(count), has_walls
         self._runs = -(-cells // RUN)
         self._sorted = SortParams.of(cells=cells, runs=self._runs)
         # The region of each cell, in turn; cells by region, and where each begins.
@@ -61,13 +61,11 @@ class Regions:
         )
         kind = {"HAS_WALLS": float(has_walls), "IS_VARIED": float(is_varied), "HANDED_ON": 0.0}
         self._flood, self._invert = Flood(gpu), Invert(gpu)
-        self._count, self._scan, self._sort = Count(gpu), Scan(gpu), Sort(gpu)
+        self._sorting = Count(gpu), Scan(gpu), Sort(gpu)
         self._exchange = Exchange(gpu, constants=kind)
         self._passes = Missing(gpu), Shares(gpu), Apply(gpu)
 
-    def take_walls(
-        self, commands: Commands, count: tuple[int, int, int], face_visibility: Buffer
-    ) -> None:
+    def take_walls(self, commands: Commands, face_visibility: Buffer) -> None:
         """Find the regions of the cells; `face_visibility` as lattice.blockers has it."""
         # From the regions' middles through open faces, in turn; the last step is in `regions`.
         turns = self.regions, self._spare
@@ -75,9 +73,12 @@ class Regions:
             turn = (FLOOD_STEPS - step) % 2
             self._flood.dispatch(
                 commands,
-                count,
+                self._count,
                 params=FloodParams.of(
-                    count=count, step=step, regions=self._grid, has_walls=int(self._has_walls)
+                    count=self._count,
+                    step=step,
+                    regions=self._grid,
+                    has_walls=int(self._has_walls),
                 ),
                 face_visibility=face_visibility,
                 before=turns[1 - turn],
@@ -86,9 +87,10 @@ class Regions:
         # Their cells, in the order of cells.
         params, runs = self._sorted, (self._runs,)
         firsts, regions = self._firsts, self.regions
-        self._count.dispatch(commands, runs, params=params, regions=regions, firsts=firsts)
-        self._scan.dispatch(commands, (REGIONS,), params=params, firsts=firsts, starts=self._starts)
-        self._sort.dispatch(
+        count, scan, sort = self._sorting
+        count.dispatch(commands, runs, params=params, regions=regions, firsts=firsts)
+        scan.dispatch(commands, (REGIONS,), params=params, firsts=firsts, starts=self._starts)
+        sort.dispatch(
             commands, runs, params=params, regions=regions, firsts=firsts, members=self._members
         )
 
@@ -97,7 +99,7 @@ class Regions:
         self._exchange.dispatch(
             commands,
             (REGIONS * REGIONS, CHANNELS),
-            params=lattice.params(Operator.CHANGE, slabs=1),
+            params=lattice.params(Operator.MOVE, slabs=1),
             coefficients=lattice.coefficients,
             medium=lattice.medium,
             packs=lattice.packs,
@@ -110,12 +112,11 @@ class Regions:
             commands, (CHANNELS * REGIONS,), starts=self._starts, matrix=self.matrix
         )
 
-    def correct(
-        self, commands: Commands, count: tuple[int, int, int], *, current: Buffer, stepped: Buffer
-    ) -> None:
+    def correct(self, commands: Commands, *, current: Buffer, stepped: Buffer) -> None:
         """Add to `stepped`, a step on from `current`, what later steps will bring to regions."""
         missing, shares, apply = self._passes
-        size = LatticeSize.of(count=count)
+        size = LatticeSize.of(count=self._count)
+        # The power that the step brought to each region, summed over its cells.
         missing.dispatch(
             commands,
             (REGIONS * REGIONS, CHANNELS),
@@ -126,6 +127,7 @@ class Regions:
             sum=current,
             missing=self._missing,
         )
+        # Times the matrix: what of it will come to each cell of each region.
         shares.dispatch(
             commands,
             (CHANNELS * REGIONS,),
@@ -133,7 +135,8 @@ class Regions:
             missing=self._missing,
             shares=self._shares,
         )
-        nx, ny, nz = count
+        # And that is there now.
+        nx, ny, nz = self._count
         apply.dispatch(
             commands,
             (nx, ny, CHANNELS * nz),

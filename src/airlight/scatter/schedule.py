@@ -1,9 +1,6 @@
-"""How many steps on which lattice: counted before the frame, never asked of the device.
+"""How many steps: counted before the frame, never asked of the device.
 
-none     the given number of iterations on the fine lattice
-finish   those, then 8 at half and 16 at a quarter of the resolution for what is still under way
-cycle    a W(1, 1) multigrid cycle for every 4 iterations, which is about what it costs: close to
-         the converged field after two
+none     the given number of iterations
 regions  those, and after each third what later steps will bring to regions of the lattice at once
 """
 
@@ -20,102 +17,53 @@ from ..maths.lattice26 import RHO, hops, mean_hop_length
 from ..maths.medium import mean_absorption_depth
 
 Count = tuple[int, int, int]
-ACCELERATIONS = ("none", "finish", "cycle", "regions")
-_SMALLEST = 4  # cells along the longest side of the coarsest lattice
+ACCELERATIONS = ("none", "regions")
+FORMER_ACCELERATIONS = {"finish": "regions", "cycle": "regions"}
+"""Names of multigrid cycles that are gone, and what is done instead."""
 _MOST = 512
-_CYCLE_ITERATIONS = 4  # that a cycle costs about as much as
-_CYCLE_LEAVES = 0.3  # of the light under way, in a dense medium; measured
 _CORRECTED = 3  # steps for each correction by regions
 _STEP_LEAVES = 0.86  # of the light under way, with these corrections, around two walls; measured
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """Steps `before` and `after` the correction by the next coarser level, per level.
+    """How many iterations there are, and whether regions get what is under way between them.
 
-    `visits` of the coarser level per correction (2 makes W cycles), `cycles` in all;
-    `iterations` is what was asked for; `is_rescaled`: the sum's power is rescaled at last (see
-    power_rescaling).
+    With n iterations the light of the states 0 .. n - 1 is counted. By regions a step more is
+    taken, and the sum's power is rescaled at last (see power_rescaling).
     """
 
-    before: tuple[int, ...]
-    after: tuple[int, ...]
-    visits: int = 1
-    cycles: int = 1
-    iterations: int = 0
-    is_empty: bool = False
-    is_rescaled: bool = False
-    region_steps: int = 0  # with corrections by regions between them
+    iterations: int
+    by_regions: bool = False
 
     @property
-    def has_regions(self) -> bool:
-        """Whether there are corrections by regions."""
-        return self.region_steps > 0
+    def is_empty(self) -> bool:
+        """Whether nothing propagates."""
+        return self.iterations < 1
+
+    @property
+    def steps(self) -> int:
+        """Steps of the sum, which begins with the first state."""
+        return self.iterations if self.by_regions else self.iterations - 1
 
     def is_corrected(self, step: int) -> bool:
         """Whether regions get what is under way after a step: the first, and each third."""
-        return step == 0 or step % _CORRECTED == _CORRECTED - 1
-
-    def counts(self, count: Count) -> list[Count]:
-        """The cells of each level's lattice."""
-        counts = [count]
-        for _ in self.before[1:]:
-            # A coarse cell stands for eight; at odd ends it reaches beyond them.
-            x, y, z = counts[-1]
-            counts.append((-(-x // 2), -(-y // 2), -(-z // 2)))
-        return counts
+        return self.by_regions and (step == 0 or step % _CORRECTED == _CORRECTED - 1)
 
 
-def schedule(acceleration: str, iterations: int, count: Count) -> Schedule:
-    """The plan for a lattice of `count` cells. Raises SettingsError for an unknown acceleration.
-
-    With n iterations the light of the states 0 .. n - 1 is counted; of cycles there are n / 4.
-    """
+def schedule(acceleration: str, iterations: int) -> Schedule:
+    """The plan for a lattice. Raises SettingsError for an unknown acceleration."""
     if acceleration not in ACCELERATIONS:
         raise SettingsError(
             f"acceleration = '{acceleration}' is unknown",
             remedy=nearest(acceleration, ACCELERATIONS),
         )
-    if iterations < 1:
-        return Schedule((0,), (0,), is_empty=True)
-    if acceleration == "regions":
-        return Schedule(
-            (0,),
-            (0,),
-            cycles=0,
-            iterations=iterations,
-            is_rescaled=True,
-            region_steps=iterations,
-        )
-    # Levels are halved until the longest side has _SMALLEST cells.
-    coarser = 0
-    while max(count) / 2**coarser > _SMALLEST:
-        coarser += 1
-    if acceleration == "none" or coarser == 0:
-        return Schedule((iterations - 1,), (0,), iterations=iterations)
-    # The given lattice has all iterations; one or two coarser ones then finish what is under way.
-    if acceleration == "finish":
-        depth = min(coarser, 2)
-        before, after = (iterations - 1, 8, 16)[: depth + 1], (1, 0, 0)[: depth + 1]
-        return Schedule(before, after, iterations=iterations)
-    # A W(1, 1) cycle, with eight steps on the coarsest lattice in place of a solution.
-    ones = (1,) * coarser
-    cycles = max(1, round(iterations / _CYCLE_ITERATIONS))
-    return Schedule(
-        (*ones, 8), (*ones, 0), visits=2, cycles=cycles, iterations=iterations, is_rescaled=True
-    )
+    return Schedule(iterations, by_regions=acceleration == "regions")
 
 
 def region_steps_to(residual: float) -> int:
     """Iterations that leave about `residual` of the light under way, with regions."""
     return math.ceil(math.log(max(residual, 1e-6)) / math.log(_STEP_LEAVES)) + _CORRECTED
-
-
-def cycles_to(residual: float) -> int:
-    """Iterations whose cycles leave about `residual` of the light under way."""
-    # Each cycle leaves the same share of what is under way.
-    cycles = math.ceil(math.log(1.0 / max(residual, 1e-6)) / math.log(1.0 / _CYCLE_LEAVES))
-    return _CYCLE_ITERATIONS * max(1, cycles)
 
 
 def iterations_to(

@@ -15,7 +15,7 @@ from ..scene.medium import medium_box
 from ..scene.scene import Scene
 from ..scene.settings import setting
 from .coefficients import check_depth
-from .schedule import ACCELERATIONS
+from .schedule import ACCELERATIONS, FORMER_ACCELERATIONS
 
 SCHEMES = ("auto", "deposit", "half-linear", "paper", "paper-gamma")
 
@@ -32,8 +32,7 @@ class ScatterSettings:
     )
     iterations: int = setting(
         24,
-        "propagation steps on the fine lattice; cycles are one for four of them, rounded, at least "
-        "one, so that 1 to 5 are the same",
+        "propagation steps",
         low=0,
         high=512,
     )
@@ -51,9 +50,9 @@ class ScatterSettings:
     )
     acceleration: str = setting(
         "regions",
-        "for slow light: none; coarser lattices, to finish with or in multigrid cycles; or regions "
-        "of the lattice, between which it is brought at once",
+        "for slow light: none, or regions of the lattice, between which it is brought at once",
         choices=ACCELERATIONS,
+        former=FORMER_ACCELERATIONS,
     )
     occlusion: bool = setting(True, "whether surfaces stop and reflect propagating light")
     single: str = setting(

@@ -3,7 +3,7 @@
 cells      reduced media and walls
 injection  reflective shadow maps, first-scattered light, the sky -> W per cell
 outer      what enters a finer lattice from the larger one around it -> W per cell
-levels     26 neighbours, over and over -> the sum of all states, its track
+states     26 neighbours, over and over -> the sum of all states, its track
 fields     irradiance of surfaces, mean radiance in media
 """
 
@@ -118,8 +118,8 @@ class ScatterSolver(Solver):
                 self._enter(commands, part, *around)
         # Everything that follows: scattered and reflected again and again.
         with commands.stage("propagate"):
-            part.levels.schedule = part.plans[frame.is_still]
-            total, track = part.levels.encode(commands, injection.source)
+            part.states.schedule = part.plans[frame.is_still]
+            total, track = part.states.encode(commands, injection.source)
         # The track becomes mean radiance in media, the states irradiance of surfaces.
         with commands.stage("copy"):
             flux, beams, placement = self.light.flux, injection.beams, part.placement
@@ -143,7 +143,7 @@ class ScatterSolver(Solver):
         self._outer.encode(
             commands,
             (part.placement, outer.placement),
-            (part.levels.medium, outer.levels.medium),
+            (part.states.medium, outer.states.medium),
             self.kit.blockers.bound,
             outer_sum=total,
             cells=part.injection.source,
@@ -191,14 +191,15 @@ class ScatterSolver(Solver):
     @property
     def stats(self) -> dict[str, object]:
         """What was solved, for --stats."""
-        levels, placements = self.largest.levels, self.kit.lattices.placements
+        placements = self.kit.lattices.placements
+        # Iterations are those of the largest lattice. Who reads them still finds the numbers that
+        # multigrid cycles had: one level, no cycle.
         found: dict[str, object] = {
             "lattice": list(self.kit.placement.count),
-            "iterations": levels.schedule.iterations,
-            "levels": len(levels.levels),
-            "cycles": levels.schedule.cycles,
+            "iterations": self.largest.states.schedule.iterations,
+            "levels": 1,
+            "cycles": 0,
         }
-        # Iterations and levels are those of the largest lattice.
         if len(placements) > 1:
             found["cascades"] = [{"cell_m": p.cell, "cells": list(p.count)} for p in placements]
         return found

@@ -1,9 +1,9 @@
 // The sum of all states as textures that surfaces read.
 //! use hops26
 //! use cell_order
+//! use half_range
 
 override SCATTERED_GAIN: f32;
-const LARGEST_HALF = 65504.0;
 
 // The state by how much of it reaches walls, with the beams that the lattice does not hold.
 fn stored(index: u32, weight: f32) -> vec4f {
@@ -12,7 +12,7 @@ fn stored(index: u32, weight: f32) -> vec4f {
         let beams = forward[index];
         state += params.forward * vec4f(beams.x, 3.0 * beams.yzw);
     }
-    return clamp(state, vec4f(-LARGEST_HALF), vec4f(LARGEST_HALF));
+    return within_half_range(state);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -8,10 +8,11 @@ class LpvSettings:
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar, cast
 
-from ..errors import SettingsError, nearest
+from ..errors import SettingsError, SettingsWarning, nearest
 
 S = TypeVar("S")
 
@@ -24,9 +25,20 @@ def setting(
     low: float | None = None,
     high: float | None = None,
     choices: Sequence[str] = (),
+    former: Mapping[str, str] | None = None,
 ) -> Any:
-    """A dataclass field with its meaning, unit and range."""
-    metadata = {"help": help, "unit": unit, "low": low, "high": high, "choices": tuple(choices)}
+    """A dataclass field with its meaning, unit and range.
+
+    `former`: choices that are no longer there, each with the one that is taken instead.
+    """
+    metadata = {
+        "help": help,
+        "unit": unit,
+        "low": low,
+        "high": high,
+        "choices": tuple(choices),
+        "former": former or {},
+    }
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -34,7 +46,8 @@ def make_settings(cls: type[S], values: Mapping[str, Any], *, where: object = ""
     """An instance of the settings class `cls` with `values` set, each checked.
 
     Text is parsed ("32", "true", "1,2,3"), so that values may come from a command line.
-    Raises SettingsError for an unknown name (naming the nearest), a wrong type or range.
+    Raises SettingsError for an unknown name (naming the nearest), a wrong type or range; warns of a
+    choice that is no longer there.
     """
     # Each value by its field, which says its kind and range.
     fields = {f.name: f for f in dataclasses.fields(cast(Any, cls))}
@@ -60,6 +73,13 @@ def _checked(f: dataclasses.Field[Any], value: Any, where: object) -> Any:
         ) from None
     # Of the right kind; now, whether it is one of the choices, and in range.
     choices, low, high = (f.metadata.get(k) for k in ("choices", "low", "high"))
+    if choices and (instead := f.metadata["former"].get(result)):
+        warnings.warn(
+            f"setting {f.name} = {value!r} is no longer there, {instead!r} is taken for it",
+            SettingsWarning,
+            stacklevel=2,
+        )
+        result = instead
     if choices and result not in choices:
         raise SettingsError(
             f"setting {f.name} = {value!r} is unknown",

@@ -53,6 +53,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         if (all(light.irradiance <= vec3f(0.0))) {
             continue;
         }
+        // Scattered once: what has passed the medium unscattered, by kind of light.
         let mu = clamp(dot(light.travel, travel), -1.0, 1.0);
         let direct = exp(-true_depth(n, cell));
         sum.fluence += light.irradiance * direct;
@@ -66,6 +67,7 @@ fn beam_emission(cell: u32, travel: vec3f) -> BeamEmission {
         } else {
             sum.sky += once;
         }
+        // Scattered forwards on its way: what the reduced medium passes more, widened as often as it was scattered.
         let quasi = select(exp(-reduced_depth(n, cell)) - direct, vec3f(0.0),
             ordinates[n].position.w == VIRTUAL_GRID);
         sum.quasi_fluence += light.irradiance * quasi;

@@ -15,6 +15,12 @@ fn value(corner: vec3u, index: u32) -> f32 {
     return f32(sums[CORNER_VALUES * cell_in(params.count + 1u, corner) + index]);
 }
 
+// At the face's four corners.
+fn around_face(f: CellFace, index: u32) -> vec4f {
+    return vec4f(value(f.corner, index), value(f.corner + f.across, index), value(f.corner + f.up, index),
+        value(f.corner + f.across + f.up, index)) / params.units;
+}
+
 // The mean over the face's four corners.
 fn on_face(f: CellFace, index: u32) -> f32 {
     return 0.25 / params.units * (value(f.corner, index) + value(f.corner + f.across, index)

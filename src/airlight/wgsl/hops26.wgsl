@@ -23,7 +23,7 @@ fn hop_kind(offset: vec3i) -> u32 {
     return u32(abs(offset.x) + abs(offset.y) + abs(offset.z)) - 1u;
 }
 
-// Track of isotropic light per hop, m, by channel; maths.lattice26_levels.mean_track.
+// Track of isotropic light per hop, m, by channel; maths.lattice26.mean_track.
 fn mean_track(sigma_t: vec3f, cell: f32) -> vec3f {
     var sum = vec3f(0.0);
     for (var kind = 0u; kind < 3u; kind++) {

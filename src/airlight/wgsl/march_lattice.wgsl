@@ -90,6 +90,7 @@ fn eased_alone(p: vec3f) -> vec3f {
 }
 
 fn lattice_enter(p: vec3f) {
+    // A single lattice: its coordinates, and how far it has faded.
     if (LATTICES_AT_ONCE == 1u) {
         let own_p = lattice_axes * p;
         let uvw = eased_alone(own_p);
@@ -101,6 +102,7 @@ fn lattice_enter(p: vec3f) {
     for (var i = 0u; i < LATTICES_AT_ONCE; i++) {
         lattice_at[i].w = 0.0;
     }
+    // The finest first, each with what finer ones leave of the point.
     var left = 1.0;
     var found = 0u;
     var k = 0u;

@@ -41,6 +41,7 @@ fn media_enter(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
+        // The part of the ray in this medium, and how fast the ray crosses its voxels.
         let span = medium_interval(m, origin, direction);
         let held = vec2f(max(span.x, 0.0), min(span.y, reach));
         medium_intervals[k] = select(vec2f(MEDIUM_FAR, -MEDIUM_FAR), held, held.x < held.y);

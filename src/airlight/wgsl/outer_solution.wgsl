@@ -13,6 +13,7 @@ fn entering_fluence(point: vec3f, axis: u32, outwards: f32) -> vec3f {
     if (any(q < -slack) || any(q > extent + slack)) {
         return vec3f(0.0);
     }
+    // Between eight cells of the outer grid: what of their fluence and flux comes in (Marshak's border).
     let at = clamp(q / outer.cell - 0.5, vec3f(0.0), vec3f(outer.count) - 1.0);
     let low = min(vec3u(at), outer.count - 2u);
     let share = at - vec3f(low);

@@ -1,7 +1,6 @@
 // What a cell holds of a sky's light, as sums over the lights that stand for it. The including pass
 // declares `params` with their `scale`.
-
-const LARGEST_HALF = 65504.0;
+//! use half_range
 
 struct SkyLight {
     fluence: vec3f,     // W m^-2
@@ -14,5 +13,5 @@ struct SkyLight {
 
 fn stored(fluence: f32, flux: vec3f) -> vec4f {
     let v = params.scale * vec4f(fluence, flux);
-    return clamp(v, vec4f(-LARGEST_HALF), vec4f(LARGEST_HALF));
+    return within_half_range(v);
 }

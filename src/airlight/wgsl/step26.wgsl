@@ -133,7 +133,7 @@ fn exchange(sum: ptr<function, vec4f>, c: StepCoefficients, own: Cell, far: Cell
         // Reflected light leaves along the mean normal of the walls that closed the hop, by how closed
         // they are. A wall gives back negative power whole, or absorbing it would add light.
         let white = (*walls).reflectance;
-        let back = shut * select(white, max(white, params.deficit), sent < 0.0);
+        let back = shut * select(white, 1.0, sent < 0.0);
         let closed = select((*walls).closed_high, (*walls).closed_low, step < vec3i(0));
         let walled = offset * select(closed, vec3f(1.0), k == 0u);
         let turned = back * c.turned[k] / dot(offset, walled);

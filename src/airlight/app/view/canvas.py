@@ -120,7 +120,7 @@ class CanvasView:
             self.canvas.request_draw()
 
     def on_event(self, event: dict[str, Any]) -> None:
-        """Keys of the viewer, lights in a hand, and the camera's share of mouse and keys."""
+        """Keys of the viewer, lights that the mouse drags, and the camera's mouse and keys."""
         kind = event["event_type"]
         # The panel first, then a light in the hand; what neither takes is the camera's.
         if not self._is_panels(event):

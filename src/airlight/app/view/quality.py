@@ -119,7 +119,23 @@ class Quality:
             if changed:
                 self._moving_size = self.coarse(full)
             return Plan(self.coarse(full), 0 if changed else None, is_moving=True)
-        # At rest: as fine as frames at rest have been affordable, alone then once at full size.
+        # At rest, as fine as is affordable.
+        self._rest(full, is_busy=is_busy, is_rough=is_rough)
+        full = self._rest_size
+        # A hand at work keeps what is shown until it lets go.
+        if is_busy and (self._was_moving or self._still_size == full):
+            return Plan(full, None, is_moving=self._was_moving)
+        # Another size starts its samples from the first; they end after `samples`.
+        if self._was_moving or self._still_size != full:
+            self._was_moving, self._still_size, self._done = False, full, 0
+        if self._done >= self._wanted:
+            return Plan(full, None)
+        self._done += 1
+        return Plan(full, self._done - 1)
+
+    def _rest(self, full: tuple[int, int], *, is_busy: bool, is_rough: bool) -> None:
+        """Find the size of images at rest: as fine as those have been affordable, and at last the
+        `full` size where nobody else draws it."""
         if self._was_moving and not is_busy:
             # The machine may have time again.
             self.still_scale = _step_below(self.still_scale or self._guess())
@@ -135,17 +151,6 @@ class Quality:
             # Refinement does not end coarse.
             self._rest_size, self._is_last, self._is_slow = full, True, False
             self._done = self._done if self._done > 1 else 0  # it may be the moving image's
-        full = self._rest_size
-        # A hand at work keeps what is shown until it lets go.
-        if is_busy and (self._was_moving or self._still_size == full):
-            return Plan(full, None, is_moving=self._was_moving)
-        # Another size starts its samples from the first; they end after `samples`.
-        if self._was_moving or self._still_size != full:
-            self._was_moving, self._still_size, self._done = False, full, 0
-        if self._done >= self._wanted:
-            return Plan(full, None)
-        self._done += 1
-        return Plan(full, self._done - 1)
 
     def took(self, ms: float, plan: Plan) -> None:
         """A frame of `plan` took `ms`, with the device done."""

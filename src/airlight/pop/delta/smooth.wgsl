@@ -58,6 +58,7 @@ fn walled_light(id: vec3u) -> vec3f {
     let first = vec3i(floor(at));
     let t = at - floor(at);
     let last = vec3i(params.count) - 1;
+    // The eight coarse cells around the finer one, by trilinear shares, where no wall lies between.
     let home = home_of(id);
     var sum = vec3f(0.0);
     var total = 0.0;

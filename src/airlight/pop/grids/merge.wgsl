@@ -31,6 +31,7 @@ fn read_grid(n: u32, coordinates: vec3f) -> GridLight {
     if (is_radial) {
         at = vec3f(coordinates.xy - 0.5, at.z);
     }
+    // The eight cells around the point, by how near and how dense they are; a radial grid's rows close to a ring.
     let low = floor(at);
     let part = at - low;
     for (var k = 0u; k < 8u; k++) {
@@ -46,6 +47,7 @@ fn read_grid(n: u32, coordinates: vec3f) -> GridLight {
         if (w <= 0.0) {
             continue;
         }
+        // What is seen of a cell, and per volume what it has left and carries.
         let slot = 3u * (n * hops.capacity + index);
         let density = w / (rho * hop_volume(n, cell));
         sum.weight += w;

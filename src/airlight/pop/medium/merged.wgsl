@@ -2,8 +2,7 @@
 //! use media
 //! use members
 //! use cell_order
-
-const LARGEST_HALF = 65504.0;
+//! use half_range
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id >= params.count)) {
@@ -30,6 +29,7 @@ const LARGEST_HALF = 65504.0;
         }
         sum += density * row_of_media(visit.medium).sigma_t;
     }
+    // One density for all channels, cut to what a half float holds.
     let mean = params.scale * (sum.r + sum.g + sum.b) / (3.0 * f32(n * n * n));
     textureStore(voxels, id, vec4f(min(mean, LARGEST_HALF), 0.0, 0.0, 0.0));
 }

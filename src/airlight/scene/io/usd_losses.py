@@ -1,7 +1,7 @@
 """What prims of a USD stage ask for and do not get: a warning for each kind, which names the first.
 
 A property that airlight does not read is told where it is set to another value than its schema's
-fallback; a number that makes no sense, an input of a light that there is not, a prim of a type that
+fallback; a number that makes no sense, an unknown input of a light, a prim of a type that
 OpenUSD does not know, and what moves are told as well.
 """
 
@@ -193,6 +193,7 @@ def surface_losses(shader: Any, time: Any) -> list[str]:
         sources = UsdShade.Utils.GetValueProducingAttributes(given)
         ends = [a for a in sources if not UsdShade.Output.IsOutput(a)]
         value = ends[0].Get(time) if ends else None
+        # Inputs that are no part of the surface, those that are read only as usual, and those read.
         if name not in (*_INPUTS, *_USUAL_INPUTS, *_ASIDE):
             close = difflib.get_close_matches(name, _INPUTS, n=1)
             meant = f". Did you mean '{close[0]}'?" if close else ""
