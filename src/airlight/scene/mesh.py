@@ -23,7 +23,10 @@ class Geometry:
     `positions` (V, 3) float32 metres; `indices` (T, 3) uint32, counter-clockwise seen from the
     front; `normals` (V, 3) float32, made smooth-shaded from the triangles where missing;
     `uvs` (V, 2) float32, v downwards from the image's top row; `colors` (V, 4) float32 linear,
-    multiplied into the base colour. Raises SceneError for NaN, no triangles, bad indices.
+    multiplied into the base colour; `tangents` (V, 4) float32, by which normal maps lie: the
+    direction of a map's red, as far as it is at right angles to the normal, and 1 or -1, the side
+    of its green, as glTF has them. Without them, or where one is 0, maps lie by `uvs`.
+    Raises SceneError for NaN, no triangles, bad indices.
     """
 
     positions: F32
@@ -31,6 +34,7 @@ class Geometry:
     normals: F32 | None = None
     uvs: F32 | None = None
     colors: F32 | None = None
+    tangents: F32 | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -49,7 +53,7 @@ class Geometry:
         count = len(positions)
         put(self, "normals", checks.array(normals, "normals", shape=(count, 3), dtype=np.float32))
         # What a vertex may have beside.
-        for name, width in (("uvs", 2), ("colors", 4)):
+        for name, width in (("uvs", 2), ("colors", 4), ("tangents", 4)):
             value = getattr(self, name)
             if value is not None:
                 put(self, name, checks.array(value, name, shape=(count, width), dtype=np.float32))

@@ -10,8 +10,8 @@ toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml
                  reference
 light_groups     thousands of point lights in an .npz file
 gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give
-                 values; _nodes, _camera, _mesh, _material, _uv, _variants, _deform and _animation
-                 the scene; _extensions, _losses, _tangents and _schema say what is not read, or
+                 values; _nodes, _camera, _mesh, _tangents, _material, _uv, _variants, _deform and
+                 _animation the scene; _extensions, _losses and _schema say what is not read, or
                  impossible; gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
