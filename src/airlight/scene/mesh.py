@@ -74,6 +74,8 @@ class Mesh:
     name: str = ""
 
     def __post_init__(self) -> None:
+        checks.instance(self.geometry, f"geometry of mesh '{self.name}'", Geometry)
+        checks.instance(self.material, f"material of mesh '{self.name}'", Material)
         matrix = checks.affine(self.world_from_object, f"transform of mesh '{self.name}'")
         checks.at_most(matrix, checks.MOST, f"transform of mesh '{self.name}'")
         object.__setattr__(self, "world_from_object", matrix)
@@ -113,9 +115,15 @@ def geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
 
 def _checked_indices(indices: NDArray[np.uint32], vertex_count: int) -> NDArray[np.uint32]:
     raw = np.asarray(indices)
-    # The least and the most index tell whether all are in range.
     if raw.size == 0:
         raise SceneError("mesh has no triangles")
+    # Whole numbers, whatever type they have.
+    if raw.dtype.kind not in "iu":
+        numbers = checks.array(raw, "triangle indices", shape=(None, 3), dtype=np.float64)
+        if (numbers != np.floor(numbers)).any():
+            raise SceneError("triangle indices must be whole numbers")
+        raw = numbers.astype(np.int64)
+    # The least and the most index tell whether all are in range.
     if raw.min() < 0 or raw.max() >= vertex_count:
         raise SceneError(
             f"triangle index {int(raw.max() if raw.min() >= 0 else raw.min())} is out of range: "

@@ -379,6 +379,16 @@ def test_a_setting_that_cannot_be_is_refused_before_any_work(
     assert truth.asked == []
 
 
+def test_an_unknown_technique_is_refused_before_any_work(truth, techniques, tmp_path, capsys):
+    """Beside known ones, too: nothing is rendered, and no folder made."""
+    words = ["compare", "builtin:cornell", "-t", "exact", "exakt", "-o", str(tmp_path / "out")]
+    assert cli.run(words) == 2
+    said = capsys.readouterr().err
+    assert said == "error: unknown technique 'exakt'. Did you mean 'exact'?\n"
+    assert truth.asked == []
+    assert not (tmp_path / "out").exists()
+
+
 def test_without_a_reference_there_is_one_message(monkeypatch, tmp_path, capsys):
     def refuse(*_, **__):
         raise ReferenceFailure("Mitsuba is not installed", remedy="Type: pip install it")

@@ -43,6 +43,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ...errors import SceneError, nearest
+from .. import checks
 from ..camera import Camera
 from ..limits import check_extent
 from ..scene import Scene
@@ -93,7 +94,7 @@ def load(
     from .model_options import model_keys
 
     # Options that do not go with this kind of file are refused before anything is read.
-    written = str(path)
+    written = checks.path_text(path, "a scene that is loaded")
     model = model_keys(
         written,
         up=up,
@@ -110,7 +111,7 @@ def load(
 
         scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
         return _grounded(with_sky(scene, sky) if sky else scene, Path("builtin.toml"), ground)
-    file = Path(path)
+    file = Path(written)
     # Errors from here on name the file.
     with naming(file):
         scene = _loaded(file, model, sky)
@@ -236,6 +237,7 @@ def with_defaults(scene: Scene) -> Scene:
     from .defaults import with_default_camera, with_default_lights
     from .probe import Probe
 
+    checks.instance(scene, "the scene", Scene)
     # Both look at the same triangles; of large meshes the largest take a while to find.
     probe = functools.cache(lambda: Probe.of(scene))
     framed = with_default_camera(scene, probe) if scene.camera == Camera() else scene
