@@ -18,8 +18,9 @@ meshfile         PLY and STL; mesh_headers: whether they can be true
 usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _skel, _material, _lights, _volume;
                  _motion; usd_losses says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
-                 _serialized), _materials (_lobes, _metals, _plastic, _blend, _bumps), _textures,
-                 _emitters, _lights, _camera; _media: where (_bodies) and what of (_coefficients)
+                 _serialized, _sdf), _materials (_lobes, _metals, _plastic, _blend, _bumps),
+                 _textures, _emitters, _lights, _camera; _media: where (_bodies), what of
+                 (_coefficients)
 polygons, normals   faces of many corners cut into triangles; normals of what has none
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
