@@ -94,7 +94,7 @@ def test_what_is_no_path_is_no_scene_and_no_image(value):
         ({"size": (8.0, 8)}, "size must be two whole numbers"),
         ({"technique": 3}, "unknown technique '3'"),
         ({"settings": ["bounces"]}, "settings must be a mapping"),
-        ({"time": float("nan")}, "time is nan"),
+        ({"time": float("nan")}, "time_s is nan"),
     ],
 )
 def test_render_says_what_its_arguments_are(options, words):
@@ -106,5 +106,5 @@ def test_frames_say_so_too_and_the_renderer_goes_on():
         refused(lambda: renderer.frame(camera="here"), "camera must be of type Camera")
         refused(lambda: renderer.frame(meshes=CUBE), "meshes")
         refused(lambda: renderer.frame(samples=0), "samples = 0")
-        refused(lambda: renderer.frame(time="now"), "time must be a number")
+        refused(lambda: renderer.frame(time="now"), "time_s must be a number")
         assert renderer.frame() is not None

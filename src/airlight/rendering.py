@@ -18,7 +18,6 @@ from .lighting.kit import Context
 from .lighting.reach import MadeFor
 from .lighting.view import View
 from .sampled_view import Progress, SampledView
-from .scene import checks
 from .scene.camera import Camera
 from .scene.environment import Environment
 from .scene.image import Image, checked_samples, checked_size
@@ -129,7 +128,6 @@ class Renderer(DeviceLifetime):
         """
         begin = perf_counter()
         samples = checked_samples(samples)
-        time = None if time is None else checks.number(time, "time")
         with self.used():
             before = self.scene
             changes = dict[str, Any](camera=camera, lights=lights, environment=environment)

@@ -80,7 +80,8 @@ class Scene:
 
         It depends on the time alone, not on what was asked before. Raises SceneError.
         """
-        return self if self.animation is None else self.animation.at(self, time_s)
+        time = checks.number(time_s, "time_s")
+        return self if self.animation is None else self.animation.at(self, time)
 
     @property
     def bounds(self) -> tuple[F64, F64]:

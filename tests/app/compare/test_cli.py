@@ -100,6 +100,10 @@ def techniques(monkeypatch):
         return LpvSettings if technique == "dim" else SurfaceSettings
 
     monkeypatch.setattr("airlight.techniques.settings_class", settings_class)
+    monkeypatch.setattr(
+        "airlight.techniques.TECHNIQUES",
+        {"dim": LpvSettings, "exact": SurfaceSettings, "broken": SurfaceSettings},
+    )
 
 
 def triangle_scene(**changes):
@@ -324,14 +328,14 @@ def test_the_command_line_says_the_numbers(truth, techniques, tmp_path, capsys):
     )
     out = tmp_path / "new" / "out"
     code = cli.run(
-        ["compare", str(scene), "--technique", "dim", "nope", "-o", str(out), "--size", "32x20"]
+        ["compare", str(scene), "--technique", "dim", "broken", "-o", str(out), "--size", "32x20"]
     )
     said = capsys.readouterr()
     assert code == 0, said.err
     assert re.search(r"dim: relmse 0\.00\d+, energy 0\.9\d+, flip", said.out)
-    assert "warning: nope made no image: unknown technique 'nope'" in said.err
+    assert "warning: broken made no image: internal error: ZeroDivisionError" in said.err
     assert (out / "index.html").is_file()
-    assert cli.run(["compare", str(scene), "-t", "nope", "-o", str(out), "--size", "32x20"]) == 2
+    assert cli.run(["compare", str(scene), "-t", "broken", "-o", str(out), "--size", "32x20"]) == 2
     assert "no technique made an image" in capsys.readouterr().err
 
 

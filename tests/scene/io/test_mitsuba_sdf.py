@@ -77,7 +77,8 @@ def test_what_is_no_surface_is_refused(tmp_path, values, channels, words):
 @pytest.mark.needs("mitsuba")
 def test_mitsuba_s_rays_meet_it_there():
     """Down z through many cells: in the median the triangles are within a 370th of a cell."""
-    mi = pytest.importorskip("mitsuba")
+    import mitsuba as mi
+
     mi.set_variant("scalar_rgb")
     values = distances(12) + 0.02 * np.random.default_rng(3).normal(size=(12, 12, 12))
     grid = mi.TensorXf(values[..., None].astype(np.float32))
