@@ -10,7 +10,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from .errors import SettingsError
 from .frame_times import FrameTimes
 from .gpu.commands import Commands
 from .gpu.device import Gpu, open_gpu
@@ -21,7 +20,7 @@ from .lighting.view import View
 from .sampled_view import Progress, SampledView
 from .scene.camera import Camera
 from .scene.environment import Environment
-from .scene.image import Image, checked_size
+from .scene.image import Image, checked_samples, checked_size
 from .scene.io import load
 from .scene.lens import has_moments, shutter_time, still_samples
 from .scene.lights import Light
@@ -30,6 +29,7 @@ from .scene.mesh import Mesh
 from .scene.nearby import Nearby, origin_near
 from .scene.point_lights import PointLights
 from .scene.scene import Scene
+from .scene.settings import given_settings
 from .scene.shown import ShownScenes, changed, has_unlit, shutter_moments
 from .scene.volume import Volume
 from .surface.geometry import GpuScene
@@ -75,7 +75,7 @@ class Renderer(DeviceLifetime):
         check_extent(self.scene)
         # Scenes as the device has them: with lights' meshes, from an origin near everything.
         self._shown, self._nearby = ShownScenes(), Nearby(origin_near(self.scene))
-        self._wanted = (technique, dict(settings or {}), adapter)
+        self._wanted = (technique, given_settings(settings), adapter)
         self.exposure_stops: float | None = None
         """Instead of the camera's, where it is a number."""
         self._make()
@@ -127,6 +127,7 @@ class Renderer(DeviceLifetime):
         SceneError, SettingsError, DeviceError.
         """
         begin = perf_counter()
+        samples = checked_samples(samples)
         with self.used():
             before = self.scene
             changes = dict[str, Any](camera=camera, lights=lights, environment=environment)
@@ -267,13 +268,10 @@ def render(
     scene is shown; without it, one whose shutter is open is shown from its animation's start on.
     Raises SceneError, SettingsError, DeviceError.
     """
-    if isinstance(scene, (str, Path)):
-        scene = load(scene)
+    scene = scene if isinstance(scene, Scene) else load(scene)
     # An open shutter needs a time; a still has as many samples as its camera asks for.
     time = shutter_time(scene, time)
-    samples = still_samples(scene) if samples is None else samples
-    if samples < 1 or samples > 4096:
-        raise SettingsError(f"samples = {samples} is out of range", remedy="It goes from 1 to 4096")
+    samples = checked_samples(still_samples(scene) if samples is None else samples)
     if progress:
         progress("upload", 0.0)
     with Renderer(scene, technique, size, settings=settings, adapter=adapter) as renderer:

@@ -77,6 +77,20 @@ def test_misuse_is_exit_2(arguments, capsys):
     assert "Error: " in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("word", "meant"),
+    [
+        ("rendr", "Did you mean 'render'?"),
+        ("xyz", "Known: bench, compare,"),
+        ("my model.obj", "To draw it: airlight render 'my model.obj' -o image.png"),
+        ("builtin:room", "To draw it: airlight render builtin:room -o image.png"),
+    ],
+)
+def test_a_word_that_is_no_command_says_what_was_meant(word, meant, capsys):
+    assert cli.run([word]) == 2
+    assert f"No such command '{word}'. {meant}" in capsys.readouterr().err
+
+
 def test_a_mistake_of_ours_is_one_line_and_exit_1(raising, capsys):
     raising(ZeroDivisionError("two\nlines"))
     assert cli.run(["doctor"]) == 1

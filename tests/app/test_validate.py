@@ -88,10 +88,13 @@ def test_good_technique_settings_pass(validate):
 def test_all_commands_refuse_alike(tmp_path, capsys, command):
     np.save(tmp_path / "huge.npy", np.full((2, 2, 2), 1e30, np.float32))
     (tmp_path / "point.obj").write_text("v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n")
+    (tmp_path / "speck.obj").write_text("v 0 0 0\nv 1e-12 0 0\nv 0 1e-12 0\nf 1 2 3\n")
     output = ["-o", str(tmp_path / "a.png")] if command == "render" else []
     said = {
         "huge.npy": "its density holds 1e+30, at most 1e+15 can be used",
         "point.obj": "all that the scene holds lies in one point. Is a scale 0? Give it a size.",
+        "speck.obj": "all that the scene holds is 1e-12 m large, at least 1e-09 m can be used. "
+        "Make its scale larger.",
     }
     for name, expected in said.items():
         assert cli.run([command, str(tmp_path / name), *output]) == 2

@@ -143,6 +143,53 @@ def test_a_normal_map_bends_the_normal_towards_its_red_and_green(
         np.testing.assert_allclose(bent, np.tile(expected, (len(bent), 1)), atol=0.01)
 
 
+@pytest.mark.parametrize(
+    ("tangent", "mirror", "expected"),
+    [
+        ((0, 1, 0, 1), 1.0, ((0, 0.6, 0.8), (-0.6, 0, 0.8))),
+        ((0, 1, 0, -1), 1.0, ((0, 0.6, 0.8), (0.6, 0, 0.8))),
+        ((0.5, 0, 2, 1), 1.0, ((0.6, 0, 0.8), (0, 0.6, 0.8))),  # as far as it lies in the surface
+        ((1, 0, 0, 1), -1.0, ((-0.6, 0, 0.8), (0, 0.6, 0.8))),  # a mirror image of the square
+        ((0, 0, 0, 1), 1.0, ((0.6, 0, 0.8), (0, 0.6, 0.8))),  # none: by texture coordinates
+        ((0, 1, 0, 0), 1.0, ((0.6, 0, 0.8), (0, 0.6, 0.8))),
+    ],
+)
+def test_a_normal_map_lies_by_tangents_where_there_are_any(
+    gpu, commands, owned, on_device, square, tangent, mirror, expected
+):
+    flat = square((0, 0, 0), (1, 0, 0), (0, 1, 0), uvs=UVS)
+    geometry = dataclasses.replace(flat.geometry, tangents=np.float32([tangent] * 4))
+    place = np.diag([mirror, 1.0, 1.0, 1.0])
+    # The same red and green as above.
+    for rgb, bent in zip(((204, 128, 230), (128, 204, 230)), expected, strict=True):
+        bump = Texture(np.full((2, 2, 4), (*rgb, 255), np.uint8), is_srgb=False)
+        paint = Material(normal_texture=bump)
+        scene = on_device(
+            dataclasses.replace(flat, geometry=geometry, material=paint, world_from_object=place)
+        )
+        g = looked_at(gpu, commands, owned, scene)
+        seen = g.normal.read()[on_square(1.0, 1.0)][:, :3].astype(float)
+        np.testing.assert_allclose(seen, np.tile(bent, (len(seen), 1)), atol=0.01)
+
+
+def test_from_behind_tangents_show_the_same_bumps_as_texture_coordinates(
+    gpu, commands, owned, on_device, square
+):
+    bump = Texture(np.full((2, 2, 4), (204, 150, 230, 255), np.uint8), is_srgb=False)
+    by_uvs = square((0, 0, 0), (1, 0, 0), (0, 1, 0), Material(normal_texture=bump), uvs=UVS)
+    tangents = np.float32([(1, 0, 0, 1)] * 4)
+    by_tangents = dataclasses.replace(
+        by_uvs, geometry=dataclasses.replace(by_uvs.geometry, tangents=tangents)
+    )
+    seen = [
+        looked_at(gpu, commands, owned, on_device(mesh), eye=(0, 0, -2), forward=(0, 0, 1))
+        .normal.read()
+        .astype(float)
+        for mesh in (by_uvs, by_tangents)
+    ]
+    np.testing.assert_allclose(seen[1], seen[0], atol=0.01)
+
+
 def test_an_image_is_not_blurred_along_the_edges_of_triangles(
     gpu, commands, owned, on_device, square
 ):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import importlib.util
+import shlex
 import sys
 import traceback
 import warnings
@@ -18,7 +19,7 @@ from typing import Any, NoReturn, cast
 import click
 
 from .. import __version__, env, interrupts
-from ..errors import AirlightError, SettingsWarning, memory_wanted
+from ..errors import AirlightError, SettingsWarning, memory_wanted, nearest, one_line
 from .streams import ClosedPipe, guarded, let_go, say
 
 COMMANDS: tuple[str, ...] = (
@@ -52,6 +53,18 @@ class _Commands(click.Group):
         if cmd_name not in self.list_commands(ctx):
             return None
         return cast(click.Command, importlib.import_module(_module(cmd_name)).command)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Of a word that is no command, what was meant: another command, or to render a file."""
+        name = args[0]
+        if not name.startswith("-") and name not in self.list_commands(ctx):
+            is_scene = "." in name or name.startswith("builtin:")
+            meant = f"To draw it: airlight render {shlex.quote(name)} -o image.png"
+            remedy = meant if is_scene else nearest(name, self.list_commands(ctx))
+            ctx.fail(f"No such command '{one_line(name)}'. {remedy}")
+        return super().resolve_command(ctx, args)
 
 
 def _module(command: str) -> str:

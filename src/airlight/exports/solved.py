@@ -18,6 +18,7 @@ from ..pop.media import PopMedia
 from ..pop.solver import PopSolver
 from ..rendering import Renderer
 from ..scene.scene import Scene
+from ..scene.settings import given_settings
 from ..techniques.technique import Technique
 from .light_field import F32, F64, LatticeLight, LightField, VolumeLight
 
@@ -42,7 +43,7 @@ def export_lattice(
         raise _no_light(technique)
 
     # One frame solves the light, also of rooms that the camera is not in; no pixel is read.
-    settings = {"hidden_lights": True, **(settings or {})}
+    settings = {"hidden_lights": True, **given_settings(settings)}
     with Renderer(scene, technique, (16, 16), settings=settings, adapter=adapter) as renderer:
         renderer.frame(read=False)
         field = light_field(renderer, technique)

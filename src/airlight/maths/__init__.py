@@ -11,8 +11,8 @@
                beams (Elek2014); nested_diffusion: on finer grids; halved_cells: light between cells
    media       medium, mixtures, two_streams, voxels, empty_voxels, solid_voxels, half_space,
                forward_phase, forward_beams, air_lobes, sky_phase, beam_phase
-   space       transforms, octahedron, latlong, weld, closing, keyframes; rays, box_tree
-   numbers     colour, tone, lut, half, chunks
+   space       transforms, octahedron, latlong, weld, level_set, closing, keyframes; rays, box_tree
+   numbers     colour, tone, lut, half, tangent_angle, chunks
 
 Where a shader needs the same formula, a WGSL function of the same name, its twin, stands in
 `wgsl/`, and a test holds the two together.

@@ -60,20 +60,30 @@ def slerp(times: F64, values: F64, time: float) -> F64:
     return unit_quaternion(turned)
 
 
-def smooth(times: F64, values: F64, time: float) -> F64:
+def smooth(times: F64, values: F64, time: float, speeds: F64 | None = None) -> F64:
     """Catmull-Rom through the values (K, ...), for keyframes at any distance (Barry1988).
 
     A keyframe's speed is that of the parabola through it and its neighbours; at both ends it is
     the mean speed of the first and of the last segment, so that two keyframes make a line.
+    `speeds`, as of `catmull_rom_speeds`, are computed where they are not known.
     """
     k, u = segment(times, time)
     if len(times) == 1:
         return np.asarray(values[0])
+    if speeds is None:
+        speeds = catmull_rom_speeds(times, values)
+    # Hermite's cubic has them at both ends.
+    span = float(times[k + 1] - times[k])
+    return hermite(values[k], span * speeds[k], values[k + 1], span * speeds[k + 1], u)
+
+
+def catmull_rom_speeds(times: F64, values: F64) -> F64:
+    """The speed at each of two keyframes or more (K, ...), of the values by time."""
     # Speeds at the keyframes from those of the segments beside, the shorter segment's counting
     # more.
     steps = np.diff(times).reshape(-1, *[1] * (values.ndim - 1))
     slopes = np.diff(values, axis=0) / steps
-    speeds = np.concatenate(
+    return np.concatenate(
         [slopes[:1], slopes[-1:]]
         if len(times) == 2
         else [
@@ -82,9 +92,6 @@ def smooth(times: F64, values: F64, time: float) -> F64:
             slopes[-1:],
         ]
     )
-    # Hermite's cubic has them at both ends.
-    span = float(times[k + 1] - times[k])
-    return hermite(values[k], span * speeds[k], values[k + 1], span * speeds[k + 1], u)
 
 
 def cubic_spline(times: F64, values: F64, time: float) -> F64:

@@ -73,6 +73,11 @@ def _material_bsdf(
         inner = _glossy(material, geometry, files, notes)
     if material.normal_texture is not None and geometry.uvs is not None:
         inner = _normal_mapped(inner, material.normal_texture, material.normal_scale, files)
+        if geometry.tangents is not None:
+            notes.append(
+                f"material '{material.name}': its normal map lies by tangents, which Mitsuba has "
+                "no word for: there it lies by texture coordinates"
+            )
     if material.two_sided:
         both = plugin("bsdf", "twosided")
         both.append(inner)

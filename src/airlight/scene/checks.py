@@ -6,7 +6,8 @@ Every function takes the value, and `name`: the key a message must show.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -144,7 +145,9 @@ def boolean(value: Any, name: str) -> bool:
 
 
 def _is_finite(values: NDArray[Any]) -> bool:
-    """Whether all values are finite, by their extremes: no array as large is made."""
+    """Whether all values are finite; of many, by their extremes: no array as large is made."""
+    if values.size <= 64:
+        return bool(np.isfinite(values).all())
     return bool(values.size == 0 or np.isfinite([values.min(), values.max()]).all())
 
 
@@ -159,17 +162,58 @@ def at_most(values: NDArray[Any], most: float, name: str) -> None:
 def affine(value: Any, name: str) -> F64:
     """A read-only 4x4 matrix whose last row is 0, 0, 0, 1."""
     matrix = array(value, name, shape=(4, 4), dtype=np.float64)
-    if np.abs(matrix[3] - (0.0, 0.0, 0.0, 1.0)).max() > 1e-6:
+    x, y, z, w = matrix[3].tolist()
+    if max(abs(x), abs(y), abs(z), abs(w - 1.0)) > 1e-6:
         row = ", ".join(f"{v:g}" for v in matrix[3])
         raise SceneError(f"{name} is not affine: its last row is {row}, not 0, 0, 0, 1")
     return matrix
+
+
+def instance(value: Any, name: str, *kinds: type) -> None:
+    """Raise SceneError unless a value is of one of these types."""
+    if not isinstance(value, kinds):
+        raise SceneError(f"{name} must be of type {_either(kinds)}, not {shown(value)}")
+
+
+def instances(values: Any, name: str, *kinds: type) -> tuple[Any, ...]:
+    """Values of these types as a tuple; one that is a tuple already stays the same object."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise SceneError(f"{name} must be a sequence of {_either(kinds)}, not {shown(values)}")
+    held = values if isinstance(values, tuple) else tuple(values)
+    for value in held:
+        if not isinstance(value, kinds):
+            raise SceneError(f"each of {name} must be of type {_either(kinds)}, not {shown(value)}")
+    return held
+
+
+def _either(kinds: tuple[type, ...]) -> str:
+    return " or ".join(getattr(kind, "called", kind.__name__) for kind in kinds)
+
+
+def path_text(value: Any, name: str) -> str:
+    """A path as text."""
+    try:
+        return os.fsdecode(value)
+    except TypeError:
+        raise SceneError(f"{name} must be a path, not {shown(value)}") from None
+
+
+def _of_numbers(value: Any, name: str, dtype: type[np.generic]) -> NDArray[Any]:
+    """A contiguous array of a type; no text, nor complex numbers, whose half would be lost."""
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind in "biufO":
+            return np.ascontiguousarray(given, dtype=dtype)
+    except (TypeError, ValueError):
+        pass
+    raise SceneError(f"{name} must be an array of real numbers, not {shown(value)}")
 
 
 def array(
     value: Any, name: str, *, shape: tuple[int | None, ...], dtype: type[np.generic]
 ) -> NDArray[Any]:
     """A read-only contiguous array of the given shape (None: any length), all values finite."""
-    a = np.ascontiguousarray(value, dtype=dtype)
+    a = _of_numbers(value, name, dtype)
     # What was checked before stays the same object: that is how a frame knows what did not change.
     is_own = a is value and not a.flags.writeable
     # None in a shape stands for any length.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,13 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
-from ..errors import SettingsError, nearest
+from ..errors import OutputError, SettingsError, nearest
 from ..maths.lut import Lut
 from ..maths.tone import display_srgb8
-from .checks import F32, MOST_PX
+from .checks import F32, MOST_PX, shown
 
 MAX_SIDE_PX = MOST_PX
+MOST_SAMPLES = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,11 @@ class Image:
         """
         from .io.images import save_image
 
-        save_image(self, Path(path), layers=layers)
+        try:
+            file = Path(os.fsdecode(path))
+        except TypeError:
+            raise OutputError(f"an image is saved to a path, not {shown(path)}") from None
+        save_image(self, file, layers=layers)
 
     def display(self, layer: str = "") -> NDArray[np.uint8]:
         """As on a screen, 8-bit sRGB (H, W, 3): the image, or a colour layer exposed as it is.
@@ -103,9 +109,20 @@ class Image:
         return held.getvalue()
 
 
+def checked_samples(samples: int) -> int:
+    """How many jittered images are averaged. Raises SettingsError for an impossible number."""
+    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)):
+        raise SettingsError(f"samples must be a whole number, not {shown(samples)}")
+    if not 1 <= samples <= MOST_SAMPLES:
+        raise SettingsError(
+            f"samples = {samples} is out of range", remedy=f"It goes from 1 to {MOST_SAMPLES}"
+        )
+    return int(samples)
+
+
 def checked_size(size: Sequence[int]) -> tuple[int, int]:
     """(width, height) in pixels. Raises SettingsError for an impossible one."""
-    values = tuple(size)
+    values = tuple(size) if isinstance(size, Iterable) else ()
     if len(values) != 2 or any(not isinstance(v, (int, np.integer)) for v in values):
         raise SettingsError(f"size must be two whole numbers, not {size!r}")
     if any(not 1 <= v <= MAX_SIDE_PX for v in values):

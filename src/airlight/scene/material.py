@@ -91,6 +91,10 @@ class Material:
         put(self, "alpha_cutoff", checks.number(self.alpha_cutoff, "alpha_cutoff", low=0, high=1))
         put(self, "normal_scale", checks.number(self.normal_scale, "normal_scale"))
         put(self, "emission", checks.rgb(self.emission, "emission"))
+        for name in ("base_color", "metallic_roughness", "normal", "emission"):
+            texture = getattr(self, f"{name}_texture")
+            if texture is not None:
+                checks.instance(texture, f"{name}_texture", Texture)
         for name in ("two_sided", "has_black_back", "is_blended", "is_unlit"):
             put(self, name, checks.boolean(getattr(self, name), name))
 

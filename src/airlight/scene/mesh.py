@@ -23,7 +23,10 @@ class Geometry:
     `positions` (V, 3) float32 metres; `indices` (T, 3) uint32, counter-clockwise seen from the
     front; `normals` (V, 3) float32, made smooth-shaded from the triangles where missing;
     `uvs` (V, 2) float32, v downwards from the image's top row; `colors` (V, 4) float32 linear,
-    multiplied into the base colour. Raises SceneError for NaN, no triangles, bad indices.
+    multiplied into the base colour; `tangents` (V, 4) float32, by which normal maps lie: the
+    direction of a map's red, as far as it is at right angles to the normal, and 1 or -1, the side
+    of its green, as glTF has them. Without them, or where one is 0, maps lie by `uvs`.
+    Raises SceneError for NaN, no triangles, bad indices.
     """
 
     positions: F32
@@ -31,6 +34,7 @@ class Geometry:
     normals: F32 | None = None
     uvs: F32 | None = None
     colors: F32 | None = None
+    tangents: F32 | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -49,7 +53,7 @@ class Geometry:
         count = len(positions)
         put(self, "normals", checks.array(normals, "normals", shape=(count, 3), dtype=np.float32))
         # What a vertex may have beside.
-        for name, width in (("uvs", 2), ("colors", 4)):
+        for name, width in (("uvs", 2), ("colors", 4), ("tangents", 4)):
             value = getattr(self, name)
             if value is not None:
                 put(self, name, checks.array(value, name, shape=(count, width), dtype=np.float32))
@@ -70,6 +74,8 @@ class Mesh:
     name: str = ""
 
     def __post_init__(self) -> None:
+        checks.instance(self.geometry, f"geometry of mesh '{self.name}'", Geometry)
+        checks.instance(self.material, f"material of mesh '{self.name}'", Material)
         matrix = checks.affine(self.world_from_object, f"transform of mesh '{self.name}'")
         checks.at_most(matrix, checks.MOST, f"transform of mesh '{self.name}'")
         object.__setattr__(self, "world_from_object", matrix)
@@ -109,9 +115,15 @@ def geometry_bounds(geometry: Geometry) -> tuple[F64, F64]:
 
 def _checked_indices(indices: NDArray[np.uint32], vertex_count: int) -> NDArray[np.uint32]:
     raw = np.asarray(indices)
-    # The least and the most index tell whether all are in range.
     if raw.size == 0:
         raise SceneError("mesh has no triangles")
+    # Whole numbers, whatever type they have.
+    if raw.dtype.kind not in "iu":
+        numbers = checks.array(raw, "triangle indices", shape=(None, 3), dtype=np.float64)
+        if (numbers != np.floor(numbers)).any():
+            raise SceneError("triangle indices must be whole numbers")
+        raw = numbers.astype(np.int64)
+    # The least and the most index tell whether all are in range.
     if raw.min() < 0 or raw.max() >= vertex_count:
         raise SceneError(
             f"triangle index {int(raw.max() if raw.min() >= 0 else raw.min())} is out of range: "

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import one_line
+from . import checks
 from .camera import Camera
 from .checks import F64
 from .environment import Environment
 from .lights import Light
+from .lights.light_type import LightType
 from .medium import Medium
 from .mesh import Mesh, world_boxes
 from .point_lights import PointLights
@@ -20,6 +22,16 @@ from .volume import Volume
 
 if TYPE_CHECKING:
     from .animation import Animation
+
+
+_SEVERAL: dict[str, type] = {
+    "meshes": Mesh,
+    "lights": LightType,
+    "volumes": Volume,
+    "light_groups": PointLights,
+}
+_ONE: dict[str, type] = {"camera": Camera, "environment": Environment, "medium": Medium}
+"""What fields of a scene hold: many of a type, or one, which may be missing but for a camera."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,15 +58,30 @@ class Scene:
     light_groups: tuple[PointLights, ...] = ()
 
     def __post_init__(self) -> None:
+        self._check_types()
         # They quote names from files, which may hold anything.
         object.__setattr__(self, "warnings", tuple(one_line(text) for text in self.warnings))
+
+    def _check_types(self) -> None:
+        # Of each type what is in it is known to be right; here, that it is of that type.
+        put = object.__setattr__
+        for name, kind in _SEVERAL.items():
+            given = getattr(self, name)
+            held = checks.instances(given, f"the scene's {name}", kind)
+            if held is not given:
+                put(self, name, held)
+        for name, kind in _ONE.items():
+            value = getattr(self, name)
+            if value is not None or name == "camera":
+                checks.instance(value, f"the scene's {name}", kind)
 
     def at(self, time_s: float) -> Scene:
         """The scene at `time_s`, seconds; the very same where nothing moves.
 
         It depends on the time alone, not on what was asked before. Raises SceneError.
         """
-        return self if self.animation is None else self.animation.at(self, time_s)
+        time = checks.number(time_s, "time_s")
+        return self if self.animation is None else self.animation.at(self, time)
 
     @property
     def bounds(self) -> tuple[F64, F64]:

@@ -42,6 +42,13 @@ def setting(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+def given_settings(settings: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Settings by name, as they were given. Raises SettingsError for what is no mapping."""
+    if settings is not None and not isinstance(settings, Mapping):
+        raise SettingsError(f"settings must be a mapping of names to values, not {settings!r:.80}")
+    return dict(settings or {})
+
+
 def make_settings(cls: type[S], values: Mapping[str, Any], *, where: object = "") -> S:
     """An instance of the settings class `cls` with `values` set, each checked.
 

@@ -15,8 +15,6 @@ from .map_suns import SunLights
 from .scene import Scene
 from .volume import Volume
 
-_MANY = ("lights", "light_groups", "meshes", "volumes")
-
 
 class ShownScenes:
     """Puts the meshes of lights among the others, and the suns of environment maps among lights.
@@ -53,11 +51,7 @@ def changed(scene: Scene, *, exposure_stops: float | None = None, **changes: Any
 
     Raises SettingsError for lights of other kinds.
     """
-    given: dict[str, Any] = {
-        name: tuple(value) if name in _MANY else value
-        for name, value in changes.items()
-        if value is not None
-    }
+    given = {name: value for name, value in changes.items() if value is not None}
     made = replace(scene, **given) if given else scene
     # A renderer is made for the kinds of its lights, so those have to stay.
     if [type(x) for x in made.lights] != [type(x) for x in scene.lights]:

@@ -50,7 +50,7 @@ class DrawParts(Generic[Parts]):
 
     def _forget(self, scene: GpuScene) -> None:
         """Drop the results for another scene, and for lists from before something moved."""
-        state = (scene.version, scene.color_changes)
+        state = (scene.version, scene.extra_changes)
         if scene is self._scene and state == self._state:
             return
 

@@ -26,7 +26,7 @@ from .materials import (
 )
 from .packed_maps import image_of, is_packable
 from .textures import MaterialTextures, TextureStore
-from .triangle_table import TriangleTable
+from .triangle_table import TriangleTable, has_rows
 from .vertices import VertexBuffers
 
 F64 = NDArray[np.float64]
@@ -44,8 +44,8 @@ class GpuScene:
         self.gpu = gpu
         self.store = store or TextureStore(gpu)
         self.version = 0
-        self.color_changes = 0
-        """Counts geometries whose vertices gained or lost their colours."""
+        self.extra_changes = 0
+        """Counts geometries whose vertices gained or lost what no row of the table holds."""
         self.replaced = 0
         """Counts how often vertices got other buffers, because other scenes show the old ones."""
         self._texture_sets: dict[tuple[Any, ...], MaterialTextures] = {}
@@ -166,9 +166,9 @@ class GpuScene:
 
         # Recorded draws and cached lists know by these counts whether they still hold.
         for first in changed:
-            geometry, had_colors = wanted[first], uploaded[first].colors is not None
+            geometry, before = wanted[first], uploaded[first]
             self.replaced += self._vertices.deform(first, geometry)
-            self.color_changes += had_colors != (geometry.colors is not None)
+            self.extra_changes += _extras(before) != _extras(geometry)
             if self._triangle_table:
                 self.replaced += self._triangle_table.deform(first, geometry)
         return bool(changed)
@@ -179,7 +179,7 @@ class GpuScene:
         if key not in self._is_packable:
             self._is_packable[key] = is_packable(draw.material)
         geometry = self._vertices.uploaded[draw.base_vertex]
-        return not self._is_packable[key] or geometry.colors is not None
+        return not self._is_packable[key] or not has_rows(geometry, draw.material)
 
     @property
     def material_rows(self) -> list[int]:
@@ -259,3 +259,7 @@ class GpuScene:
         if m.alpha_cutoff > 0.0:
             found.bound  # noqa: B018  drawn in any case: their mip chains are at hand now
         return found
+
+
+def _extras(geometry: Geometry) -> tuple[bool, bool]:
+    return geometry.colors is not None, geometry.tangents is not None

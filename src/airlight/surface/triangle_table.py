@@ -16,6 +16,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import Buffer, buffer_of
 from ..maths.chunks import chunks
+from ..maths.tangent_angle import packed_normals
 from ..scene.material import Material
 from ..scene.mesh import Geometry
 from .materials import IDENTITY_UV, uv_transform
@@ -26,6 +27,15 @@ from .vertices import geometry_digest
 
 WORDS = 20  # of a triangle
 _MOST = 65535  # instances, and materials: a pixel has 16 bits for each
+
+
+def has_rows(geometry: Geometry, material: Material) -> bool:
+    """Whether rows of the table hold all that a pixel of that geometry in that material needs.
+
+    Vertex colours are in none, nor are the tangents by which a normal map lies.
+    """
+    is_plain = geometry.tangents is None or material.normal_texture is None
+    return is_plain and geometry.colors is None
 
 
 def most_triangles(gpu: Gpu) -> int:
@@ -166,9 +176,8 @@ class TriangleTable:
 
     def shows(self, base_vertex: int, material: Material) -> bool:
         """Whether the table has instances of that geometry with that material."""
-        # Vertex colours are in no row of the table.
         geometry = self._last.get(base_vertex)
-        is_plain = geometry is not None and geometry.colors is None
+        is_plain = geometry is not None and has_rows(geometry, material)
         return is_plain and self._is_packed[id(material)]
 
     def deform(self, base_vertex: int, geometry: Geometry) -> bool:
@@ -267,7 +276,7 @@ def _triangles(g: Geometry) -> U32:
     normals = None
     if g.normals is not None:
         # Rounded as the scene's vertices are.
-        normals = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0).astype(np.int16)
+        normals = packed_normals(g.normals)
 
     # Corner and edges, so that a pixel's barycentric coordinates need no subtraction.
     for part in chunks(len(rows)):

@@ -1,7 +1,7 @@
 """Vertices of all geometries of a scene in shared buffers.
 
 positions    float32 x 3, apart, because shadow maps read nothing else
-vertices     normal, texture coordinates, colour
+vertices     normal with its tangent's angle, texture coordinates, colour
 indices      of each geometry from 0, drawn with a base vertex
 """
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, buffer_of
+from ..maths.tangent_angle import packed_normals, packed_tangents
 from ..scene.fingerprint import array_digest
 from ..scene.mesh import Geometry
 
@@ -26,7 +27,7 @@ def geometry_digest(g: Geometry) -> bytes:
     """Equal for geometries of the same vertices and triangles; cached on the (immutable) one."""
     known: bytes | None = g.__dict__.get("_digest")
     if known is None:
-        known = array_digest(g.positions, g.indices, g.normals, g.uvs, g.colors)
+        known = array_digest(g.positions, g.indices, g.normals, g.uvs, g.colors, g.tangents)
         object.__setattr__(g, "_digest", known)
     return known
 
@@ -103,7 +104,9 @@ def _vertex_data(g: Geometry) -> NDArray[Any]:
     # Normals as 16-bit integers, colours as half floats; no colour is white.
     data = np.zeros(len(g.positions), _VERTEX)
     if g.normals is not None:
-        data["normal"][:, :3] = np.round(np.clip(g.normals, -1.0, 1.0) * 32767.0)
+        data["normal"][:, :3] = packed_normals(g.normals)
+    if g.tangents is not None:
+        data["normal"][:, 3] = packed_tangents(data["normal"][:, :3], g.tangents)
     if g.uvs is not None:
         data["uv"] = g.uvs
     data["color"] = 1.0 if g.colors is None else g.colors

@@ -66,8 +66,8 @@ def technique_settings(name: str) -> type[SurfaceSettings]:
 
     Raises SettingsError for an unknown name, naming the nearest.
     """
-    if name not in TECHNIQUES:
-        raise SettingsError(f"unknown technique '{name}'", remedy=nearest(name, TECHNIQUES))
+    if not isinstance(name, str) or name not in TECHNIQUES:
+        raise SettingsError(f"unknown technique '{name}'", remedy=nearest(str(name), TECHNIQUES))
     return TECHNIQUES[name]
 
 

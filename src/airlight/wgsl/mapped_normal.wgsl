@@ -1,4 +1,4 @@
-// The normal map's normal, its frame made of screen derivatives (Schueler2013): no tangents.
+// The normal map's normal, in a frame made of screen derivatives (Schueler2013), or of a tangent.
 
 // `dp1`, `duv1`: what the point and its uv change by from a pixel to the next one to the right; `dp2`,
 // `duv2`: to the next one above. The screen's y runs down: who takes differences turns them over.
@@ -17,4 +17,12 @@ fn mapped_normal(
     // v runs down the image, a normal map's green up.
     return normalize(t * scale * tangent_space.x - b * scale * tangent_space.y
         + n * tangent_space.z);
+}
+
+// The same by a `tangent` that is not along `n`, whose w is the side of the bitangent. `n` faces the viewer; from behind
+// a surface shows the same bumps.
+fn tangent_mapped_normal(n: vec3f, is_front: bool, tangent: vec4f, tangent_space: vec3f) -> vec3f {
+    let t = normalize(tangent.xyz - n * dot(n, tangent.xyz));
+    let side = select(-1.0, 1.0, is_front == (tangent.w > 0.0));
+    return normalize(t * tangent_space.x + side * cross(n, t) * tangent_space.y + n * tangent_space.z);
 }

@@ -104,8 +104,14 @@ fn surface_normal(in: VertexOut, m: MaterialData, is_front: bool) -> vec3f {
     }
     let at = map_coordinates(in.uv, m.uv_normal);
     let bump = map_at(normal_map, normal_sampler, at.uv, at.dx, at.dy).xyz * 2.0 - 1.0;
-    return mapped_normal(n, dpdx(in.world), -dpdy(in.world), at.dx, -at.dy,
-        vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3)));
+    let tangent_space = vec3f(bump.xy * m.normal_scale, max(bump.z, 1e-3));
+    let by_uvs = mapped_normal(n, dpdx(in.world), -dpdy(in.world), at.dx, -at.dy, tangent_space);
+    // Without a tangent, or between ones that cancel, the texture coordinates say where the map lies.
+    let across = cross(n, in.tangent.xyz);
+    if (dot(across, across) < 1e-12) {
+        return by_uvs;
+    }
+    return tangent_mapped_normal(n, is_front, in.tangent, tangent_space);
 }
 
 fn surface_at(in: VertexOut, is_front: bool) -> SurfacePoint {

@@ -1,3 +1,5 @@
+//! use tangent_angle
+
 // Vertices of meshes, and where their instance stands: attributes too, which CPU adapters read
 // once for many vertices, and storage buffers once for each.
 
@@ -28,10 +30,18 @@ struct VertexOut {
     @location(3) color: vec4f,
     @location(4) @interpolate(flat) material: u32,
     @location(5) @interpolate(flat) size: f32,
+    @location(6) tangent: vec4f,    // world, not unit; w: the side of the bitangent; 0 where there is none
 }
 
 fn world_position(at: InstanceTransform, position: vec3f) -> vec4f {
     return mat4x4f(at.x, at.y, at.z, at.w) * vec4f(position, 1.0);
+}
+
+// The tangent goes with the surface; a mirroring placement has the bitangent on the other side.
+fn world_tangent(at: InstanceTransform, normal: vec4f) -> vec4f {
+    let tangent = tangent_of(normal);
+    let side = select(1.0, -1.0, dot(at.x.xyz, cross(at.y.xyz, at.z.xyz)) < 0.0);
+    return vec4f(mat3x3f(at.x.xyz, at.y.xyz, at.z.xyz) * tangent.xyz, tangent.w * side);
 }
 
 fn transformed_vertex(in: VertexIn, at: InstanceTransform, clip_from_world: mat4x4f) -> VertexOut {
@@ -40,6 +50,7 @@ fn transformed_vertex(in: VertexIn, at: InstanceTransform, clip_from_world: mat4
     out.clip = clip_from_world * world;
     out.world = world.xyz;
     out.normal = mat3x3f(in.normal_x, in.normal_y, in.normal_z) * in.normal.xyz;
+    out.tangent = world_tangent(at, in.normal);
     out.uv = in.uv;
     out.color = in.color;
     out.material = in.material;

@@ -100,6 +100,10 @@ def techniques(monkeypatch):
         return LpvSettings if technique == "dim" else SurfaceSettings
 
     monkeypatch.setattr("airlight.techniques.settings_class", settings_class)
+    monkeypatch.setattr(
+        "airlight.techniques.TECHNIQUES",
+        {"dim": LpvSettings, "exact": SurfaceSettings, "broken": SurfaceSettings},
+    )
 
 
 def triangle_scene(**changes):
@@ -324,14 +328,14 @@ def test_the_command_line_says_the_numbers(truth, techniques, tmp_path, capsys):
     )
     out = tmp_path / "new" / "out"
     code = cli.run(
-        ["compare", str(scene), "--technique", "dim", "nope", "-o", str(out), "--size", "32x20"]
+        ["compare", str(scene), "--technique", "dim", "broken", "-o", str(out), "--size", "32x20"]
     )
     said = capsys.readouterr()
     assert code == 0, said.err
     assert re.search(r"dim: relmse 0\.00\d+, energy 0\.9\d+, flip", said.out)
-    assert "warning: nope made no image: unknown technique 'nope'" in said.err
+    assert "warning: broken made no image: internal error: ZeroDivisionError" in said.err
     assert (out / "index.html").is_file()
-    assert cli.run(["compare", str(scene), "-t", "nope", "-o", str(out), "--size", "32x20"]) == 2
+    assert cli.run(["compare", str(scene), "-t", "broken", "-o", str(out), "--size", "32x20"]) == 2
     assert "no technique made an image" in capsys.readouterr().err
 
 
@@ -377,6 +381,16 @@ def test_a_setting_that_cannot_be_is_refused_before_any_work(
     assert cli.run([*words, "-o", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
     assert truth.asked == []
+
+
+def test_an_unknown_technique_is_refused_before_any_work(truth, techniques, tmp_path, capsys):
+    """Beside known ones, too: nothing is rendered, and no folder made."""
+    words = ["compare", "builtin:cornell", "-t", "exact", "exakt", "-o", str(tmp_path / "out")]
+    assert cli.run(words) == 2
+    said = capsys.readouterr().err
+    assert said == "error: unknown technique 'exakt'. Did you mean 'exact'?\n"
+    assert truth.asked == []
+    assert not (tmp_path / "out").exists()
 
 
 def test_without_a_reference_there_is_one_message(monkeypatch, tmp_path, capsys):

@@ -108,6 +108,21 @@ def test_a_time_does_not_remember_other_times():
     )
 
 
+def test_many_moving_meshes_make_one_new_scene_together(monkeypatch):
+    """A scene for each track would take the square of their number."""
+    made = []
+    monkeypatch.setattr(Scene, "_check_types", lambda scene: made.append(scene))
+    meshes = tuple(Mesh(shapes.quad(), name=str(k)) for k in range(50))
+    rise = Placing({"translate": line((0, 0, 0), (0, 2, 0))}, {})
+    tracks = tuple(MeshTrack(k, np.eye(4)[None], rise) for k in range(50))
+    scene = Scene(meshes=meshes, animation=Animation(tracks))
+    made.clear()
+    moved = scene.at(1.0)
+    assert len(made) == 1
+    assert {mesh.world_from_object[1, 3] for mesh in moved.meshes} == {1.0}
+    assert [mesh.name for mesh in moved.meshes] == [mesh.name for mesh in meshes]
+
+
 def test_a_scene_that_does_not_move_is_itself():
     scene = Scene()
     assert scene.at(3.0) is scene

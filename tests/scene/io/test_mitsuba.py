@@ -544,8 +544,8 @@ def test_not_a_scene(tmp_path: Path) -> None:
 
 
 def test_unsupported_shapes_are_told(tmp_path: Path) -> None:
-    read = scene(tmp_path, SENSOR.format("") + '<shape type="sdfgrid"/>')
-    assert read.warnings == ("shape (sdfgrid) is left out: shapes of this kind are not read",)
+    read = scene(tmp_path, SENSOR.format("") + '<shape type="hair"/>')
+    assert read.warnings == ("shape (hair) is left out: shapes of this kind are not read",)
 
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"

@@ -120,8 +120,12 @@ def command(
     The reference comes from Mitsuba (pip install 'airlight[reference]') and is cached on
     disk by the scene's content.
     """
+    from ...techniques import technique_settings
+
     # What can be refused is refused before minutes of path tracing.
     names = tuple(dict.fromkeys(techniques)) or ("direct", "auto")
+    for name in names:
+        technique_settings(name)
     reads(scene)
     make_folder(output)
     check_outputs(*_files(output))

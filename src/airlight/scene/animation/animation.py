@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
 from ...errors import SceneError
 from .. import checks
+from .tracks import MeshTrack
 
 if TYPE_CHECKING:
     from ..checks import F64
@@ -80,9 +82,7 @@ class Animation:
         if self.is_loop:
             time = self.start_s + (time - self.start_s) % (self.last_s - self.start_s)
         try:
-            # Tracks in their order, each on what the others have moved.
-            for track in self.tracks:
-                scene = track.apply(scene, time)
+            scene = _applied(self.tracks, scene, time)
         except SceneError as error:
             problem = f"at {time:g} s: {error.problem}"
             raise SceneError(problem, where=error.where, remedy=error.remedy) from None
@@ -105,8 +105,7 @@ class Animation:
         # Only what moves meshes can change their box.
         moving = [t for t in self.tracks if getattr(t, "moves_meshes", False)]
         for time in np.linspace(self.start_s, self.last_s, _PROBES) if moving else ():
-            for track in moving:
-                scene = track.apply(scene, float(time))
+            scene = _applied(moving, scene, float(time))
             yield scene
 
     def eyes(self, scene: Scene) -> list[tuple[float, float, float]]:
@@ -116,7 +115,23 @@ class Animation:
         moving: list[Track] = [track for track in tracks if track is not None]
         found = [scene.camera.position]
         for time in np.linspace(self.start_s, self.last_s, _PROBES) if moving else ():
-            for track in moving:
-                scene = track.apply(scene, float(time))
+            scene = _applied(moving, scene, float(time))
             found.append(scene.camera.position)
         return found
+
+
+def _applied(tracks: Iterable[Track], scene: Scene, time_s: float) -> Scene:
+    """`scene` at a time: tracks in their order, each on what the others have moved.
+
+    Meshes that follow keyframes one after the other make one new scene together, not one each.
+    """
+    for is_mesh, run in groupby(tracks, lambda track: isinstance(track, MeshTrack)):
+        if is_mesh:
+            meshes = list(scene.meshes)
+            for track in run:
+                cast(MeshTrack, track).move(meshes, time_s)
+            scene = replace(scene, meshes=tuple(meshes))
+        else:
+            for track in run:
+                scene = track.apply(scene, time_s)
+    return scene

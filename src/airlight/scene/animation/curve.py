@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -54,7 +55,14 @@ class Curve:
 
     def at(self, time_s: float) -> F64:
         """The value (C,) at a time."""
+        if self.between == "smooth":
+            return keyframes.smooth(self.times, self.values, time_s, self._speeds)
         return BETWEEN[self.between](self.times, self.values, time_s)
+
+    @cached_property
+    def _speeds(self) -> F64 | None:
+        has_two = len(self.times) > 1
+        return keyframes.catmull_rom_speeds(self.times, self.values) if has_two else None
 
     @property
     def end_s(self) -> float:

@@ -186,6 +186,8 @@ class Rig:
         weights = np.zeros(0) if part.weights is None else part.weights
         if clip is not None and part.node in clip.weights:
             weights = clip.weights[part.node].at(at)
-        positions, normals = part.shape.deformed(weights, in_file)
-        geometry = replace(mesh.geometry, positions=positions, normals=normals)
+        now = part.shape.deformed(weights, in_file)
+        geometry = replace(
+            mesh.geometry, positions=now.positions, normals=now.normals, tangents=now.tangents
+        )
         return replace(mesh, geometry=geometry, world_from_object=world)

@@ -35,52 +35,83 @@ class Skin:
 
 @dataclass(frozen=True, eq=False)
 class Morph:
-    """Deltas (M, V, 3) of positions, metres, and perhaps of normals, for M targets."""
+    """Deltas (M, V, 3) of positions, metres, and perhaps of normals and tangents, for M targets."""
 
     positions: F32
     normals: F32 | None = None
+    tangents: F32 | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Vertices:
+    """Positions (V, 3), normals (V, 3) and tangents (V, 4), as a geometry has them."""
+
+    positions: F32
+    normals: F32 | None = None
+    tangents: F32 | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
     """What a deformed geometry is made of.
 
-    `positions` (V, 3), metres; `normals` (V, 3), or None where the faces give them each time.
+    `at_rest`: its vertices, without normals where the faces give them each time.
     """
 
-    positions: F32
-    normals: F32 | None
+    at_rest: Vertices
     skin: Skin | None = None
     morph: Morph | None = None
 
-    def deformed(self, weights: F64, world: F64) -> tuple[F32, F32 | None]:
-        """Positions and normals (V, 3) for morph `weights` (M,) and world_from_node (N, 4, 4).
+    def deformed(self, weights: F64, world: F64) -> Vertices:
+        """The vertices for morph `weights` (M,) and world_from_node (N, 4, 4).
 
         In the node's space; with a skin, in the file's.
         """
         # Morph targets first, then the skin, as the specification has it.
-        positions, normals = self.positions, self.normals
+        vertices = self.at_rest
         if self.morph is not None:
-            positions = positions + _mixed(weights, self.morph.positions)
-            if normals is not None and self.morph.normals is not None:
-                normals = _unit(normals + _mixed(weights, self.morph.normals))
+            vertices = morphed(vertices, self.morph, weights)
         if self.skin is None:
-            return positions, normals
-        return skinned(positions, normals, self.skin, self.skin.matrices(world))
+            return vertices
+        return skinned(vertices, self.skin, self.skin.matrices(world))
 
 
-def skinned(
-    positions: F32, normals: F32 | None, skin: Skin, matrices: F32
-) -> tuple[F32, F32 | None]:
-    """Positions and normals (V, 3) through the mean of their joints' `matrices` (J, 3, 4)."""
+def morphed(vertices: Vertices, morph: Morph, weights: F64) -> Vertices:
+    """The vertices with the targets' deltas added by `weights` (M,)."""
+    normals, tangents = vertices.normals, vertices.tangents
+    if normals is not None and morph.normals is not None:
+        normals = _unit(normals + _mixed(weights, morph.normals))
+    # The side of the bitangent is no vector, and stays.
+    if tangents is not None and morph.tangents is not None:
+        moved = tangents[:, :3] + _mixed(weights, morph.tangents)
+        tangents = np.concatenate([moved, tangents[:, 3:]], axis=1)
+    return Vertices(vertices.positions + _mixed(weights, morph.positions), normals, tangents)
+
+
+def skinned(vertices: Vertices, skin: Skin, matrices: F32) -> Vertices:
+    """The vertices through the mean of their joints' `matrices` (J, 3, 4)."""
     # Each vertex's matrix is the mean of its joints', by weight.
-    blended = np.zeros((len(positions), 3, 4), np.float32)
+    blended = np.zeros((len(vertices.positions), 3, 4), np.float32)
     for k in range(skin.weights.shape[1]):
         blended += skin.weights[:, k, None, None] * matrices[skin.influences[:, k]]
-    placed = np.einsum("vij,vj->vi", blended[:, :, :3], positions) + blended[:, :, 3]
-    if normals is None:
-        return placed, None
+    linear = blended[:, :, :3]
+    placed = np.einsum("vij,vj->vi", linear, vertices.positions) + blended[:, :, 3]
     a, b, c = (blended[:, :, k] for k in range(3))
+    handed = np.sign(np.einsum("vi,vi->v", a, np.cross(b, c)))[:, None]
+    handed = np.where(handed == 0.0, 1.0, handed).astype(np.float32)
+    normals, tangents = vertices.normals, vertices.tangents
+    if normals is not None:
+        normals = _turned_normals(normals, (a, b, c), handed)
+    # Tangents go with the surface; a mirroring matrix has bitangents on the other side.
+    if tangents is not None:
+        turned = np.einsum("vij,vj->vi", linear, tangents[:, :3])
+        tangents = np.concatenate([turned, tangents[:, 3:] * handed], axis=1)
+    return Vertices(placed, normals, tangents)
+
+
+def _turned_normals(normals: F32, columns: tuple[F32, F32, F32], handed: F32) -> F32:
+    """Normals through matrices of these columns (V, 3), whose determinants' signs are `handed`."""
+    a, b, c = columns
     # The cofactor matrix is the inverse transpose up to its length, and exists where that does not.
     turned = (
         np.cross(b, c) * normals[:, :1]
@@ -88,8 +119,7 @@ def skinned(
         + np.cross(a, b) * normals[:, 2:]
     )
     # A mirroring matrix turns cofactors around, so its sign goes into the normal.
-    handed = np.sign(np.einsum("vi,vi->v", a, np.cross(b, c)))[:, None]
-    return placed, _unit(turned * np.where(handed == 0.0, 1.0, handed).astype(np.float32))
+    return _unit(turned * handed)
 
 
 def _mixed(weights: F64, deltas: F32) -> F32:

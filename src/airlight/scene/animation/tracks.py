@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..checks import F64
 from .curve import Curve
 
 if TYPE_CHECKING:
+    from ..mesh import Mesh
     from ..scene import Scene
 
 Curves = Mapping[str, Curve]
@@ -154,10 +156,22 @@ class Placing:
         # Curves take the place of the values that do not move.
         values = {**self.still, **_values(self.curves, time_s)}
         matrix = np.eye(4)
-        scale = np.broadcast_to(np.array(values.get("scale", 1.0)), 3)
-        matrix[:3, :3] = rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0))) * scale
+        matrix[:3, :3] = self._linear(values) if self._turns else self._still_linear
         matrix[:3, 3] = values.get("translate", (0.0, 0.0, 0.0))
         return matrix @ self.before
+
+    @property
+    def _turns(self) -> bool:
+        return "scale" in self.curves or "rotate_deg" in self.curves
+
+    @cached_property
+    def _still_linear(self) -> F64:
+        return self._linear(self.still)
+
+    @staticmethod
+    def _linear(values: Mapping[str, Any]) -> F64:
+        scale = np.broadcast_to(np.array(values.get("scale", 1.0)), 3)
+        return np.asarray(rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0))) * scale)
 
     @property
     def end_s(self) -> float:
@@ -185,13 +199,17 @@ class MeshTrack:
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the meshes where they are."""
-        # As many meshes as the file had, from the first on.
         meshes = list(scene.meshes)
+        self.move(meshes, time_s)
+        return replace(scene, meshes=tuple(meshes))
+
+    def move(self, meshes: list[Mesh], time_s: float) -> None:
+        """Put those of a scene's meshes that it moves where they are."""
+        # As many meshes as the file had, from the first on.
         _check_index(self.first + len(self.world_from_object) - 1, len(meshes), "mesh")
         moved = self.placing.at(time_s) @ self.world_from_object
         for k, matrix in enumerate(moved, start=self.first):
             meshes[k] = replace(meshes[k], world_from_object=matrix)
-        return replace(scene, meshes=tuple(meshes))
 
 
 def _check_index(index: int, count: int, what: str) -> None:

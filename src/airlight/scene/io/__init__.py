@@ -10,16 +10,17 @@ toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml
                  reference
 light_groups     thousands of point lights in an .npz file
 gltf, gltf_*     glTF 2.0 and GLB: gltf_json, _buffers and _compressed (meshopt: its streams) give
-                 values; _nodes, _camera, _mesh, _material, _uv, _variants, _deform and _animation
-                 the scene; _extensions, _losses, _tangents and _schema say what is not read, or
+                 values; _nodes, _camera, _mesh, _tangents, _material, _uv, _variants, _deform and
+                 _animation the scene; _extensions, _losses and _schema say what is not read, or
                  impossible; gltf_write, _write_material write
 obj, obj_parse   Wavefront: number_blocks parses its lines; mtl, mtl_statements its materials
 meshfile         PLY and STL; mesh_headers: whether they can be true
 usd, usd_*       OpenUSD, by an extra: usd_stage -> _mesh, _skel, _material, _lights, _volume;
                  _motion; usd_losses says what is not read
 mitsuba*         a subset of Mitsuba's scenes: mitsuba_xml -> _nodes, _values -> _shapes (_ply,
-                 _serialized), _materials (_lobes, _metals, _plastic, _blend, _bumps), _textures,
-                 _emitters, _lights, _camera; _media: where (_bodies) and what of (_coefficients)
+                 _serialized, _sdf), _materials (_lobes, _metals, _plastic, _blend, _bumps),
+                 _textures, _emitters, _lights, _camera; _media: where (_bodies), what of
+                 (_coefficients)
 polygons, normals   faces of many corners cut into triangles; normals of what has none
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
@@ -43,6 +44,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ...errors import SceneError, nearest
+from .. import checks
 from ..camera import Camera
 from ..limits import check_extent
 from ..scene import Scene
@@ -93,7 +95,7 @@ def load(
     from .model_options import model_keys
 
     # Options that do not go with this kind of file are refused before anything is read.
-    written = str(path)
+    written = checks.path_text(path, "a scene that is loaded")
     model = model_keys(
         written,
         up=up,
@@ -110,7 +112,7 @@ def load(
 
         scene = builtin_scene(written.removeprefix(BUILTIN_PREFIX))
         return _grounded(with_sky(scene, sky) if sky else scene, Path("builtin.toml"), ground)
-    file = Path(path)
+    file = Path(written)
     # Errors from here on name the file.
     with naming(file):
         scene = _loaded(file, model, sky)
@@ -236,6 +238,7 @@ def with_defaults(scene: Scene) -> Scene:
     from .defaults import with_default_camera, with_default_lights
     from .probe import Probe
 
+    checks.instance(scene, "the scene", Scene)
     # Both look at the same triangles; of large meshes the largest take a while to find.
     probe = functools.cache(lambda: Probe.of(scene))
     framed = with_default_camera(scene, probe) if scene.camera == Camera() else scene

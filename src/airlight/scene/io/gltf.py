@@ -38,7 +38,7 @@ from .gltf_material import Materials, PlacedMaterial
 from .gltf_mesh import Primitive, read_primitive, read_surface
 from .gltf_nodes import Node, read_nodes, scene_roots, skeleton, world_matrices
 from .gltf_schema import schema_doubts
-from .gltf_tangents import tangents_apart
+from .gltf_tangents import Tangents, read_tangents
 from .gltf_variants import listed_variants
 
 WATTS_PER_LUMEN = 1.0
@@ -175,21 +175,25 @@ class GltfFile:
                 self._warn(
                     primitive, f"it has no TEXCOORD_{k}, by which images of its material lie"
                 )
+        tangents = Tangents()
         if placed.material.normal_texture is not None:
-            apart = tangents_apart(primitive, self.buffers, read)
-            if apart:
-                self._warn(primitive, apart)
+            tangents = read_tangents(primitive, self.buffers, read, placed.material.normal_texture)
+        if tangents.problem:
+            self._warn(primitive, tangents.problem)
         if not placed.apart:
-            return read, None
+            return read.with_tangents(tangents.values), None
         # The others' images are drawn again in one set, on the triangles of this primitive, hence a
         # material for it.
         sets = {use.uv_set for use in placed.apart.values()}
         surface = read_surface(primitive, self.buffers, sets)
-        brought = brought_together(placed.material, placed.apart, surface)
+        has_tangents = tangents.values is not None
+        brought = brought_together(
+            placed.material, placed.apart, surface, has_tangents=has_tangents
+        )
         for problem in brought.problems:
             self._warn(primitive, f"of material '{placed.material.name}': {problem}")
         again = read_primitive(primitive, self.buffers, brought.uvs) or read
-        return again, brought.material
+        return again.with_tangents(tangents.values), brought.material
 
     def _rig(
         self, world: dict[int, F64], placed: list[tuple[Mesh, Part]], *, has_camera: bool

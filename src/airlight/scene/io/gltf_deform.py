@@ -7,7 +7,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..animation.skin import Morph, Shape, Skin
+from ..animation.skin import Morph, Shape, Skin, Vertices
 from ..checks import F32, F64
 from .gltf_buffers import Buffers
 from .gltf_json import Item
@@ -31,8 +31,9 @@ class Deforms:
         if morph is None and skin is None:
             return None
         # Flat normals follow from the deformed positions; the file's own are deformed too.
-        normals = None if read.is_flat else read.geometry.normals
-        return Shape(read.geometry.positions, normals, skin, morph)
+        geometry = read.geometry
+        normals = None if read.is_flat else geometry.normals
+        return Shape(Vertices(geometry.positions, normals, geometry.tangents), skin, morph)
 
     def weights(self, node: Item, mesh: Item, targets: int) -> F64:
         """The morph targets' weights (M,) at rest: the node's, else the mesh's, else 0."""
@@ -48,13 +49,15 @@ class Deforms:
         # Vertices may have been split at creases; deltas follow them by the rows that they came
         # from.
         count = int(read.rows.max()) + 1
-        positions = [self._deltas(target, "POSITION", count) for target in targets]
-        has_normals = any(target.has("NORMAL") for target in targets)
-        normals = [self._deltas(t, "NORMAL", count) for t in targets] if has_normals else []
-        return Morph(
-            np.stack(positions)[:, read.rows],
-            np.stack(normals)[:, read.rows] if normals else None,
-        )
+        deltas: dict[str, F32 | None] = {}
+        for name in ("POSITION", "NORMAL", "TANGENT"):
+            told = any(target.has(name) for target in targets)
+            each = [self._deltas(target, name, count) for target in targets] if told else []
+            deltas[name] = np.stack(each)[:, read.rows] if told else None
+        positions = deltas["POSITION"]
+        if positions is None:
+            positions = np.zeros((len(targets), len(read.rows), 3), np.float32)
+        return Morph(positions, deltas["NORMAL"], deltas["TANGENT"])
 
     # A target that lacks the attribute leaves it as it is.
     def _deltas(self, target: Item, name: str, count: int) -> F32:

@@ -70,13 +70,22 @@ class _Layout:
         return (worst if worst > SMALL_CONFLICT else 0.0, len(self.coarse))
 
 
-def brought_together(material: Material, uses: Mapping[str, ImageUse], surface: Surface) -> Brought:
-    """`material` on `surface`, the images of `uses` (by its field) in one set of coordinates."""
+def brought_together(
+    material: Material,
+    uses: Mapping[str, ImageUse],
+    surface: Surface,
+    *,
+    has_tangents: bool = False,
+) -> Brought:
+    """`material` on `surface`, the images of `uses` (by its field) in one set of coordinates.
+
+    `has_tangents`: the surface says itself where its normal map's bumps lean.
+    """
     # Each set of coordinates is tried as the common one, that of the normal map first, whose
     # directions then need no turn, until one is without overlap.
     best: _Layout | None = None
     for frame, uvs in _candidates(uses, surface):
-        found = _layout(uses, surface, frame, uvs)
+        found = _layout(uses, surface, frame, uvs, has_tangents=has_tangents)
         if best is None or found.order < best.order:
             best = found
         if best.is_right:
@@ -111,7 +120,12 @@ def _candidates(
 
 
 def _layout(
-    uses: Mapping[str, ImageUse], surface: Surface, frame: UvFrame | None, uvs: F64
+    uses: Mapping[str, ImageUse],
+    surface: Surface,
+    frame: UvFrame | None,
+    uvs: F64,
+    *,
+    has_tangents: bool,
 ) -> _Layout:
     textures, conflicts, coarse = {}, {}, []
     for slot, use in uses.items():
@@ -120,17 +134,18 @@ def _layout(
         if scale is not None:
             textures[slot], conflicts[slot] = replace(use.texture, scale=scale), 0.0
             continue
-        made = _drawn_again(slot, use, surface, uvs)
+        leans = slot == "normal_texture" and not has_tangents
+        made = _drawn_again(use, surface, uvs, leans=leans)
         textures[slot], conflicts[slot] = made.texture, made.conflict
         coarse += [slot] * made.is_coarse
     return _Layout(uvs, textures, conflicts, tuple(coarse))
 
 
-def _drawn_again(slot: str, use: ImageUse, surface: Surface, uvs: F64) -> Baked:
+def _drawn_again(use: ImageUse, surface: Surface, uvs: F64, *, leans: bool) -> Baked:
     # From where an image lies in the file to where it will lie, by the triangles' corners.
     source = surface.of(UvFrame(use.uv_set, use.matrix)) + np.array(use.texture.offset)
     charts = Charts(uvs[surface.triangles], source[surface.triangles])
-    return baked(use.texture, charts, is_normal=slot == "normal_texture")
+    return baked(use.texture, charts, is_normal=leans)
 
 
 def side_by_side(uvs: F64, triangles: Ints) -> F64:

@@ -9,7 +9,7 @@ from .gltf_json import Item
 
 _NEAREST = 9728
 _MORPHED = ("POSITION", "NORMAL", "TANGENT")
-"""Of a morph target; a tangent follows from the others."""
+"""Of a morph target."""
 
 
 def extensions_held(value: Any) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,12 @@ class Primitive:
     geometry: Geometry
     rows: NDArray[np.int64]
     is_flat: bool
+
+    def with_tangents(self, tangents: F32 | None) -> Primitive:
+        """The same with tangents (V, 4) of its vertices, if any."""
+        if tangents is None:
+            return self
+        return replace(self, geometry=replace(self.geometry, tangents=tangents))
 
 
 def read_primitive(

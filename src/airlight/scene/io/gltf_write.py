@@ -193,6 +193,7 @@ class GlbDocument:
             "NORMAL": geometry.normals,
             "TEXCOORD_0": geometry.uvs,
             "COLOR_0": geometry.colors,
+            "TANGENT": geometry.tangents,
         }
         attributes = {
             name: self._accessor(array, name) for name, array in values.items() if array is not None
@@ -212,6 +213,8 @@ class GlbDocument:
         packed = np.ascontiguousarray(array, "<u4" if is_index else "<f4")
         if attribute == "NORMAL":
             packed = _unit(packed)
+        if attribute == "TANGENT":
+            packed = np.concatenate([_unit(packed[:, :3], of_none=0.0), packed[:, 3:]], axis=1)
         width = 1 if is_index else packed.shape[1]
         item: Json = {
             "bufferView": self._view(packed.tobytes(), _INDICES if is_index else _VERTICES),
@@ -272,17 +275,22 @@ def _baked(geometry: Geometry, placed: F64) -> Geometry:
     a, b, c = linear.T
     cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
     normals = (-1.0 if mirrors else 1.0) * geometry.normals @ cofactors.T
+    tangents = geometry.tangents
+    if tangents is not None:
+        side = -tangents[:, 3:] if mirrors else tangents[:, 3:]
+        tangents = np.concatenate([tangents[:, :3] @ linear.T, side], axis=1).astype(np.float32)
     return Geometry(
         (geometry.positions @ linear.T + placed[:3, 3]).astype(np.float32),
         np.ascontiguousarray(geometry.indices[:, ::-1]) if mirrors else geometry.indices,
         normals=_unit(normals.astype(np.float32)),
         uvs=geometry.uvs,
         colors=geometry.colors,
+        tangents=tangents,
     )
 
 
-def _unit(normals: F32) -> F32:
-    """Of length 1, as glTF wants them; +Y for none."""
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    unit = np.where(length > 0.0, normals / np.maximum(length, 1e-30), (0.0, 1.0, 0.0))
+def _unit(vectors: F32, of_none: float = 1.0) -> F32:
+    """Of length 1, as glTF wants them; those of length 0 become +Y, `of_none` long."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    unit = np.where(length > 0.0, vectors / np.maximum(length, 1e-30), (0.0, of_none, 0.0))
     return np.asarray(unit, np.float32)

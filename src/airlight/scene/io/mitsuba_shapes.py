@@ -38,13 +38,15 @@ def shape_geometries(node: Node, source: Source) -> list[Placed]:
     """
     if node.kind in ("obj", "ply", "serialized"):
         return _from_file(node, source)
+    if node.kind == "sdfgrid":
+        return [_sdf_grid(node, source)]
     # Kinds that Mitsuba has are left out with a note, others are mistakes.
     if node.kind not in _MAKERS:
         if node.kind not in _LEFT_OUT:
             raise SceneError(
                 f"{node} is no shape of Mitsuba's",
                 where=source.path,
-                remedy=nearest(node.kind, [*_MAKERS, *_LEFT_OUT, "obj", "ply", "serialized"]),
+                remedy=nearest(node.kind, [*_MAKERS, *_LEFT_OUT, *_OF_FILES]),
             )
         source.note(f"{node} is left out: shapes of this kind are not read")
         return []
@@ -119,6 +121,14 @@ def _from_file(node: Node, source: Source) -> list[Placed]:
         geometry = _turned(geometry) if turned else geometry
         placed.append(Placed(geometry, to_world @ part.world_from_object))
     return placed
+
+
+def _sdf_grid(node: Node, source: Source) -> Placed:
+    from .mitsuba_sdf import read_sdf_grid
+
+    geometry = read_sdf_grid(source.file(node), str(node.get("normals", "smooth")))
+    is_turned = bool(node.get("flip_normals", False))
+    return Placed(_turned(geometry) if is_turned else geometry, shape_matrix(node))
 
 
 def _turned(geometry: Geometry) -> Geometry:
@@ -242,12 +252,12 @@ _MAKERS: dict[str, Callable[[], Geometry]] = {
     "cylinder": _cylinder,
     "disk": _disk,
 }
+_OF_FILES = ("obj", "ply", "serialized", "sdfgrid")
 _LEFT_OUT = (
     "bsplinecurve",
     "linearcurve",
     "ellipsoids",
     "ellipsoidsmesh",
-    "sdfgrid",
     "hair",
     "heightfield",
 )

@@ -6,6 +6,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import SceneError
 from .. import checks
@@ -18,6 +19,16 @@ _FLOAT32 = 1
 
 def read_vol(path: Path, grid: str) -> DenseGrid:
     """Mitsuba 3's grid volume: version 3, float32, x fastest, channels interleaved."""
+    values, box = _read(path)
+    return DenseGrid(values, checks.bounds((box[:3], box[3:]), "the bounding box in its header"))
+
+
+def vol_values(path: Path) -> NDArray[np.float32]:
+    """The values (z, y, x, channel) of such a file, wherever they lie. Raises SceneError."""
+    return _read(path)[0]
+
+
+def _read(path: Path) -> tuple[NDArray[np.float32], list[float]]:
     with opened(path) as stream:
         size_bytes = path.stat().st_size
         header = stream.read(_HEADER.size)
@@ -40,5 +51,4 @@ def read_vol(path: Path, grid: str) -> DenseGrid:
                 f"{channel_count} channels needs {_HEADER.size + 4 * count:,}"
             )
         values = np.frombuffer(stream.read(4 * count), dtype="<f4")
-    bounds = checks.bounds((box[:3], box[3:]), "the bounding box in its header")
-    return DenseGrid(values.reshape(nz, ny, nx, channel_count), bounds)
+    return values.reshape(nz, ny, nx, channel_count), box

@@ -69,6 +69,8 @@ class Punctual:
 class LightType:
     """Base of all types; fields are those that `keys` describes, which also checks them."""
 
+    called: ClassVar[str] = "Light"
+    """In messages about what is no light."""
     type_name: ClassVar[str] = ""
     """In scene files; empty for what no scene file has."""
     kind: ClassVar[int]
