@@ -77,6 +77,7 @@ class LightSample(LightType):
             self.tangent,
             self.size,
             self.inner_depth,
+            self.spread,
         )
 
     def sent_share(self, cosine: F64) -> F64:
