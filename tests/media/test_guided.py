@@ -89,5 +89,5 @@ def test_fire_does_not_follow_the_opacity_of_smoke() -> None:
         drawn("single", {"shafts": "off", "march_resolution": r}, scene).layers["multiple_scatter"]
         for r in ("full", "half")
     )
-    # Measured .003: what is between four texels of the reduced image that see no flame.
-    assert away(half, full) < 0.02
+    # Measured 7e-8, as pixels of flames follow their own rays; more where no texel sees a flame.
+    assert away(half, full) < 1e-3

@@ -98,7 +98,8 @@ def extinction_at(points: F64, scene: Scene, of: Extinction) -> F64:
 
 def _beam_extinction(medium: Medium | Volume) -> F64:
     """Of beams, which keep what is scattered forwards, the mean channel (1,)."""
-    return (np.array(medium.sigma_t) * beam_loss(medium.g, medium.albedo)).mean(keepdims=True)
+    loss = np.array(medium.sigma_t) * beam_loss(medium.g, medium.albedo)
+    return np.asarray(loss.mean(keepdims=True), np.float64)
 
 
 def _whole_extinction(medium: Medium | Volume) -> F64:
