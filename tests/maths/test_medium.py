@@ -22,6 +22,20 @@ def test_means_against_quadrature(x: float) -> None:
     assert float(medium.mean_absorption_depth(x)) == pytest.approx(first / mean, rel=1e-9)
 
 
+def test_a_ball_that_glows_is_seen_from_afar() -> None:
+    """Its middle alone would show exp(-x) of its light."""
+    for x in (0.1, 1.0, 2.0):
+        radius = x * np.sqrt(5.0 / 3.0)
+        for beyond in (0.0, 3.0):
+            # Slices of the ball, each through what lies before it.
+            mean, _ = quad(lambda z, r=radius: (r * r - z * z) * np.exp(z - r), -radius, radius)
+            mean *= np.exp(-beyond) / (4.0 / 3.0 * radius**3)
+            depth = radius + beyond
+            assert medium.transmittance_from_within(depth, x) == pytest.approx(mean, rel=0.02)
+    # Where no medium is left on the path nothing is lost, whatever lies on other sides.
+    np.testing.assert_allclose(medium.transmittance_from_within([0.0, 1e-9], 3.0), 1.0)
+
+
 def test_means_are_finite_for_any_depth() -> None:
     x = np.concatenate([[0.0], np.geomspace(1e-300, 1e300, 601)])
     for f in (medium.mean_transmittance, medium.mean_absorption_depth):

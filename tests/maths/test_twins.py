@@ -69,6 +69,27 @@ def test_transmittance(wgsl: Evaluate) -> None:
     np.testing.assert_allclose(rgb, medium.mean_transmittance(sigma), rtol=3e-6)
 
 
+def test_transmittance_from_within(wgsl: Evaluate) -> None:
+    rng = np.random.default_rng(5)
+    depth, inner = single(rng.random((300, 3)) * 12.0), single(rng.random((300, 3)) * 6.0)
+    depth[:20], inner[20:60] = 0.0, 0.0
+    found = wgsl("medium", "transmittance_from_within", depth, inner, returns="vec3f")
+    np.testing.assert_allclose(found, medium.transmittance_from_within(depth, inner), rtol=1e-5)
+
+
+def test_shares_in_one_number(wgsl: Evaluate) -> None:
+    shares = single(np.random.default_rng(6).random((500, 3)))
+    shares[:2] = [[0.0] * 3, [1.0] * 3]
+    back = wgsl(
+        "packed_shares",
+        "unpacked_shares",
+        wgsl("packed_shares", "packed_shares", shares),
+        returns="vec3f",
+    )
+    np.testing.assert_allclose(back, shares, atol=0.5 / 255.0 + 1e-6)
+    np.testing.assert_array_equal(back[:2], shares[:2])
+
+
 def assert_same_interval(found: np.ndarray, t0: np.ndarray, t1: np.ndarray, atol: float) -> None:
     """Hits agree; rays that graze may be told apart by float32 only."""
     hit = (t1 - t0 > 0.05) & (np.isfinite(t0) | np.isfinite(t1))

@@ -6,13 +6,14 @@ through shadow maps and the media; lattices and media take a few as local lights
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import SettingsError
 from ..maths.delta_beam import beam_loss
-from ..maths.transforms import transformed
+from ..maths.transforms import transformed, triple
 from ..scene.checks import F64
 from ..scene.lights import LightSample
 from ..scene.medium import Medium
@@ -58,7 +59,7 @@ def grouped(blocks: Blocks, most: int) -> list[I64]:
 
 def wanted_groups(blocks: Blocks, scene: Scene) -> int:
     """How many groups are as thin as `_APART` for what keeps light in, `EACH` a medium at least."""
-    loss, total = extinction_at(blocks.positions, scene), 0
+    loss, total = extinction_at(blocks.positions, scene, _beam_extinction)[:, 0], 0
     for one in range(int(blocks.volume.max()) + 1):
         rows = np.flatnonzero(blocks.volume == one)
         weight = blocks.weight[rows] + 1e-12 * max(float(blocks.weight[rows].max()), 1e-30)
@@ -69,11 +70,15 @@ def wanted_groups(blocks: Blocks, scene: Scene) -> int:
     return total
 
 
-def extinction_at(points: F64, scene: Scene) -> F64:
-    """(n,) m^-1, of beams in all media, the mean channel; voxels by the nearest one."""
-    medium, found = scene.medium, np.zeros(len(points))
+Extinction = Callable[[Medium | Volume], F64]
+"""Of a medium at density 1, m^-1, (k,)."""
+
+
+def extinction_at(points: F64, scene: Scene, of: Extinction) -> F64:
+    """(n, k) m^-1, in all media, as `of` has it of each; voxels by the nearest one."""
+    medium, found = scene.medium, np.zeros((len(points), 1))
     if medium is not None:
-        found += _beam_extinction(medium)
+        found = found + of(medium)
     for volume in scene.volumes:
         low, high = np.array(volume.bounds)
         inverse = np.asarray(np.linalg.inv(volume.world_from_volume), np.float64)
@@ -87,13 +92,19 @@ def extinction_at(points: F64, scene: Scene) -> F64:
             density = density * volume.density[z, y, x]
         elif volume.shape == "sphere":
             density = np.where(((2.0 * place - 1.0) ** 2).sum(axis=1) <= 1.0, 1.0, 0.0)
-        found += density * _beam_extinction(volume)
+        found = found + density[:, None] * of(volume)
     return found
 
 
-def _beam_extinction(medium: Medium | Volume) -> float:
-    """Of beams, which keep what is scattered forwards, at density 1; m^-1, the mean channel."""
-    return float((np.array(medium.sigma_t) * beam_loss(medium.g, medium.albedo)).mean())
+def _beam_extinction(medium: Medium | Volume) -> F64:
+    """Of beams, which keep what is scattered forwards, the mean channel (1,)."""
+    loss = np.array(medium.sigma_t) * beam_loss(medium.g, medium.albedo)
+    return np.asarray(loss.mean(keepdims=True), np.float64)
+
+
+def _whole_extinction(medium: Medium | Volume) -> F64:
+    """Of all light (3,)."""
+    return np.array(medium.sigma_t, np.float64)
 
 
 def split(blocks: Blocks, rows: I64, count: int) -> list[I64]:
@@ -116,6 +127,14 @@ def light_of(blocks: Blocks, rows: I64, chosen: int | None = None) -> LightSampl
     x, y, z = (float(c) for c in at)
     r, g, b = (float(c) for c in light.sum(axis=0))
     return LightSample((x, y, z), (0.0, 1.0, 0.0), (r, g, b), front=0.0, even=1.0, extent=extent)
+
+
+def _filling(light: LightSample, blocks: Blocks, rows: I64, extinction: F64) -> LightSample:
+    """A group's light as media see it; `extinction` (n, 3), m^-1, at all blocks."""
+    # Within the group light goes through what is there, the mean by power.
+    weight = blocks.weight[rows] + 1e-12 * max(float(blocks.weight[rows].max()), 1e-30)
+    depth = triple(light.extent * (weight @ extinction[rows]) / weight.sum())
+    return replace(light, extent=_CORE * light.extent, spread=light.extent, inner_depth=depth)
 
 
 def _extent(blocks: Blocks, rows: I64, weight: F64) -> float:
@@ -186,9 +205,10 @@ class GlowingMedia:
             )
         self._blocks = blocks
         # The groups stay; how bright they are and where their middle is follows.
-        found = [light_of(blocks, group.rows) for group in self.groups]
+        extinction = extinction_at(blocks.positions, scene, _whole_extinction)
         self.lights = tuple(
-            replace(light, extent=_CORE * light.extent, spread=light.extent) for light in found
+            _filling(light_of(blocks, group.rows), blocks, group.rows, extinction)
+            for group in self.groups
         )
         return True
 

@@ -31,6 +31,8 @@ class LightData(Struct):
     size_y = f32("m, across the tangent: `LightRow.size`")
     tangent = vec3f()
     size_x = f32("m, along it")
+    inner_depth = vec3f("`LightRow.inner_depth`")
+    spread = f32("m, of a light that fills a volume")
 
 
 LIGHT_VIEW_SLOTS = (
@@ -71,6 +73,8 @@ def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
         "tangent": row.tangent,
         "size_x": row.size[0],
         "size_y": row.size[1],
+        "inner_depth": row.inner_depth,
+        "spread": row.spread,
     }
 
 

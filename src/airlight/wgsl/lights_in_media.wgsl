@@ -24,7 +24,9 @@ fn seen_light(light: LightData, away: vec3f, eye: vec3f, reach: f32, mu: f32) ->
         gain = sent_share(light, normalize(away));
         gain *= select(1.0, softened_gain(light.nearest, reach * reach), light.kind == LIGHT_SAMPLE);
     }
-    return SeenLight(gain, reach, mu, 1.0);
+    // Near a part that fills a volume light comes from all sides (maths/point_light_beam.py, local_sharpness).
+    let sharpness = reach * inverseSqrt(reach * reach + light.spread * light.spread + 1e-30);
+    return SeenLight(gain, reach, mu, sharpness);
 }
 
 // What arrives in media from all of a light.

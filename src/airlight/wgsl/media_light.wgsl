@@ -64,7 +64,7 @@ fn media_light_depth(light: LightData, index: u32, p: vec3f) -> vec3f {
     return sum;
 }
 
-// Transmittance of all media between a light and p.
+// Transmittance of all media between a light and p, for light far from where it starts.
 fn media_light_transmittance(light: LightData, index: u32, p: vec3f) -> vec3f {
-    return exp(-media_light_depth(light, index, p));
+    return transmittance_from_within(media_light_depth(light, index, p), light.inner_depth);
 }

@@ -18,6 +18,12 @@ fn mean_transmittance_rgb(x: vec3f) -> vec3f {
     return vec3f(mean_transmittance(x.r), mean_transmittance(x.g), mean_transmittance(x.b));
 }
 
+// From all of a light that reaches `inner` optical depths ahead of its middle and behind it; `depth`: from its middle.
+fn transmittance_from_within(depth: vec3f, inner: vec3f) -> vec3f {
+    let within = min(depth, inner);
+    return exp(within - depth) * mean_transmittance_rgb(2.0 * within);
+}
+
 fn ray_box_interval(origin: vec3f, direction: vec3f, low: vec3f, high: vec3f) -> vec2f {
     let is_parallel = direction == vec3f(0.0);
     let inside = (low <= origin) & (origin <= high);

@@ -5,6 +5,7 @@
 //! use media_here
 //! use end_plane
 //! use eye_ray
+//! use packed_shares
 //! needs fn emission_at(p: vec3f, travel: vec3f) -> vec3f
 //! needs fn forward_light(p: vec3f, travel: vec3f, reached: vec3f, reduced_reached: vec3f) -> vec3f
 //! needs fn lattice_begin()
@@ -99,6 +100,7 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
     // lattices that they transmit, and what the media themselves transmit of its two bands.
     var T = vec3f(1.0);
     var L = vec3f(0.0);
+    var glow = vec3f(0.0);
     var sky = vec3f(0.0);
     var T_reduced = vec3f(1.0);
     var L_reduced = vec3f(0.0);
@@ -131,6 +133,7 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
             let T_step = exp(-depth);
             let reached = T * dt * mean_transmittance_of(depth, T_step);
             L += reached * (emitted_here + emission_at(q, -ray.direction));
+            glow += reached * emitted_here;
             sky += reached * skylit_at(q, -ray.direction);
             T *= T_step;
             T_most = max(T.r, max(T.g, T.b));
@@ -167,5 +170,7 @@ fn to_neighbours(texel: vec2i, axis: vec2i, ray: EyeRay) -> vec3f {
         let all = L_reduced + light_behind(eye, ray, t, T, T_reduced);
         L += mix(all, L_two_bands, select(T_reduced, vec3f(0.0), is_sky));
     }
-    return marched(vec4f(L, ray.distance), sky, T);
+    // Beside the light how far the ray goes; in grids, where none asks for that, which share of it is emitted.
+    let shares = packed_shares(glow / max(L, vec3f(1e-30)));
+    return marched(vec4f(L, select(ray.distance, shares, HAS_EMISSION && GRID_COUNT > 0u)), sky, T);
 }

@@ -22,18 +22,18 @@ SHAPE = (64 * PER_M, 40 * PER_M, 64 * PER_M)
 
 BOUNDS: Bounds = ((-32.0, 30.0, -32.0), (32.0, 70.0, 32.0))
 
-SUN_TRAVEL: Vec3 = (-0.70, -0.62, -0.36)
+SUN_TRAVEL: Vec3 = (-0.45, -0.55, -0.75)
 
 
 def cloud(*, seed: int = 5) -> Scene:
     """A small cumulus, 50 m wide with a flat base, alone in sun and sky.
 
-    Seen from the ground, the sun to the right behind it.
-    One grid of 128 x 80 x 128 over 64 x 40 x 64 m; extinction 0.6 per metre at density 1,
+    Seen from the ground, the sun to the right and a little behind it.
+    One grid of 128 x 80 x 128 over 64 x 40 x 64 m; extinction 1 per metre at density 1,
     albedo 0.999, g 0.85.
     """
     volume = Volume(
-        sigma_t=(0.6, 0.6, 0.6),
+        sigma_t=(1.0, 1.0, 1.0),
         density=cumulus_density(seed),
         bounds=BOUNDS,
         albedo=(0.999, 0.999, 0.999),
@@ -50,7 +50,7 @@ def cloud(*, seed: int = 5) -> Scene:
 
 
 def cumulus_density(seed: int) -> F32:
-    """Density (z, y, x) in [0, 1]: a heap of balls with a flat base, its rim eroded by billows."""
+    """Density (z, y, x) in [0, 1]: a heap of balls with a flat base, billows on its rim."""
     # How deep each cell lies in the heap, metres; balls are a little flat.
     rng = np.random.default_rng(seed)
     z, y, x = np.meshgrid(*((np.arange(n) + 0.5) / PER_M for n in SHAPE), indexing="ij")
@@ -61,11 +61,13 @@ def cumulus_density(seed: int) -> F32:
             (centred[0] - cx) ** 2 + (1.15 * (centred[1] - cy)) ** 2 + (centred[2] - cz) ** 2
         )
         depth = np.maximum(depth, radius - away)
-    # Billows and wisps move the rim of the heap; below a height it ends, as clouds do.
+    # Billows, round outwards with creases between them, and smaller ones on these. The rim is as
+    # sharp as voxels allow; below a height the heap ends, as clouds do.
     billow = np.abs(fractal_noise(SHAPE, (8, 5, 8), rng, octaves=4, gain=0.6))
-    wisp = fractal_noise(SHAPE, (16, 10, 16), rng, octaves=3, gain=0.6)
-    rim = depth.astype(np.float32) + 3.4 * (0.8 - 1.3 * billow) + 0.5 * wisp
-    density = smoothstep(-0.2, 1.3, rim) * smoothstep(2.5, 6.5, (y + 0.8 * wisp).astype(np.float32))
+    small = np.abs(fractal_noise(SHAPE, (16, 10, 16), rng, octaves=3, gain=0.7))
+    rim = depth.astype(np.float32) + 1.6 - 5.2 * np.clip(0.8 - billow, 0.0, 1.0)
+    rim += 1.2 * small - 0.7
+    density = smoothstep(0.0, 0.7, rim) * smoothstep(2.5, 5.0, (y + 0.8 * small).astype(np.float32))
     # Nothing reaches the grid's border, where it would end in a plane.
     edge = np.minimum.reduce([_inside(i, n / PER_M) for i, n in zip((z, y, x), SHAPE, strict=True)])
     return cast(F32, np.clip(density * smoothstep(0.5, 3.0, edge), 0.0, 1.0))

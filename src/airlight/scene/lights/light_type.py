@@ -32,8 +32,8 @@ class LightRow:
     """A light as shaders read it. `color`: W m^-2 of a directional light, W sr^-1 of others.
 
     `shape`: two numbers that the type's `sent_share` reads. `nearest`, m^2: squares of distances
-    are no smaller. `body`, m^2, `gap`, m, `tangent` and `size`, m: as of `LightSample`, the body
-    squared.
+    are no smaller. `body`, m^2, `gap`, m, `tangent`, `size`, m, `inner_depth` and
+    `spread`, m: as of `LightSample`, the body squared.
     """
 
     kind: int
@@ -46,6 +46,8 @@ class LightRow:
     gap: float = 0.0
     tangent: Vec3 = (1.0, 0.0, 0.0)
     size: tuple[float, float] = (0.0, 0.0)
+    inner_depth: Rgb = (0.0, 0.0, 0.0)
+    spread: float = 0.0
 
 
 NO_RADIUS_IN_GLTF = "a light's radius: glTF's lights are points, their shadows are hard"

@@ -23,7 +23,7 @@ class LightSample(LightType):
     `size`, metres, as media near it see it: of a rectangle half its sides, along `tangent` and
     across, or the radius of a ball and 0; both 0: as a point. `near`, metres along x, y and z: what
     is nearer, the surface itself, does not shadow it. `spread`, metres: the root mean square
-    distance from the middle of a part that fills a volume.
+    distance from the middle of a part that fills a volume; `inner_depth`: that as an optical depth.
     `body`, metres: radius of a disk as large as the surface that the light comes from, which
     stands in the way of what is reflected closer to it than `gap`, metres; 0 without one.
     """
@@ -40,6 +40,7 @@ class LightSample(LightType):
     size: tuple[float, float] = (0.0, 0.0)
     near: Vec3 = (0.0, 0.0, 0.0)
     spread: float = 0.0
+    inner_depth: Rgb = (0.0, 0.0, 0.0)
 
     kind: ClassVar[int] = 3
     has_size: ClassVar[bool] = True
@@ -75,6 +76,8 @@ class LightSample(LightType):
             self.gap,
             self.tangent,
             self.size,
+            self.inner_depth,
+            self.spread,
         )
 
     def sent_share(self, cosine: F64) -> F64:
