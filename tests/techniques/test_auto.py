@@ -76,7 +76,8 @@ def test_volumes_in_fog_are_part_of_its_lattice_where_cells_resolve_them(smoke_o
     # Light that falls off within cells is drawn from the grid of the volume it is in.
     for height, chosen_for_it in ((2.6, "lpv-scatter with pop"), (3.5, "lpv-scatter")):
         local = PointLight((0.0, height, 0.0), (0.01,) * 3)
-        lit = dataclasses.replace(foggy, lights=(*foggy.lights, local))
+        thin = dataclasses.replace(smoke, sigma_t=(0.05,) * 3)
+        lit = dataclasses.replace(foggy, lights=(*foggy.lights, local), volumes=(thin,))
         assert recipe_for(lit) == chosen_for_it, height
     forwards = dataclasses.replace(dense, g=(0.9,) * 3)
     assert recipe_for(dataclasses.replace(foggy, volumes=(forwards,))) == "lpv-scatter"

@@ -113,14 +113,14 @@ def _are_alike(volumes: Sequence[Volume]) -> bool:
 def _shades_a_room(scene: Scene) -> bool:
     """Whether a volume keeps more than a few percent of the local lights' light from surfaces.
 
-    Density grids do not count: lattices attenuate their lights by them, whoever solves them.
+    Density grids do not count where the lattice is `lpv`'s, which attenuates its lights by them.
     """
     if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
         return False
     # What one of them blocks, beside the section of the room.
     low, high = scene.bounds
     room = _section(high - low)
-    shapes = [volume for volume in scene.volumes if volume.density is None]
+    shapes = [v for v in scene.volumes if scene.medium is not None or v.density is None]
     return any(_shading(volume) > _SHADED_SHARE * room for volume in shapes)
 
 
