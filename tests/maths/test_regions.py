@@ -55,6 +55,30 @@ def test_a_cell_behind_closed_faces_is_of_no_region():
     assert (regions == -1).sum() == 1
 
 
+def test_a_room_whose_walls_hold_the_middles_of_boxes_has_regions_of_its_own():
+    """Light goes out of a wall's cells to both sides, and comes into none: regions that began there
+    were in the room and outside, and 24 steps brought it 1.11 times its light."""
+    count = (36, 12, 12)
+    faces = np.ones((6, *count[::-1]))
+    inside, wall = np.zeros((2, *count[::-1]), bool)
+    wall[3:10, 3:10, 3:33] = True
+    inside[4:9, 4:9, 4:32] = True
+    wall &= ~inside
+    part, middle = np.array(region_grid(count)), 3
+    assert (12 // (2 * part[1]), 12 // (2 * part[2])) == (middle, middle)
+    assert wall[middle, middle, 3:33].all()
+    for hop in range(6):
+        # Whoever comes into a wall's cell from elsewhere is stopped.
+        came_from = np.roll(wall, 1 if hop % 2 == 0 else -1, axis=2 - hop // 2)
+        faces[hop][wall & ~came_from] = 0.0
+    regions = flooded(count, faces)
+    outside = ~inside & ~wall
+    assert (regions[inside] >= 0).all()
+    assert (regions[outside] >= 0).all()
+    assert not set(regions[inside]) & set(regions[outside])
+    assert 4 <= len(set(regions[inside])) <= regions.max() < REGIONS
+
+
 def chain(bonds):
     """A step of a row of cells: shares go over between neighbours, and leave at the ends."""
 

@@ -1,4 +1,5 @@
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from airlight.errors import SettingsError
 from airlight.pop.media import PopMedia
 from airlight.rendering import Renderer, render
 from airlight.scene import Medium, PointLight
+from airlight.scene.shapes import box
 from airlight.techniques import TECHNIQUES, checked_settings, settings_class
 from airlight.techniques.auto import recipe_for
 
@@ -41,6 +43,40 @@ def test_a_ball_that_shades_a_room_with_a_light_is_part_of_the_lattice(smoke_ove
     assert chosen(dataclasses.replace(under_light, volumes=(ball,))) == "lpv-scatter"
     thin = dataclasses.replace(ball, sigma_t=(0.02, 0.02, 0.02))
     assert chosen(dataclasses.replace(under_light, volumes=(thin,))) == "lpv with pop"
+
+
+@pytest.mark.parametrize("fog", [None, Medium(sigma_t=(0.05,) * 3)])
+def test_how_much_a_volume_shades_a_room_does_not_depend_on_its_turn(smoke_over_floor, fog):
+    (smoke,), (floor,) = smoke_over_floor.volumes, smoke_over_floor.meshes
+    room = np.diag([6.0, 3.0, 5.0, 1.0])  # sides of 21 m^2 in the mean
+
+    def turn(angle_rad):
+        c, s = np.cos(angle_rad), np.sin(angle_rad)
+        return np.array([[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 0], [0, 0, 0, 1]])
+
+    found = []
+    for half, of_volume, of_room in itertools.product((0.48, 0.6), (0.0, 0.785), (0.0, 0.785)):
+        thick = dataclasses.replace(
+            smoke,
+            density=None,
+            shape="box",
+            sigma_t=(9.0,) * 3,
+            bounds=((-half,) * 3, (half,) * 3),
+            world_from_volume=turn(of_volume),
+        )
+        scene = dataclasses.replace(
+            smoke_over_floor,
+            meshes=(
+                dataclasses.replace(floor, geometry=box(), world_from_object=turn(of_room) @ room),
+            ),
+            volumes=(thick,),
+            # In the volume, so that fog's lattice has it only where it shades the room.
+            lights=(PointLight((0.0, 0.0, 0.0), (1.0,) * 3),),
+            medium=fog,
+        )
+        found.append(recipe_for(scene))
+    grid = "lpv with pop" if fog is None else "lpv-scatter with pop"
+    assert found == [*[grid] * 4, *["lpv-scatter"] * 4]
 
 
 def test_few_volumes_that_are_alike_share_a_grid(smoke_over_floor):

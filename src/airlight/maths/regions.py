@@ -9,6 +9,7 @@ Source: ours, after aggregation (Koury1984), with weights that do not depend on 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,9 +23,10 @@ REGIONS = 64
 FLOOD_STEPS = 16
 """Cells that light spreads from a region's middle."""
 OPEN = 0.5
-"""Share of a face above which a region reaches through it."""
+"""Share of a face, either way, above which a region reaches through it."""
 SLOWEST = 1e-3
 """Least share of its power that a region is taken to lose in a step."""
+_FAR = np.int64(2**32 - 1)
 
 
 def region_grid(count: Count) -> Count:
@@ -43,27 +45,75 @@ def flooded(count: Count, faces: ArrayLike) -> I64:
     `faces` (6, Z, Y, X): open shares of hops that come in along x, back, along y, back, z, back.
     """
     grid, shape = region_grid(count), count[::-1]
-    cells = np.moveaxis(np.indices(shape), 0, -1)[..., ::-1]
-    # The middle of each of the grid's boxes; the others are yet to be reached.
+    is_open = _open_both_ways(np.asarray(faces))
+    found = np.full(shape, _FAR)
+    for turn in range(2):
+        # Each box of the grid begins a region in one of its cells; then, where cells of it are
+        # still without any, as those on the other side of a wall, another one.
+        found = np.where(found == _FAR, _begun(count, grid, is_open, found, turn), found)
+        # From cell to cell through open faces; of regions as near the one nearer to the lattice's
+        # corner has a cell, so that all axes are alike.
+        for _ in range(FLOOD_STEPS):
+            nearest = found
+            for hop in range(6):
+                beside = _came(found, 2 - hop // 2, 1 if hop % 2 == 0 else -1, _FAR)
+                reached = np.where(is_open[hop] & (beside != _FAR), beside + 65536, _FAR)
+                nearest = np.minimum(nearest, reached)
+            found = nearest
+    return np.asarray(np.where(found == _FAR, -1, found & 255), dtype=np.int64)
+
+
+def _open_both_ways(faces: F64) -> NDArray[np.bool_]:
+    """Whether light comes in by a hop (6, Z, Y, X) and goes back out.
+
+    In a wall it may go one way alone: what a region had there would be on both of its sides.
+    """
+    found = []
+    for hop in range(6):
+        back = _came(faces[hop ^ 1], 2 - hop // 2, 1 if hop % 2 == 0 else -1, 0.0)
+        found.append(np.minimum(faces[hop], back) > OPEN)
+    return np.stack(found)
+
+
+def _begun(count: Count, grid: Count, is_open: NDArray[np.bool_], found: I64, turn: int) -> I64:
+    """Where regions begin, (Z, Y, X): what `found` is of those cells; far of all others.
+
+    In each box of the grid it is the cell with the fewest closed faces of those without a region,
+    and of these the one nearest to the middle. In the second `turn` the boxes with the most such
+    cells have the numbers that are left.
+    """
+    cells = np.moveaxis(np.indices(count[::-1]), 0, -1)[..., ::-1]
     part = cells * grid // count
-    is_middle = ((2 * part + 1) * count // (2 * np.array(grid)) == cells).all(axis=-1)
+    first = -(-part * count // grid)
+    x, y, z = np.moveaxis(cells - first, -1, 0)
+    wide, high, _ = np.moveaxis(-(-(part + 1) * count // grid) - first, -1, 0)
+    closed = 6 - is_open.sum(axis=0)
+    off = np.abs(cells - (2 * part + 1) * count // (2 * np.array(grid))).sum(axis=-1)
+    key = (closed << 25) + (off << 18) + (z * high + y) * wide + x
     number = (part[..., 2] * grid[1] + part[..., 1]) * grid[0] + part[..., 0]
-    far = np.int64(2**32 - 1)
-    found = np.where(is_middle, 256 * part.sum(axis=-1) + number, far)
-    # From cell to cell through open faces; of regions as near the one nearer to the lattice's
-    # corner has a cell, so that all axes are alike.
-    is_open = np.asarray(faces) > OPEN
-    for _ in range(FLOOD_STEPS):
-        nearest = found
-        for hop in range(6):
-            beside = _came(found, 2 - hop // 2, 1 if hop % 2 == 0 else -1, far)
-            reached = np.where(is_open[hop] & (beside != far), beside + 65536, far)
-            nearest = np.minimum(nearest, reached)
-        found = nearest
-    return np.where(found == far, -1, found & 255)
+    ranked = 256 * part.sum(axis=-1) + number
+    is_free = (found == _FAR) & (closed < 6)
+
+    begun = np.full(found.shape, _FAR)
+    boxes = [np.nonzero(is_free.ravel() & (number.ravel() == box))[0] for box in range(_size(grid))]
+    order = sorted(
+        (box for box in range(_size(grid)) if len(boxes[box])),
+        key=lambda box: (-len(boxes[box]), ranked.ravel()[boxes[box][0]]),
+    )
+    for rank, box in enumerate(order):
+        own = box if turn == 0 else _size(grid) + rank
+        cell = boxes[box][key.ravel()[boxes[box]].argmin()]
+        if own < REGIONS:
+            begun.ravel()[cell] = ranked.ravel()[cell] - box + own
+    return begun
 
 
-def _came(cells: I64, axis: int, step: int, far: np.int64) -> I64:
+def _size(count: Count) -> int:
+    x, y, z = count
+    return x * y * z
+
+
+def _came(cells: NDArray[Any], axis: int, step: int, far: Any) -> NDArray[Any]:
     """Values moved by `step` along `axis`, `far` coming in."""
     moved = np.roll(cells, step, axis)
     end: list[slice | int] = [slice(None)] * 3

@@ -19,9 +19,10 @@ class FloodParams(Struct):
     """A lattice and its regions."""
 
     count = vec3u("cells")
-    step = u32("0: begin with the regions' middles")
-    regions = vec3u("along x, y, z")
+    step = u32("0: where regions begin")
+    regions = vec3u("boxes along x, y, z, each of which begins one")
     has_walls = u32("whether faces may be closed")
+    turn = u32("1: the second, for cells that none of the first has reached")
 
 
 class SortParams(Struct):
@@ -41,30 +42,41 @@ def _made(name: str, kind: str) -> Slot:
     return storage(name, kind, "read_write")
 
 
-class Flood(ComputePass):
-    """Which region each cell belongs to, after one more step."""
-
-    slots = (
-        uniform("params", FloodParams),
-        storage("face_visibility", "vec2u"),
-        storage("before", "u32"),
-        _made("after", "u32"),
-    )
-    workgroup = (32, 4, 1)
-    file = "region_flood.wgsl"
-
-    def __init__(self, gpu: Gpu) -> None:
-        super().__init__(gpu, generated=f"const OPEN = {OPEN};")
-
-
 class _OfRegions(ComputePass):
     """Knows how many regions there are at most; a lane for each, unless it says otherwise."""
 
     workgroup = (REGIONS, 1, 1)
 
     def __init__(self, gpu: Gpu, *, constants: dict[str, float] | None = None) -> None:
-        generated = f"const REGIONS = {REGIONS}u;\nconst RUN = {RUN}u;"
+        generated = f"const REGIONS = {REGIONS}u;\nconst RUN = {RUN}u;\nconst OPEN = {OPEN};"
         super().__init__(gpu, constants=constants, generated=generated)
+
+
+class Seeds(_OfRegions):
+    """Where a region begins in each box, and how many cells have none."""
+
+    slots = (
+        uniform("params", FloodParams),
+        storage("face_visibility", "vec2u"),
+        _REGIONS,
+        _made("seeds", "vec2u"),
+    )
+    workgroup = (32, 1, 1)
+    file = "region_seeds.wgsl"
+
+
+class Flood(_OfRegions):
+    """Which region each cell belongs to, after one more step."""
+
+    slots = (
+        uniform("params", FloodParams),
+        storage("face_visibility", "vec2u"),
+        storage("seeds", "vec2u"),
+        storage("before", "u32"),
+        _made("after", "u32"),
+    )
+    workgroup = (32, 4, 1)
+    file = "region_flood.wgsl"
 
 
 class Count(_OfRegions):

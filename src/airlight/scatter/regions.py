@@ -1,18 +1,21 @@
 """Slow light, brought between regions of a lattice at once.
 
 Light that finds its way around walls takes hundreds of steps. A lattice is parted into at most 64
-regions, each of the cells that are nearest to its middle through open faces, so that no region
-reaches through a wall. All cells of a region are taken to have the same power; what a region then
-keeps and sends to others in a step depends on walls and media alone, and the sum over all steps to
-come is the inverse of a small matrix. After a step the power that it brought to each region, times
-that inverse, is added to the cells (maths.regions is the NumPy twin).
-Source: ours, after aggregation (Koury1984). Cells that no middle reaches are left to the steps.
+regions, each of the cells that are nearest to where it begins, through faces that are open both
+ways, so that no region reaches through a wall. Each box of a grid begins one, and another one where
+a wall keeps cells of it from the first ones. All cells of a region are taken to have the same
+power; what a region then keeps and sends to others in a step depends on walls and media alone, and
+the sum over all steps to come is the inverse of a small matrix. After a step the power that it
+brought to each region, times that inverse, is added to the cells (maths.regions is the NumPy twin).
+Source: ours, after aggregation (Koury1984). Cells that none reaches are left to the steps.
 
     walls --flood, sort--> regions, members         media, walls --exchange, invert--> matrix
     step --missing--> power under way --shares--> per region --apply--> cells
 """
 
 from __future__ import annotations
+
+import numpy as np
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -31,6 +34,7 @@ from .region_passes import (
     Invert,
     Missing,
     Scan,
+    Seeds,
     Shares,
     Sort,
     SortParams,
@@ -51,6 +55,7 @@ class Regions:
         self.regions, self._spare, self._members = (
             Buffer(gpu, name, cells * 4) for name in ("regions", "regions before", "members")
         )
+        self._seeds = Buffer(gpu, "where regions begin", REGIONS * 8)
         self._firsts = Buffer(gpu, "firsts of regions", self._runs * REGIONS * 4)
         self._starts = Buffer(gpu, "starts of regions", (REGIONS + 1) * 4)
         # Light between regions; what is under way, and what comes of it.
@@ -60,30 +65,31 @@ class Regions:
             for name in ("missing power", "shares")
         )
         kind = {"HAS_WALLS": float(has_walls), "IS_VARIED": float(is_varied), "HANDED_ON": 0.0}
-        self._flood, self._invert = Flood(gpu), Invert(gpu)
+        self._seed, self._flood, self._invert = Seeds(gpu), Flood(gpu), Invert(gpu)
         self._sorting = Count(gpu), Scan(gpu), Sort(gpu)
         self._exchange = Exchange(gpu, constants=kind)
         self._passes = Missing(gpu), Shares(gpu), Apply(gpu)
 
     def take_walls(self, commands: Commands, face_visibility: Buffer) -> None:
         """Find the regions of the cells; `face_visibility` as lattice.blockers has it."""
-        # From the regions' middles through open faces, in turn; the last step is in `regions`.
-        turns = self.regions, self._spare
-        for step in range(FLOOD_STEPS + 1):
-            turn = (FLOOD_STEPS - step) % 2
-            self._flood.dispatch(
-                commands,
-                self._count,
-                params=FloodParams.of(
+        # From where regions begin through open faces; then from where they begin in cells that none
+        # has reached. The number of steps is even: the last is in `regions`.
+        before, after = self.regions, self._spare
+        size, boxes = self._count, (int(np.prod(self._grid)) * Seeds.workgroup[0],)
+        for turn in range(2):
+            for step in range(FLOOD_STEPS + 1):
+                params = FloodParams.of(
                     count=self._count,
                     step=step,
                     regions=self._grid,
                     has_walls=int(self._has_walls),
-                ),
-                face_visibility=face_visibility,
-                before=turns[1 - turn],
-                after=turns[turn],
-            )
+                    turn=turn,
+                )
+                bound = {"params": params, "face_visibility": face_visibility, "seeds": self._seeds}
+                if step == 0:
+                    self._seed.dispatch(commands, boxes, **bound, regions=before)
+                self._flood.dispatch(commands, size, **bound, before=before, after=after)
+                before, after = after, before
         # Their cells, in the order of cells.
         params, runs = self._sorted, (self._runs,)
         firsts, regions = self._firsts, self.regions

@@ -26,7 +26,7 @@ from ..maths.transforms import F64
 from ..pop.settings import MOST_ALONE
 from ..scene.coefficients import grouped
 from ..scene.lights import DirectionalLight
-from ..scene.scene import Scene, volume_world_bounds
+from ..scene.scene import Scene
 from ..scene.volume import Volume
 
 _MOST_PARTS = 8  # of volumes on grids of their own: every path of the ordinates stores each
@@ -117,8 +117,8 @@ def _shades_a_room(scene: Scene) -> bool:
     """
     if all(isinstance(light, DirectionalLight) for light in scene.lights) or not scene.meshes:
         return False
-    # What one of them blocks, beside the section of the room.
-    low, high = scene.bounds
+    # What one of them blocks, beside the section of the room: along the walls, as for cells.
+    low, high = lattice_box(scene, (), axes=lattice_axes(scene))
     room = _section(high - low)
     shapes = [v for v in scene.volumes if scene.medium is not None or v.density is None]
     return any(_shading(volume) > _SHADED_SHARE * room for volume in shapes)
@@ -126,11 +126,12 @@ def _shades_a_room(scene: Scene) -> bool:
 
 def _shading(volume: Volume) -> float:
     """Roughly what a volume blocks, m^2: its mean cross section times 1 - transmittance."""
-    low, high = volume_world_bounds(volume)
+    low, high = np.array(volume.bounds)
+    size = (high - low) * _scale(volume)
     # About the optical depth through its middle.
     density = 1.0 if volume.density is None else float(volume.density.mean())
-    depth = max(volume.sigma_t) * density * float(np.cbrt(np.prod(high - low)))
-    return _section(high - low) * -float(np.expm1(-depth))
+    depth = max(volume.sigma_t) * density * float(np.cbrt(np.prod(size)))
+    return _section(size) * -float(np.expm1(-depth))
 
 
 def _section(size: F64) -> float:
