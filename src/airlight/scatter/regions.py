@@ -72,6 +72,19 @@ class Regions:
 
     def take_walls(self, commands: Commands, face_visibility: Buffer) -> None:
         """Find the regions of the cells; `face_visibility` as lattice.blockers has it."""
+        self._flood_cells(commands, face_visibility)
+        # Their cells, in the order of cells.
+        params, runs = self._sorted, (self._runs,)
+        firsts, regions = self._firsts, self.regions
+        count, scan, sort = self._sorting
+        count.dispatch(commands, runs, params=params, regions=regions, firsts=firsts)
+        scan.dispatch(commands, (REGIONS,), params=params, firsts=firsts, starts=self._starts)
+        sort.dispatch(
+            commands, runs, params=params, regions=regions, firsts=firsts, members=self._members
+        )
+
+    def _flood_cells(self, commands: Commands, face_visibility: Buffer) -> None:
+        """Write the region of each cell: the nearest beginning that open faces lead to."""
         # From where regions begin through open faces; then from where they begin in cells that none
         # has reached. The number of steps is even: the last is in `regions`.
         before, after = self.regions, self._spare
@@ -90,15 +103,6 @@ class Regions:
                     self._seed.dispatch(commands, boxes, **bound, regions=before)
                 self._flood.dispatch(commands, size, **bound, before=before, after=after)
                 before, after = after, before
-        # Their cells, in the order of cells.
-        params, runs = self._sorted, (self._runs,)
-        firsts, regions = self._firsts, self.regions
-        count, scan, sort = self._sorting
-        count.dispatch(commands, runs, params=params, regions=regions, firsts=firsts)
-        scan.dispatch(commands, (REGIONS,), params=params, firsts=firsts, starts=self._starts)
-        sort.dispatch(
-            commands, runs, params=params, regions=regions, firsts=firsts, members=self._members
-        )
 
     def take_medium(self, commands: Commands, lattice: StepMedium) -> None:
         """Find what regions send each other through walls and media as they are."""
