@@ -25,7 +25,7 @@ MAIN = """
     if (id.x < arrayLength(&points)) {
         let p = points[id.x].xyz;
         let n = normals[id.x].xyz;
-        let sight = sight_of(views[0], p, n);
+        let sight = sight_of(row_of_views(0u), p, n);
         results[id.x] = vec2f(flatness(sight, 0u, n), clearance(sight, 0u, n));
     }
 }

@@ -4,6 +4,7 @@ device (asked, code_paths)   which adapter, its limits and features, the paths t
 scope, memory                who releases what; textures and buffers
 shared, uploads              what parts of a technique have in common; what all renderers have
 layout, slots, source        structs declared once, bindings, WGSL files and `//! use`
+rows                         tables of structs in textures, read in no order
    -> compute, raster        passes: one class beside its WGSL; bindings, pipelines: cached
    -> fullscreen, stored     passes over whole images, drawn or, on GPUs, computed and stored
    -> commands, recorded     what a frame encodes; what stays the same is replayed

@@ -18,7 +18,7 @@ from .layout import Field, Struct
 from .memory import Texture
 from .slots import Slot, texture
 
-LINE = 4096
+LINE = 2048
 """Rows in a line of a texture."""
 _ROW_BYTES = 16
 _KINDS = {"f": "f32", "u": "u32", "i": "i32"}
