@@ -44,29 +44,6 @@ def test_a_hall_has_as_many_rows_wherever_its_box_lies(shift):
     assert abs(rows - round(rows)) < 0.15
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_walls_that_lie_anywhere_choose_the_lattice_wherever_its_box_begins(seed):
-    """Rooms with walls at many distances kept the lattice of their box: energy moved by .25."""
-    rng = np.random.default_rng(seed)
-    low, high = np.zeros(3), np.array([12.0, 3.1, 10.3])
-    meshes = []
-    for axis in (0, 1, 2, 0, 1, 2, 0, 2):
-        # A slab from wall to wall, somewhere.
-        begin, end = low.copy(), high.copy()
-        begin[axis] = rng.uniform(0.0, 0.95) * high[axis]
-        end[axis] = begin[axis] + rng.uniform(0.01, 0.05) * high[axis]
-        meshes.append(block(begin, end))
-    cell = 12.0 / 22
-    made = [
-        over(tuple(meshes), low - shift * cell, high + (1.0 - shift) * cell, 24)
-        for shift in np.linspace(0.0, 0.9, 10)
-    ]
-    for other in made[1:]:
-        assert other.cell == pytest.approx(made[0].cell, rel=1e-9)
-        apart = np.subtract(other.origin, made[0].origin) / other.cell
-        np.testing.assert_allclose(apart, np.round(apart), atol=1e-6)
-
-
 def test_walls_within_the_box_count_by_their_area():
     low, high = np.zeros(3), np.array([10.0, 10.0, 10.0])
     wall = block((0.0, 0.0, 3.3), (10.0, 10.0, 3.3001))
@@ -90,8 +67,7 @@ def test_the_lattice_holds_the_box_with_a_cell_to_spare():
             assert margin.min() > 1.0 - 1e-3
             assert margin.max() < 3.0 + 1e-3
         assert usual.cell <= made.cell <= 1.1001 * usual.cell
-        # Two more than were asked for, so that any place within a cell is possible.
-        assert max(made.count) <= 34
+        assert max(made.count) <= 32
         assert all(n % 2 == 0 for n in made.count)
 
 

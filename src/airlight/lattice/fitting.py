@@ -4,9 +4,7 @@ A wall closes the faces of cells that are nearest to it: a hall 5.06 cells high 
 cells, or six where its floor and its ceiling lie otherwise, and light fills what the sixth holds.
 So cells are made up to a tenth larger and the lattice is moved by parts of a cell, so that as much
 wall area as can be lies on faces: of all sizes and places the one that has the least mean square
-distance, in cells, from walls to faces. What is no wall along the lattice's axes has no say. Where
-walls lie at many distances none of these is much better than another, but light still depends on
-which it is: there, too, walls choose it, and not where the box around the scene begins.
+distance, in cells, from walls to faces. What is no wall along the lattice's axes has no say.
 """
 
 from __future__ import annotations
@@ -26,6 +24,8 @@ Walls = tuple[tuple[F64, F64], ...]
 _FACING = np.cos(np.radians(2.0))
 _LARGEST, _SIZES = 1.1, 11
 """Times as large cells at most, and how many sizes are tried."""
+_WORTH = 0.05
+"""Cells squared: where more than that is left walls lie anywhere, and lattices stay as they are."""
 _OFFSETS = 64
 """Places within a cell that are tried."""
 _BINS = 64
@@ -61,8 +61,6 @@ def at_walls(placement: Placement, low: F64, high: F64, walls: Walls) -> Placeme
     """A lattice over the box low..high (metres along its axes) that ends at `walls`.
 
     `placement` is what it is without them, and what comes of no walls; its cells are the smallest.
-    Where cells lie depends on the walls and on that size alone, not on where the box begins; so the
-    lattice may have two cells more along a side.
     """
     # All counts from the first wall along each axis, so that it does not matter where the scene
     # lies, nor what the box has beside walls.
@@ -73,15 +71,14 @@ def at_walls(placement: Placement, low: F64, high: F64, walls: Walls) -> Placeme
     area = sum(float(areas.sum()) for _, areas in inside)
     if area <= 0.0:
         return placement
-    # The least of all sizes, wherever the box lies: two cells more are given for that.
-    least, best = np.inf, placement
+    least, best = min(_WORTH, _off(placement, first, inside) / area), placement
     for larger in np.linspace(0.0, _LARGEST - 1.0, _SIZES):
         cell = float((1.0 + larger) * placement.cell)
         found = [_offset(places, areas, cell) for places, areas in inside]
         off = sum(left for _, left in found) / area + _PRICE * larger
-        if off < least - 1e-9:
-            offsets = np.array([at for at, _ in found])
-            least, best = off, _around(placement, (low, high), first, cell, offsets)
+        made = _around(placement, (low, high), first, cell, np.array([at for at, _ in found]))
+        if off < least - 1e-9 and max(made.count) <= max(placement.count):
+            least, best = off, made
     return best
 
 
@@ -98,6 +95,15 @@ def _binned(places: F64, areas: F64, cell: float) -> tuple[F64, F64]:
     total = np.asarray(np.bincount(bins, areas), dtype=np.float64)
     mean = np.bincount(bins, areas * places) / np.maximum(total, 1e-300)
     return mean[total > 0.0], total[total > 0.0]
+
+
+def _off(placement: Placement, first: F64, walls: list[tuple[F64, F64]]) -> float:
+    """The sum of area by distances squared, in cells, of `walls` from the faces of a lattice."""
+    total = 0.0
+    for begin, (places, areas) in zip(placement.origin - first, walls, strict=True):
+        off = (places - begin) / placement.cell
+        total += float(areas @ (off - np.round(off)) ** 2)
+    return total
 
 
 def _offset(places: F64, areas: F64, cell: float) -> tuple[float, float]:
