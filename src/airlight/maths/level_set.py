@@ -7,7 +7,6 @@ which `refined` grids bring near to the trilinear field between the grid's point
 from __future__ import annotations
 
 from itertools import permutations
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,17 +114,3 @@ def smooth_gradient(values: F64) -> tuple[F64, ...]:
     """Three grids (x, y, z) of central differences by cell, one-sided at the rim."""
     dz, dy, dx = (np.gradient(values, axis=axis) for axis in range(3))
     return dx, dy, dz
-
-
-def interpolated(values: NDArray[Any], points: F64) -> F64:
-    """(N,) the trilinear field at points (x, y, z) in cells."""
-    size = np.array(values.shape[::-1])
-    low = np.clip(np.floor(points).astype(np.int64), 0, size - 2)
-    share = points - low
-    total = np.zeros(len(points))
-    for corner in range(8):
-        bits = np.array([corner >> k & 1 for k in range(3)])
-        at = low + bits
-        weight = np.where(bits == 1, share, 1.0 - share).prod(axis=1)
-        total += values[at[:, 2], at[:, 1], at[:, 0]] * weight
-    return total

@@ -14,11 +14,11 @@ from ...errors import SceneError
 from ...maths.level_set import (
     F64,
     gradient_at,
-    interpolated,
     refined,
     smooth_gradient,
     zero_surface,
 )
+from ...maths.voxels import trilinear
 from ..mesh import Geometry
 from .files import naming
 from .vol import vol_values
@@ -54,7 +54,8 @@ def sdf_geometry(values: F64, *, is_smooth: bool = True) -> Geometry:
     points = points / parts
     if is_smooth:
         slopes = smooth_gradient(values)
-        rises = np.stack([interpolated(slope, points) for slope in slopes], axis=1)
+        # Voxels stand half a voxel behind corners, which `trilinear` counts from; points on them.
+        rises = np.stack([trilinear(slope, points + 0.5) for slope in slopes], axis=1)
     else:
         # The field's slope leaps from cell to cell: each triangle has its own corners.
         corners = points[triangles]
