@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..gpu.commands import Commands
+from ..gpu.counted import CountedRows
 from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, u32, vec2f, vec3f
@@ -226,19 +227,18 @@ class AreaLighting:
         emission: Texture | None = None,
         is_still: bool = False,
         has_mirrors: bool = False,
+        target: Texture | None = None,
+        rows: CountedRows | None = None,
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
         `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights;
         `emission`: in place of the G-buffer's. In frames (not `is_still`) half of an emitter's
         samples do where they see all of it or nothing. `has_mirrors`: rays follow what smooth
-        surfaces mirror, media that glow included.
+        surfaces mirror, media that glow included. `target`: the texture, else one for images of one
+        size; `rows`: how many of its rows are drawn.
         """
-        # One texture for images of one size.
-        if self._lit is None or self._lit.size[:2] != gbuffer.size:
-            self._lit = Texture(
-                self.gpu, "area light", gbuffer.size, "rgba32float", target=True, written=True
-            )
+        lit = target or self._fitted(gbuffer.size)
         resolution = self.shadows.maps.resolution
         spans = map_spans(resolution)
         # What every pixel needs of the camera, of maps and of emitters.
@@ -260,7 +260,15 @@ class AreaLighting:
         }
         if self.media:
             values |= {"lights": lights, **self.media.bound}
-        self._pass().draw(commands, (self._lit,), **values)
+        self._pass().draw(commands, (lit,), rows=rows, **values)
+        return lit
+
+    def _fitted(self, size: tuple[int, int]) -> Texture:
+        """One texture for images of one size."""
+        if self._lit is None or self._lit.size[:2] != size:
+            self._lit = Texture(
+                self.gpu, "area light", size, "rgba32float", target=True, written=True
+            )
         return self._lit
 
     def _pass(self) -> _AreaLighting:

@@ -16,6 +16,7 @@ from typing import NamedTuple
 from ..fields import Fields
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
+from ..gpu.counted import CountedRows
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec2u
 from ..gpu.memory import Buffer, Texture
@@ -80,9 +81,10 @@ class Air:
         segment: Segment,
         met: Met,
         air: Buffer,
+        rows: CountedRows | None = None,
     ) -> None:
         """Fill `air` for rays of `reduced` points. `ends`: where the segments of paths
-        start, and the hits where they end."""
+        start, and the hits where they end; `rows`: how many of these there are."""
         (starts, hits), light = ends, met.light
         lattice = light.lattice
         # One kernel for each number of sources and lattices, made when it is first needed.
@@ -97,9 +99,12 @@ class Air:
             self._passes[variant] = _Air(self._gpu, self.media, variant)
         # Steps are as long as the finest cells that they read allow.
         cells = [s.cell_m for s in (*light.sources, lattice) if s is not None]
-        self._passes[variant].dispatch(
+        kernel = self._passes[variant]
+        size = (reduced[0], reduced[1] * len(segment.numbers))
+        kernel.dispatch_rows(
             commands,
-            (reduced[0], reduced[1] * len(segment.numbers)),
+            size,
+            rows,
             params=AirParams(
                 reduced=reduced,
                 rays=len(segment.numbers),

@@ -12,10 +12,8 @@ from ..fields import AirLight
 from ..gpu.device import Gpu
 from ..lattice.placement import Placement
 from ..lighting.kit import Kit
-from ..lighting.lighting import RadianceLayers
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
-from ..surface.hits import Hits
 from .calibration import RAYS
 from .cells import CellPoints, CellSums, rows_of
 from .filtering import Filtering
@@ -27,6 +25,7 @@ from .seen_cells import FIRST, TURNS, SeenCells, seen_cells
 from .settings import GatherSettings
 from .sky_cells import SkyCells
 from .sums import Sums
+from .thinning import SegmentEnds
 from .upsample import Upsampling
 
 MOST_HITS = 1 << 20
@@ -51,11 +50,9 @@ class ViewBatches:
         # A point of the image for each block of pixels.
         self.points = Points(gpu, size, is_occluded=is_occluded)
         # As many rays of every point at once as an image of hits can hold.
-        width, height = self.points.reduced
-        most = gpu.limits["max-texture-dimension-2d"] // height
+        most = gpu.limits["max-texture-dimension-2d"] // self.points.reduced[1]
         self.batch = max(min(rays, RAYS), min(rays, most, MOST_HITS // self.points.count))
-        hits = (width, height * self.batch)
-        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
+        self.ends = SegmentEnds(gpu, self.points.reduced, self.batch, rays)
         # Paths of rays by the cosine, and beside them rays that patches lead.
         self.paths = Paths(gpu, self.points, cells, self.batch, has_air=has_air)
         guided = settings.gather_guided
@@ -113,8 +110,7 @@ class CellBatches:
         self._scope.release()
         self._rows, gpu = rows, self._scope
         self.points = CellPoints(gpu, rows, self._media)
-        hits = (self.points.reduced[0], rows * self.rays)
-        self.hits, self.layers = (Hits(gpu, hits), Hits(gpu, hits)), RadianceLayers(gpu, hits)
+        self.ends = SegmentEnds(gpu, self.points.reduced, self.rays, self.rays)
         self.paths = Paths(gpu, self.points, self._sky, self.rays, has_air=True)
 
     def number_of(self, sample: int, given: AirLight) -> int:

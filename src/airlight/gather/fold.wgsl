@@ -103,7 +103,8 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
             if (params.lattices == ADDED) {
                 found += known;
             }
-            path.passed *= albedo;
+            // Of the paths some end here, and the others count for them.
+            path.passed *= params.counts * albedo;
         }
         traced = luminance(found);
         path.radiance += found;
@@ -123,7 +124,7 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     // What both say of the light where the second last segment ends.
     let index = id.y * sky.reduced.x + id.x;
     if (params.lattices == TOLD) {
-        shares[index] = vec4f(0.0, luminance(known), 0.0, 0.0);
+        shares[index] = vec4f(0.0, params.counts * luminance(known), 0.0, 0.0);
     } else if (params.lattices == LEFT) {
         shares[index] = vec4f(traced, shares[index].y, luminance(known), 0.0);
     }

@@ -1,5 +1,6 @@
-// What listed pixels' rays found, and its light: two rows for each, to which later segments add theirs.
+// What listed pixels' rays found, and its light, to which later segments add theirs.
 //! use hit_code
+//! use packed_pixel
 //! use surface_reflection
 //! use specular_cosine
 //! use glow_share
@@ -51,21 +52,23 @@ fn shown(at: vec2u, hit: vec4f, seen_glow: f32) -> Shown {
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     let at = id.y * params.batch.x + id.x;
-    if (any(id.xy >= params.batch) || params.first + at >= found[0]) {
+    let before = select(params.first, 0u, params.segment > 0u);
+    if (any(id.xy >= params.batch) || before + at >= found[params.segment]) {
         return;
     }
     let hit = textureLoad(hit_positions, id.xy, 0);
     let is_followed = textureLoad(starts, id.xy, 0).w > 0.0;
-    let row = 2u * (params.first + at);
+    let pixel = unpacked_pixel(pixels[at]);
+    let row = 2u * (pixel.y * u32(params.size.x) + pixel.x);
     var throughput = vec4f(1.0, 1.0, 1.0, 0.0);
     var radiance = vec3f(0.0);
     if (params.segment == 0u) {
         // Pixels show what glows themselves, in closed form.
         let kind = select(NOWHERE, select(LEFT, MET, hit.w > 0.0), is_followed);
-        mirrored[row] = vec4f(hit.xyz, kind);
+        textureStore(mirrored_ends, pixel, vec4f(hit.xyz, kind));
     } else {
-        throughput = throughputs[at];
-        radiance = mirrored[row + 1u].rgb;
+        throughput = throughputs[row];
+        radiance = throughputs[row + 1u].rgb;
     }
     var onwards = vec4f(0.0);
     if (is_followed) {
@@ -74,6 +77,8 @@ fn shown(at: vec2u, hit: vec4f, seen_glow: f32) -> Shown {
         radiance += throughput.rgb * (air.light + air.passed * found_here.light);
         onwards = vec4f(throughput.rgb * air.passed * found_here.onwards, found_here.glow);
     }
-    mirrored[row + 1u] = vec4f(radiance, 0.0);
-    throughputs[at] = onwards;
+    // The last segment's are what stays.
+    textureStore(mirrored_found, pixel, vec4f(radiance, 0.0));
+    throughputs[row] = onwards;
+    throughputs[row + 1u] = vec4f(radiance, 0.0);
 }

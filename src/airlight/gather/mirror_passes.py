@@ -48,15 +48,27 @@ _FOUND: tuple[Slot, ...] = tuple(
 
 
 class Listing(ComputePass):
-    """Lists the pixels that mirror enough."""
+    """Lists the pixels that send rays, and notes whose ray each pixel shows."""
 
     slots = (
         *_PIXELS,
         storage("found", "atomic<u32>", "read_write"),
         storage("listed", "u32", "read_write"),
-        image("rows", "r32uint"),
+        image("senders", "r32uint"),
     )
     file = "mirror_list.wgsl"
+
+
+class Counting(ComputePass):
+    """Counts the rays of a segment, and writes the arguments of the passes over them."""
+
+    slots = (
+        uniform("params", MirrorParams),
+        storage("found", "atomic<u32>", "read_write"),
+        storage("arguments", "u32", "read_write"),
+    )
+    workgroup = (1, 1, 1)
+    file = "mirror_counts.wgsl"
 
 
 class FirstRays(ComputePass):
@@ -69,12 +81,12 @@ class FirstRays(ComputePass):
         storage("albedo_texels", "u32"),
         storage("found", "u32"),
         storage("listed", "u32"),
-        image("starts", "rgba32float"),
+        storage("next_pixels", "u32", "read_write"),
+        image("next_starts", "rgba32float"),
         image("hit_positions", "rgba32float"),
         image("hit_normals", "rgba16float"),
         image("hit_albedos", "rgba16float"),
     )
-    in_bands = True
     file = "mirror_rays.wgsl"
 
 
@@ -90,7 +102,9 @@ class LaterRays(ComputePass):
         storage("albedo_rows", AlbedoData),
         storage("albedo_texels", "u32"),
         storage("glosses", GlossData),
-        storage("listed", "u32"),
+        storage("found", "atomic<u32>", "read_write"),
+        storage("pixels", "u32"),
+        storage("next_pixels", "u32", "read_write"),
         image("next_starts", "rgba32float"),
         image("hit_positions", "rgba32float"),
         image("hit_normals", "rgba16float"),
@@ -102,7 +116,6 @@ class LaterRays(ComputePass):
 class MirrorLight(ComputePass):
     """Adds up what rays found, with its light."""
 
-    in_bands = True
     file = "mirror_light.wgsl"
 
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
@@ -117,8 +130,10 @@ class MirrorLight(ComputePass):
             *((storage("air", "vec4f"),) if has_air else ()),
             storage("glosses", GlossData),
             storage("cosines", "vec4f"),
+            storage("pixels", "u32"),
             storage("throughputs", "vec4f", "read_write"),
-            storage("mirrored", "vec4f", "read_write"),
+            image("mirrored_ends", "rgba32float"),
+            image("mirrored_found", "rgba32float"),
         )
         super().__init__(gpu, generated=KINDS + (_AIR if has_air else _NO_AIR))
 
@@ -128,8 +143,9 @@ class Resolving(ComputePass):
 
     slots = (
         *_PIXELS,
-        texture("rows", "2d", "uint"),
-        storage("mirrored", "vec4f"),
+        texture("senders", "2d", "uint"),
+        texture("mirrored_ends", "2d", "unfilterable-float"),
+        texture("mirrored_found", "2d", "unfilterable-float"),
         storage("cosines", "vec4f"),
         image("mirrored_sky", "rgba32float"),
         image("mirrored_light", "rgba32float"),

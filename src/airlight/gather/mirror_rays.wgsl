@@ -11,10 +11,12 @@
     if (any(id.xy >= params.batch)) {
         return;
     }
-    let row = params.first + id.y * params.batch.x + id.x;
+    let at = id.y * params.batch.x + id.x;
+    let row = params.first + at;
     var hit = no_ray();
     var start = vec4f(0.0);
     if (row < found[0]) {
+        next_pixels[at] = listed[row];
         let pixel = unpacked_pixel(listed[row]);
         let p = pixel_point(vec2f(pixel) + 0.5, textureLoad(depth, pixel, 0));
         let facing = textureLoad(normal, pixel, 0);
@@ -37,6 +39,6 @@
             hit = gather_hit(start.xyz, direction);
         }
     }
-    textureStore(starts, id.xy, start);
+    textureStore(next_starts, id.xy, start);
     store_hit(id.xy, hit);
 }

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..fields import Fields
 from ..gpu.commands import Commands
+from ..gpu.counted import CountedRows
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..lighting.gathered import Mirrored
@@ -25,6 +26,7 @@ from .albedo import Albedos
 from .glosses import Glosses
 from .mirror_passes import (
     KINDS,
+    Counting,
     FirstRays,
     LaterRays,
     Listing,
@@ -35,7 +37,7 @@ from .mirror_passes import (
 from .points import pixel_m
 from .trace import Segment
 
-MOST_HITS = 1 << 19
+MOST_HITS = 1 << 18
 """Rays that are lit at once."""
 _REACH = 0.02  # of the image's height, within which pixels share rays in the first sample
 
@@ -49,6 +51,7 @@ class Mirrors:
         self._kit, self.lighting, self._air = kit, lighting, air
         # Which pixels mirror, the light of what their rays meet, and how pixels share it.
         self._list, self._light = Listing(gpu), MirrorLight(gpu, has_air=air is not None)
+        self._counting = Counting(gpu)
         self._resolve = Resolving(gpu, generated=KINDS)
         # Without metal no path goes on from mirror to mirror.
         self._glosses = Glosses(gpu, kit.meshes.original)
@@ -77,7 +80,7 @@ class Mirrors:
         self._glosses.follow(self._kit.meshes.current)
         sized = self._fitted(view.size)
         pixels = {**view.gbuffer.bound}
-        # Which pixels mirror: they are listed, and each texel of `rows` holds its row.
+        # Which pixels send rays: they are listed, and `senders` says whose ray each pixel shows.
         with commands.stage("mirrored rays"):
             commands.encoder.clear_buffer(sized.found.handle)
             self._list.dispatch(
@@ -87,7 +90,7 @@ class Mirrors:
                 **pixels,
                 found=sized.found,
                 listed=sized.listed,
-                rows=sized.rows,
+                senders=sized.senders,
             )
         # Rays of the listed pixels, as many at once as the images of hits hold.
         for first in range(0, view.size[0] * view.size[1], sized.count):
@@ -99,8 +102,9 @@ class Mirrors:
                 view.size,
                 params=sized.params(view, 0),
                 **pixels,
-                rows=sized.rows,
-                mirrored=sized.mirrored,
+                senders=sized.senders,
+                mirrored_ends=sized.ends,
+                mirrored_found=sized.light,
                 cosines=self._cosines,
                 mirrored_sky=sized.out.sky,
                 mirrored_light=sized.out.light,
@@ -122,73 +126,88 @@ class Mirrors:
             # A segment's hits are the next one's starts: two sets of buffers, in turn.
             goes_on = index + 1 < self._segments
             params = sized.params(view, first, index, self._kit.rays.raised, goes_on=goes_on)
-            hits, starts = sized.hits[index % 2], sized.starts[index % 2]
-            found = {
-                "hit_positions": hits.positions,
-                "hit_normals": hits.normal,
-                "hit_albedos": hits.albedo,
+            ends = sized.ends_of(index)
+            given = {
+                **met[0].bound,
+                **met[1].bound,
+                "params": params,
+                "found": sized.found,
+                "next_pixels": ends.pixels,
+                "next_starts": ends.starts,
+                "hit_positions": ends.hits.positions,
+                "hit_normals": ends.hits.normal,
+                "hit_albedos": ends.hits.albedo,
             }
-            given = {**met[0].bound, **met[1].bound, "params": params, "listed": sized.listed}
             with commands.stage("mirrored rays"):
                 # The first segment starts at pixels that mirror, others where the one before ended.
                 if index == 0:
-                    self._rays[1].dispatch(
+                    self._count(commands, params, ends)
+                    self._rays[1].dispatch_indirect(
                         commands,
-                        hits.size,
+                        ends.rows.arguments,
                         depth=view.gbuffer.bound["depth"],
                         normal=view.gbuffer.bound["normal"],
+                        listed=sized.listed,
                         **given,
-                        found=sized.found,
-                        starts=starts,
-                        **found,
                     )
                 else:
-                    before = sized.hits[(index - 1) % 2]
-                    self._rays[2].dispatch(
+                    before = sized.ends_of(index - 1)
+                    self._rays[2].dispatch_indirect(
                         commands,
-                        hits.size,
-                        starts=sized.starts[(index - 1) % 2],
-                        met_positions=before.positions,
-                        met_normals=before.normal,
+                        before.rows.arguments,
+                        pixels=before.pixels,
+                        starts=before.starts,
+                        met_positions=before.hits.positions,
+                        met_normals=before.hits.normal,
                         glosses=self._glosses.rows,
                         **given,
-                        next_starts=starts,
-                        **found,
                     )
-            self._light_hits(commands, fields, params, hits, starts)
+                    self._count(commands, params, ends)
+            self._light_hits(commands, fields, params, ends)
+
+    def _count(self, commands: Commands, params: MirrorParams, ends: _Ends) -> None:
+        """Tell later passes how many rays a segment has."""
+        assert self._sized is not None
+        self._counting.dispatch(
+            commands,
+            (1,),
+            params=params,
+            found=self._sized.found,
+            arguments=ends.rows.arguments,
+        )
 
     def _light_hits(
         self,
         commands: Commands,
         fields: Fields,
         params: MirrorParams,
-        hits: Hits,
-        starts: Texture,
+        met: _Ends,
     ) -> None:
         """Add the light of what a segment met, as far as it passes the media on its path."""
         assert self._sized is not None
-        sized, air = self._sized, {}
+        sized, hits, air = self._sized, met.hits, {}
         # Media along the rays: their light, and their transmittance.
         if self._air is not None and sized.air is not None:
             with commands.stage("mirrored rays"):
-                ends, whole = (starts, hits), Segment(range(1), 0, 0.0)
-                met = light_in(fields, is_mirrored=True)
-                self._air.encode(commands, hits.size, ends, whole, met, sized.air)
+                ends, whole = (met.starts, hits), Segment(range(1), 0, 0.0)
+                along = light_in(fields, is_mirrored=True)
+                self._air.encode(commands, hits.size, ends, whole, along, sized.air, met.rows)
                 air = {"air": sized.air}
         with commands.stage("mirrored light"):
             # Hits lit as pixels are, by lights and by lattices.
             cache, lit = fields.irradiance or self._kit.no_irradiance, sized.layers.direct
-            what = HitsInLight(hits, sized.layers, fields.sky)
+            what = HitsInLight(hits, sized.layers, fields.sky, met.rows)
             if self._segments > 1:
                 lit, _ = self.lighting.apart(commands, what, cache)
             else:
                 self.lighting.encode(commands, what, cache)
             # Their radiance goes to the pixel that sent the ray, or on along the next ray.
-            self._light.dispatch(
+            self._light.dispatch_indirect(
                 commands,
-                hits.size,
+                met.rows.arguments,
                 params=params,
-                starts=starts,
+                pixels=met.pixels,
+                starts=met.starts,
                 hit_positions=hits.positions,
                 hit_normals=hits.normal,
                 hit_albedos=hits.albedo,
@@ -200,7 +219,8 @@ class Mirrors:
                 glosses=self._glosses.rows,
                 cosines=self._cosines,
                 throughputs=sized.throughputs,
-                mirrored=sized.mirrored,
+                mirrored_ends=sized.ends,
+                mirrored_found=sized.light,
             )
 
     def _fitted(self, size: tuple[int, int]) -> _Sized:
@@ -208,35 +228,43 @@ class Mirrors:
             self._scope.release()
             self._sized = None
             has_air = self._air is not None
-            # Where paths go on, hits and starts of two segments are there at once.
-            self._sized = _Sized(self._scope, size, min(self._segments, 2), has_air=has_air)
+            self._sized = _Sized(self._scope, size, self._segments, has_air=has_air)
         return self._sized
 
 
-class _Sized:
-    """What depends on the image's size. `count`: rays of a batch; `pairs`: of starts and hits."""
+class _Ends:
+    """The rays of a segment: their pixels, where they start, what they meet, how many `rows`."""
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int], pairs: int, *, has_air: bool) -> None:
+    def __init__(self, gpu: Gpu, batch: tuple[int, int]) -> None:
+        self.pixels = Buffer(gpu, "pixels of mirrored rays", 4 * batch[0] * batch[1])
+        self.starts = Texture(gpu, "starts of mirrored rays", batch, "rgba32float", written=True)
+        self.hits, self.rows = Hits(gpu, batch), CountedRows(gpu, "count of mirrored rays")
+
+
+class _Sized:
+    """What depends on the image's size, for paths of `segments`. `count`: rays of a batch."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], segments: int, *, has_air: bool) -> None:
         self.size = size
         width, height = size
         # An image of hits holds this many rays.
         batch = (width, max(1, min(height, MOST_HITS // width)))
         self.count = batch[0] * batch[1]
-        # Of the whole image: which pixels mirror, and what their rays found.
-        self.found = Buffer(gpu, "mirroring pixels", 16)
+        # Of the whole image: which pixels send rays, and what these found.
+        self.found = Buffer(gpu, "mirroring pixels", 4 * (segments + 1))
         self.listed = Buffer(gpu, "list of mirroring pixels", 4 * width * height)
-        self.mirrored = Buffer(gpu, "mirrored rays", 32 * width * height)
-        self.rows = Texture(gpu, "rows of mirroring pixels", size, "r32uint", written=True)
-        # Of a batch: its rays, what they met, and how that is lit.
-        self.hits, self.layers = (
-            [Hits(gpu, batch) for _ in range(pairs)],
-            RadianceLayers(gpu, batch),
+        self.senders = Texture(gpu, "senders of mirrored rays", size, "r32uint", written=True)
+        self.ends, self.light = (
+            Texture(gpu, label, size, "rgba32float", written=True)
+            for label in ("ends of mirrored rays", "light of mirrored rays")
         )
-        self.starts = [
-            Texture(gpu, "starts of mirrored rays", batch, "rgba32float", written=True)
-            for _ in range(pairs)
-        ]
-        self.throughputs = Buffer(gpu, "throughput of mirrored rays", 16 * self.count)
+        # What paths pass on and have found, from one segment to the next.
+        self.throughputs = Buffer(gpu, "throughput of mirrored rays", 32 * width * height)
+        # Of a batch: its rays, what they met, and how that is lit. Where paths go on, those of two
+        # segments are there at once.
+        self.batch = batch
+        self._ends = [_Ends(gpu, batch) for _ in range(min(segments, 2))]
+        self.layers = RadianceLayers(gpu, batch)
         self.air = Buffer(gpu, "air along mirrored rays", 32 * self.count) if has_air else None
         # What pixels mirror in the end.
         sky, light = (
@@ -244,6 +272,10 @@ class _Sized:
             for label in ("mirrored sky", "mirrored light")
         )
         self.out = Mirrored(sky, light)
+
+    def ends_of(self, segment: int) -> _Ends:
+        """Where rays of the segment end; of every second one in the same images."""
+        return self._ends[segment % 2]
 
     def params(
         self,
@@ -261,7 +293,7 @@ class _Sized:
             eye=view.eye,
             first=first,
             size=self.size,
-            batch=self.hits[0].size,
+            batch=self.batch,
             sample=view.sample,
             reach=max(1.0, _REACH * self.size[1]) * (view.sample + 1) ** -0.25,
             texel=pixel_m(view.world_from_clip, self.size[1]),

@@ -4,10 +4,12 @@
 //! use gather
 //! use ggx_sampling
 //! use specular_cosine
+//! use mirrored_by
 
 const AROUND = 16u;         // pixels that are asked
 const TURN = 2.3999632;     // rad, the golden angle
 const SHARP = 0.003;        // of alpha: smoother surfaces show their own rays alone
+const NO_PIXEL = vec2u(0xffffffffu);
 
 struct Asking {
     origin: vec3f,
@@ -17,9 +19,17 @@ struct Asking {
     texel_m: f32,
 }
 
-// Weight of the ray of `pixel`, whose row is given.
-fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
-    let ray = mirrored[2u * row];
+// The pixel whose ray one shows; none's, where it does not mirror, is far outside.
+fn sender_of(pixel: vec2u) -> vec2u {
+    switch textureLoad(senders, pixel, 0).x {
+        case BY_OWN: { return pixel; }
+        case BY_BLOCK: { return pixel_of_block(pixel); }
+        default: { return NO_PIXEL; }
+    }
+}
+
+// Weight of the `ray` of `pixel`.
+fn ray_weight(own: Asking, pixel: vec2u, ray: vec4f) -> f32 {
     if (ray.w == NOWHERE) {
         return 0.0;
     }
@@ -45,8 +55,7 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
     }
     var sky = vec4f(0.0);
     var light = vec4f(0.0);
-    let row = textureLoad(rows, id.xy, 0).x;
-    if (row > 0u) {
+    if (textureLoad(senders, id.xy, 0).x != BY_NONE) {
         // The pixel's surface, and which rays it would have sent.
         let p = pixel_point(vec2f(id.xy) + 0.5, textureLoad(depth, id.xy, 0));
         let facing = textureLoad(normal, id.xy, 0);
@@ -65,14 +74,15 @@ fn ray_weight(own: Asking, pixel: vec2u, row: u32) -> f32 {
             let turn = TURN * f32(k + AROUND * params.sample);
             let step = params.reach * sqrt(f32(k) / f32(AROUND)) * vec2f(cos(turn), sin(turn));
             let pixel = vec2i(id.xy) + vec2i(round(step));
-            var other = 0u;
+            var other = NO_PIXEL;
             if (all(pixel >= vec2i(0)) && all(pixel < vec2i(params.size))) {
-                other = textureLoad(rows, pixel, 0).x;
+                other = sender_of(vec2u(pixel));
             }
-            if (other > 0u) {
-                let weight = ray_weight(own, vec2u(pixel), other - 1u);
-                let found = weight * mirrored[2u * (other - 1u) + 1u].rgb;
-                let is_sky = mirrored[2u * (other - 1u)].w == LEFT;
+            if (any(other != NO_PIXEL)) {
+                let ray = textureLoad(mirrored_ends, other, 0);
+                let weight = ray_weight(own, other, ray);
+                let found = weight * textureLoad(mirrored_found, other, 0).rgb;
+                let is_sky = ray.w == LEFT;
                 sky += vec4f(select(vec3f(0.0), found, is_sky), weight);
                 light += vec4f(select(found, vec3f(0.0), is_sky), weight);
             }

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, u32
+from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..surface.hits import Hits
@@ -26,6 +26,7 @@ class FoldParams(Struct):
     lattices = u32("what becomes of their light, as `fold.wgsl` has it")
     has_forward = u32("whether there is light that media only scatter forwards")
     guided = u32("rays of a point that are led to what lights shine on, beside these")
+    counts = f32("for how many of these paths each of those stands that go on")
 
 
 class Lattices(Enum):
@@ -132,6 +133,7 @@ class Paths:
                 lattices=lattices.value,
                 has_forward=int(light.forward is not None),
                 guided=guide[1],
+                counts=segment.counts,
             ),
             sky=self._cells.params(self._points, rays, 0),
             places=self._points.places,

@@ -19,6 +19,7 @@ from .guide import LightGuide
 from .paths import Lattices, SegmentLight
 from .settings import GatherSettings
 from .sky_cells import SkyCells
+from .thinning import counts, going_on
 from .trace import Segment, Trace
 
 
@@ -87,40 +88,44 @@ class PathSegments:
         numbers: range,
         fields: Fields,
         guided: int = 0,
-    ) -> Iterator[int]:
+    ) -> Iterator[Segment]:
         """Trace paths of several segments; lattices light what the last of them meets.
 
-        `guided`: rays of each point beside these that are led to what lights shine on.
+        `numbers`: of a batch's rays. `guided`: rays of each point beside these that are led to what
+        lights shine on.
 
-        Yields the number of each segment once its light is in the paths; none where nobody waits.
+        Yields the rays of each segment once its light is in the paths; none where nobody waits.
         """
         assert self.trace is not None
         rays = sized.rays
-        # Two sets of hits, in turn: where a segment starts and where it ends.
         count = self.settings.gather_bounces if self._bounces else 1
-        hits, before = sized.hits
+        first = rays * (numbers.start // rays)
+        sample = range(first, first + rays)
+        before = sized.ends.of(0).hits
         for index in range(count):
-            if not commands.is_wanted:
+            # Later segments have fewer rays, none of some batches.
+            along = going_on(numbers, sample, index)
+            if not (along and commands.is_wanted):
                 return
             # What each ray meets, from the surface that the one before it met.
-            segment = Segment(numbers, index, self.kit.rays.raised)
+            ends, is_last = sized.ends.of(index), index + 1 == count
+            hits, weight = ends.hits, 1.0 if is_last else counts(index, rays)
+            segment = Segment(along, index, self.kit.rays.raised, weight)
             with commands.stage("gather rays"):
                 guide = self._guide.patches, sized.paths.buffer
                 self.trace.encode(commands, sized.points, (before, hits), segment, guide)
             # What media along the segment scatter into it, and how much light they let by.
             if self._air is not None and sized.paths.air is not None:
-                ends = (sized.points.places if index == 0 else before.positions, hits)
-                self._pass_air(commands, sized, ends, segment, fields, sized.paths.air)
+                both = (sized.points.places if index == 0 else before.positions, hits)
+                self._pass_air(commands, sized, both, segment, fields, sized.paths.air)
             with commands.stage("gather lighting"):
                 told = self._told(count - 1 - index, count)
-                light = self._light(
-                    commands, sized.layers, hits, fields, told, is_last=index + 1 == count
-                )
+                light = self._light(commands, ends.layers, hits, fields, told, is_last=is_last)
                 patches = self._guide.patches, guided
                 sized.paths.encode(commands, hits, light, segment, rays, told, patches)
-            yield index
+            yield segment
             # The next segment starts where this one ended.
-            hits, before = before, hits
+            before = hits
 
     def _told(self, left: int, count: int) -> Lattices:
         """What becomes of the lattices' light with so many segments `left` of `count`."""

@@ -147,13 +147,17 @@ class GatherSolver(Solver):
         sample = range(number * rays, (number + 1) * rays)
         for first in range(sample.start, sample.stop, sized.batch):
             numbers = range(first, min(first + sized.batch, sample.stop))
-            for index in self._paths.followed(commands, sized, numbers, fields, guided):
-                if index == 0:
+            later = range(0)
+            for segment in self._paths.followed(commands, sized, numbers, fields, guided):
+                if segment.index == 0:
                     with commands.stage("gather lighting"):
                         sized.sums.encode(commands, view, sized.paths, numbers, sample)
-            # What later segments found counts once per batch.
-            with commands.stage("gather lighting"):
-                sized.sums.encode_later(commands, view, sized.paths, numbers)
+                elif segment.index == 1:
+                    later = segment.numbers
+            # What later segments found counts once per batch, of the rays that have them.
+            if later:
+                with commands.stage("gather lighting"):
+                    sized.sums.encode_later(commands, view, sized.paths, later)
         # Rays towards lit patches share with the others what both may find.
         if guided:
             self._paths.add_guided(commands, sized, number, fields)

@@ -35,11 +35,15 @@ class TraceParams(Struct):
 @dataclass(frozen=True)
 class Segment:
     """A segment of paths: the numbers of their rays, its own, and how far above surfaces, m, it
-    starts."""
+    starts.
+
+    `counts`: for how many of these paths each of those stands that go on from where it ends.
+    """
 
     numbers: range
     index: int
     raised: float
+    counts: float = 1.0
 
 
 class _Trace(ComputePass):

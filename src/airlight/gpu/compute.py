@@ -17,6 +17,7 @@ from .bands import BAND, Band, banded, longest, part
 from .bands import ENTRY as BANDED
 from .bindings import Bindings
 from .commands import Commands
+from .counted import CountedRows
 from .demands import check_slots, check_workgroup, compiled
 from .device import Gpu
 from .memory import Buffer
@@ -115,6 +116,19 @@ class ComputePass:
             commands.tally.ran(commands.stage_name, prod(groups) * prod(self.workgroup))
         if commands.recording is not None:
             commands.recording.append(Dispatch(self.pipeline, self.bindings, values, groups))
+
+    def dispatch_rows(
+        self,
+        commands: Commands,
+        invocations: tuple[int, ...],
+        rows: CountedRows | None,
+        **values: Any,
+    ) -> None:
+        """Run over a grid, or over as many of its `rows` as the device has counted."""
+        if rows is None:
+            self.dispatch(commands, invocations, **values)
+        else:
+            self.dispatch_indirect(commands, rows.arguments, **values)
 
     def dispatch_indirect(self, commands: Commands, groups: Buffer, **values: Any) -> None:
         """Run as many groups as the first three numbers of `groups` say, on the device."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .commands import Commands
+from .counted import CountedRows
 from .demands import fits
 from .interpolants import MOST_WORDS, first_elements, interpolated
 from .raster import RasterPipeline, Shader, color_attachments
@@ -19,9 +20,11 @@ from .source import compile_wgsl
 from .stored import WORKGROUP, is_storable, stored, target_name
 
 _VERTEX = """
-@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
-    return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
+//! use screen_corner
+@vertex fn fullscreen(
+    @builtin(vertex_index) index: u32, @builtin(instance_index) stripe: u32,
+) -> @builtin(position) vec4f {
+    return screen_corner(index, stripe);
 }
 """
 
@@ -80,9 +83,27 @@ class FullscreenPass(RasterPipeline):
         stage = {"module": module, "entry_point": self._entry, "constants": self._constants}
         return device.create_compute_pipeline(label=self.label, layout=layout, compute=stage)
 
-    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
-        """Write `targets` (textures, or views); `values` name every slot."""
-        self._draw(commands, targets, None, values)
+    def draw(
+        self,
+        commands: Commands,
+        targets: tuple[Any, ...],
+        *,
+        rows: CountedRows | None = None,
+        **values: Any,
+    ) -> None:
+        """Write `targets` (textures, or views); `values` name every slot.
+
+        `rows`: how many of them there are, where the device has counted them. What is below is
+        zero or undefined.
+        """
+        if rows is None or self.stage == "compute":
+            self._draw(commands, targets, None, values)
+            return
+        colors = color_attachments(targets)
+        with commands.render(self.label, color_attachments=colors) as encoder:
+            encoder.set_pipeline(self.pipeline)
+            self.bindings.bind(commands, encoder, 0, values)
+            rows.draw(encoder)
 
     def draw_where(
         self, commands: Commands, targets: tuple[Any, ...], passed: DepthTest, **values: Any

@@ -149,10 +149,12 @@ def _wgsl(parts: list[_Part], attribute: str, returned: str) -> str:
     ]
     # The vertex shader reads all words once; the fragment shader rebuilds the parts from them.
     lines += [
-        "@vertex fn fullscreen(@builtin(vertex_index) index: u32) -> Interpolants {",
-        "    let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));",
+        "//! use screen_corner",
+        "@vertex fn fullscreen(",
+        "    @builtin(vertex_index) index: u32, @builtin(instance_index) stripe: u32,",
+        ") -> Interpolants {",
         "    var out: Interpolants;",
-        "    out.position = vec4f(corner * 2.0 - 1.0, 0.0, 1.0);",
+        "    out.position = screen_corner(index, stripe);",
         *(f"    out.w{i} = vec4u({group});" for i, group in enumerate(groups)),
         "    return out;\n}",
         f"@fragment fn interpolated_fragment(in: Interpolants) -> {attribute}{returned} {{",

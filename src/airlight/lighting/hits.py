@@ -13,6 +13,7 @@ import numpy as np
 from ..area.attenuation import Attenuation
 from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
+from ..gpu.counted import CountedRows
 from ..gpu.demands import fits
 from ..gpu.memory import Texture, linear_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
@@ -26,11 +27,15 @@ from .slots import NO_SUNS, LightingParams, Part, lighting_slots
 
 @dataclass(frozen=True)
 class HitsInLight:
-    """Hits, the sky's light that reaches them, and the layers that their radiance is written to."""
+    """Hits, the sky's light that reaches them, and the layers that their radiance is written to.
+
+    `rows`: how many rows of hits there are, where the device has counted them; else all.
+    """
 
     hits: Hits
     layers: RadianceLayers
     sky: SkyIrradiance
+    rows: CountedRows | None = None
 
 
 class HitLighting:
@@ -60,12 +65,12 @@ class HitLighting:
             self.apart(commands, what, irradiance)
             return
         values = self._bound(commands, what, irradiance)
-        self._draw(commands, "whole", what.layers.targets, values, irradiance)
+        self._draw(commands, "whole", what, what.layers.targets, values, irradiance)
 
     def lights(self, commands: Commands, what: HitsInLight, irradiance: Irradiance) -> Texture:
         """The texture with what lights and emitters alone give `what`."""
         values = self._bound(commands, what, irradiance)
-        self._draw(commands, "lights", (what.layers.lit,), values, irradiance)
+        self._draw(commands, "lights", what, (what.layers.lit,), values, irradiance)
         return what.layers.lit
 
     def apart(
@@ -74,21 +79,23 @@ class HitLighting:
         """The textures with what lights and emitters give `what`, and what `irradiance` does."""
         # Lights first, then what lattices add to them.
         values = self._bound(commands, what, irradiance)
-        self._draw(commands, "lights", (what.layers.lit,), values, irradiance)
+        self._draw(commands, "lights", what, (what.layers.lit,), values, irradiance)
         values |= {"lit": what.layers.lit}
-        self._draw(commands, "rest", what.layers.targets, values, irradiance)
+        self._draw(commands, "rest", what, what.layers.targets, values, irradiance)
         return what.layers.lit, what.layers.indirect
 
     def also(self, commands: Commands, what: HitsInLight, irradiance: Irradiance) -> Texture:
         """The texture with what another `irradiance` gives what `apart` has lit."""
         values = self._bound(commands, what, irradiance) | {"lit": what.layers.lit}
-        self._draw(commands, "rest", (what.layers.direct, what.layers.also), values, irradiance)
+        targets = what.layers.direct, what.layers.also
+        self._draw(commands, "rest", what, targets, values, irradiance)
         return what.layers.also
 
     def _draw(
         self,
         commands: Commands,
         part: Part,
+        what: HitsInLight,
         targets: tuple[Texture, ...],
         values: dict[str, Any],
         irradiance: Irradiance,
@@ -96,7 +103,7 @@ class HitLighting:
         lighting = self._lighting_of(part, irradiance)
         # A pass takes what its slots name.
         drawn = {name: values[name] for name in lighting.names if name in values}
-        lighting.draw(commands, targets, **drawn)
+        lighting.draw(commands, targets, rows=what.rows, **drawn)
 
     def _bound(
         self, commands: Commands, what: HitsInLight, irradiance: Irradiance
@@ -107,7 +114,10 @@ class HitLighting:
         eye = (0.0, 0.0, 0.0)
         emission = hits.emission
         if self._area is not None:
-            emission = self._area.encode(commands, hits, (np.eye(4), eye), lights.table)
+            target, camera = what.layers.of_emitters, (np.eye(4), eye)
+            emission = self._area.encode(
+                commands, hits, camera, lights.table, target=target, rows=what.rows
+            )
         # Hits have positions of their own: no camera takes part.
         params = LightingParams(
             world_from_clip=np.eye(4),
