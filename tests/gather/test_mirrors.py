@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from airlight.gather.mirrors import Mirrors
 from airlight.maths.area_light import cosine_table
 from airlight.rendering import render
 from airlight.scene import Camera, DirectionalLight, Environment, Material, Scene
@@ -135,3 +136,43 @@ def test_a_panel_is_seen_in_a_mirror_in_a_mirror():
     dark, bright = sorted(medians, key=lambda rgb: rgb.sum())
     np.testing.assert_allclose(bright, glow, rtol=0.06)
     assert max(dark) < 0.02
+
+
+@pytest.mark.parametrize(("roughness", "share"), [(0.2, 1.0), (0.5, 0.25)])
+def test_rough_pixels_of_a_block_share_a_ray_and_smooth_ones_send_their_own(
+    monkeypatch, roughness, share
+):
+    """A flat floor of metal; all pixels mirror."""
+    seen = []
+    encode = Mirrors.encode
+
+    def watched(self, commands, *args):
+        found = encode(self, commands, *args)
+        commands.submit()
+        seen.append(int(self._sized.found.read(np.uint32)[0]))
+        return found
+
+    monkeypatch.setattr(Mirrors, "encode", watched)
+    metal = Material(base_color=(1.0, 1.0, 1.0), metallic=1.0, roughness=roughness)
+    floor = rectangle(-20 * X - 20 * Z, 40 * X, 40 * Z, metal)
+    above = Camera((0.0, 9.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 8.0)
+    scene = Scene((floor,), (), Environment((0.5, 0.75, 1.0)), camera=above)
+    render(scene, "lpv", SIZE, samples=4, settings=GATHERED)
+    assert seen == [round(share * SIZE[0] * SIZE[1])] * 4
+
+
+def test_mirrors_are_the_same_in_batches_of_any_size(monkeypatch):
+    """Two mirrors that face each other, so that paths go on in all segments."""
+    mirror = Material(base_color=(0.9, 0.8, 0.7), metallic=1.0, roughness=0.1)
+    walls = [rectangle(x * X - Y - Z, 2 * Y, 2 * Z, mirror) for x in (-1.0, 1.0)]
+    light = DirectionalLight((0.3, -1.0, 0.2), (3.0, 3.0, 3.0))
+    paint = Material(base_color=(0.5, 0.4, 0.3), specular=0.0)
+    floor = rectangle(-X - Y - Z, 2 * X, 2 * Z, paint)
+    camera = Camera((0.0, 0.3, 0.9), (0.5, -0.2, -0.5), (0.0, 1.0, 0.0), 70.0)
+    scene = Scene((*walls, floor), (light,), Environment((0.2, 0.3, 0.4)), camera=camera)
+    images = []
+    for most in (1 << 17, 7 * SIZE[0]):
+        monkeypatch.setattr("airlight.gather.mirror_batches.MOST_HITS", most)
+        images.append(render(scene, "lpv", SIZE, samples=2, settings=GATHERED))
+    for name in ("direct", "indirect"):
+        np.testing.assert_array_equal(images[0].layers[name], images[1].layers[name])

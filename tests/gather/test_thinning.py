@@ -1,5 +1,7 @@
 """Fewer rays of a point for later segments: which go on, and what each of them counts."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -25,4 +27,4 @@ def test_which_rays_go_on_does_not_depend_on_batches(batch):
     # None goes on that did not reach the segment before.
     for numbers in batches:
         ways = [going_on(numbers, sample, segment) for segment in range(4)]
-        assert all(b.start == a.start and b.stop <= a.stop for a, b in zip(ways, ways[1:]))
+        assert all(b.start == a.start and b.stop <= a.stop for a, b in pairwise(ways))

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ..gpu.commands import Commands
-from ..gpu.counted import CountedRows
 from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, u32, vec2f, vec3f
@@ -43,6 +42,7 @@ from .table import (
     sample_rows,
 )
 
+_SIZES_KEPT = 8  # of images: segments of paths have fewer and fewer rays
 MANY, _NONE = 8, 0xFFFFFFFF
 """Samples of an emitter, from which on half of them tell where all of it is seen, or nothing."""
 MOST_TEXELS = 1 << 24
@@ -215,7 +215,7 @@ class AreaLighting:
         table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
         table[:, :6] = cosine_table().reshape(-1, 6)
         self._cosines = buffer_of(gpu, "transformed cosines", table)
-        self._lit: Texture | None = None
+        self._lit: dict[tuple[int, int], Texture] = {}
 
     def encode(
         self,
@@ -227,18 +227,15 @@ class AreaLighting:
         emission: Texture | None = None,
         is_still: bool = False,
         has_mirrors: bool = False,
-        target: Texture | None = None,
-        rows: CountedRows | None = None,
     ) -> Texture:
         """The texture that stands for the G-buffer's emission: rgb W m^-2 sr^-1, a specular.
 
         `camera`: world_from_clip and the eye, metres; `lights`: the table of all lights;
         `emission`: in place of the G-buffer's. In frames (not `is_still`) half of an emitter's
         samples do where they see all of it or nothing. `has_mirrors`: rays follow what smooth
-        surfaces mirror, media that glow included. `target`: the texture, else one for images of one
-        size; `rows`: how many of its rows are drawn.
+        surfaces mirror, media that glow included.
         """
-        lit = target or self._fitted(gbuffer.size)
+        lit = self._fitted(gbuffer.size)
         resolution = self.shadows.maps.resolution
         spans = map_spans(resolution)
         # What every pixel needs of the camera, of maps and of emitters.
@@ -260,16 +257,19 @@ class AreaLighting:
         }
         if self.media:
             values |= {"lights": lights, **self.media.bound}
-        self._pass().draw(commands, (lit,), rows=rows, **values)
+        rows = gbuffer.rows if isinstance(gbuffer, Hits) else None
+        self._pass().draw_rows(commands, (lit,), rows, **values)
         return lit
 
     def _fitted(self, size: tuple[int, int]) -> Texture:
-        """One texture for images of one size."""
-        if self._lit is None or self._lit.size[:2] != size:
-            self._lit = Texture(
+        """One texture for images of one size; of many sizes the latest ones are kept."""
+        if size not in self._lit:
+            if len(self._lit) >= _SIZES_KEPT:
+                del self._lit[next(iter(self._lit))]
+            self._lit[size] = Texture(
                 self.gpu, "area light", size, "rgba32float", target=True, written=True
             )
-        return self._lit
+        return self._lit[size]
 
     def _pass(self) -> _AreaLighting:
         """The pass for the kinds of emitters that there are in this frame."""

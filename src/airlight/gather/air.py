@@ -16,7 +16,6 @@ from typing import NamedTuple
 from ..fields import Fields
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
-from ..gpu.counted import CountedRows
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec2u
 from ..gpu.memory import Buffer, Texture
@@ -81,10 +80,9 @@ class Air:
         segment: Segment,
         met: Met,
         air: Buffer,
-        rows: CountedRows | None = None,
     ) -> None:
         """Fill `air` for rays of `reduced` points. `ends`: where the segments of paths
-        start, and the hits where they end; `rows`: how many of these there are."""
+        start, and the hits where they end."""
         (starts, hits), light = ends, met.light
         lattice = light.lattice
         # One kernel for each number of sources and lattices, made when it is first needed.
@@ -104,7 +102,7 @@ class Air:
         kernel.dispatch_rows(
             commands,
             size,
-            rows,
+            hits.rows,
             params=AirParams(
                 reduced=reduced,
                 rays=len(segment.numbers),

@@ -10,20 +10,17 @@ import numpy as np
 
 from ..fields import Fields
 from ..gpu.commands import Commands
-from ..gpu.counted import CountedRows
-from ..gpu.device import Gpu
-from ..gpu.memory import Buffer, Texture, buffer_of
+from ..gpu.memory import buffer_of
 from ..lighting.gathered import Mirrored
 from ..lighting.hits import HitLighting, HitsInLight
 from ..lighting.kit import Kit
-from ..lighting.lighting import RadianceLayers
 from ..lighting.view import View
 from ..maths.area_light import cosine_table
 from ..rays.rays import RayScene
-from ..surface.hits import Hits
 from .air import Air, light_in
 from .albedo import Albedos
 from .glosses import Glosses
+from .mirror_batches import MirrorBatches, MirrorEnds
 from .mirror_passes import (
     KINDS,
     Counting,
@@ -34,12 +31,7 @@ from .mirror_passes import (
     MirrorParams,
     Resolving,
 )
-from .points import pixel_m
 from .trace import Segment
-
-MOST_HITS = 1 << 18
-"""Rays that are lit at once."""
-_REACH = 0.02  # of the image's height, within which pixels share rays in the first sample
 
 
 class Mirrors:
@@ -62,7 +54,7 @@ class Mirrors:
         self._cosines = buffer_of(gpu, "transformed cosines", table)
         self._rays: tuple[dict[str, float], FirstRays, LaterRays] | None = None
         self._scope = gpu.scope()
-        self._sized: _Sized | None = None
+        self._sized: MirrorBatches | None = None
 
     def encode(
         self, commands: Commands, view: View, fields: Fields, rays: RayScene, albedos: Albedos
@@ -165,7 +157,7 @@ class Mirrors:
                     self._count(commands, params, ends)
             self._light_hits(commands, fields, params, ends)
 
-    def _count(self, commands: Commands, params: MirrorParams, ends: _Ends) -> None:
+    def _count(self, commands: Commands, params: MirrorParams, ends: MirrorEnds) -> None:
         """Tell later passes how many rays a segment has."""
         assert self._sized is not None
         self._counting.dispatch(
@@ -181,7 +173,7 @@ class Mirrors:
         commands: Commands,
         fields: Fields,
         params: MirrorParams,
-        met: _Ends,
+        met: MirrorEnds,
     ) -> None:
         """Add the light of what a segment met, as far as it passes the media on its path."""
         assert self._sized is not None
@@ -191,12 +183,12 @@ class Mirrors:
             with commands.stage("mirrored rays"):
                 ends, whole = (met.starts, hits), Segment(range(1), 0, 0.0)
                 along = light_in(fields, is_mirrored=True)
-                self._air.encode(commands, hits.size, ends, whole, along, sized.air, met.rows)
+                self._air.encode(commands, hits.size, ends, whole, along, sized.air)
                 air = {"air": sized.air}
         with commands.stage("mirrored light"):
             # Hits lit as pixels are, by lights and by lattices.
             cache, lit = fields.irradiance or self._kit.no_irradiance, sized.layers.direct
-            what = HitsInLight(hits, sized.layers, fields.sky, met.rows)
+            what = HitsInLight(hits, sized.layers, fields.sky)
             if self._segments > 1:
                 lit, _ = self.lighting.apart(commands, what, cache)
             else:
@@ -223,82 +215,10 @@ class Mirrors:
                 mirrored_found=sized.light,
             )
 
-    def _fitted(self, size: tuple[int, int]) -> _Sized:
+    def _fitted(self, size: tuple[int, int]) -> MirrorBatches:
         if self._sized is None or self._sized.size != size:
             self._scope.release()
             self._sized = None
             has_air = self._air is not None
-            self._sized = _Sized(self._scope, size, self._segments, has_air=has_air)
+            self._sized = MirrorBatches(self._scope, size, self._segments, has_air=has_air)
         return self._sized
-
-
-class _Ends:
-    """The rays of a segment: their pixels, where they start, what they meet, how many `rows`."""
-
-    def __init__(self, gpu: Gpu, batch: tuple[int, int]) -> None:
-        self.pixels = Buffer(gpu, "pixels of mirrored rays", 4 * batch[0] * batch[1])
-        self.starts = Texture(gpu, "starts of mirrored rays", batch, "rgba32float", written=True)
-        self.hits, self.rows = Hits(gpu, batch), CountedRows(gpu, "count of mirrored rays")
-
-
-class _Sized:
-    """What depends on the image's size, for paths of `segments`. `count`: rays of a batch."""
-
-    def __init__(self, gpu: Gpu, size: tuple[int, int], segments: int, *, has_air: bool) -> None:
-        self.size = size
-        width, height = size
-        # An image of hits holds this many rays.
-        batch = (width, max(1, min(height, MOST_HITS // width)))
-        self.count = batch[0] * batch[1]
-        # Of the whole image: which pixels send rays, and what these found.
-        self.found = Buffer(gpu, "mirroring pixels", 4 * (segments + 1))
-        self.listed = Buffer(gpu, "list of mirroring pixels", 4 * width * height)
-        self.senders = Texture(gpu, "senders of mirrored rays", size, "r32uint", written=True)
-        self.ends, self.light = (
-            Texture(gpu, label, size, "rgba32float", written=True)
-            for label in ("ends of mirrored rays", "light of mirrored rays")
-        )
-        # What paths pass on and have found, from one segment to the next.
-        self.throughputs = Buffer(gpu, "throughput of mirrored rays", 32 * width * height)
-        # Of a batch: its rays, what they met, and how that is lit. Where paths go on, those of two
-        # segments are there at once.
-        self.batch = batch
-        self._ends = [_Ends(gpu, batch) for _ in range(min(segments, 2))]
-        self.layers = RadianceLayers(gpu, batch)
-        self.air = Buffer(gpu, "air along mirrored rays", 32 * self.count) if has_air else None
-        # What pixels mirror in the end.
-        sky, light = (
-            Texture(gpu, label, size, "rgba32float", written=True)
-            for label in ("mirrored sky", "mirrored light")
-        )
-        self.out = Mirrored(sky, light)
-
-    def ends_of(self, segment: int) -> _Ends:
-        """Where rays of the segment end; of every second one in the same images."""
-        return self._ends[segment % 2]
-
-    def params(
-        self,
-        view: View,
-        first: int,
-        segment: int = 0,
-        raised: float = 0.0,
-        *,
-        goes_on: bool = False,
-    ) -> MirrorParams:
-        """For the rows of the list from `first` on."""
-        # Within a reach that shrinks from sample to sample pixels share rays.
-        return MirrorParams(
-            world_from_clip=view.world_from_clip,
-            eye=view.eye,
-            first=first,
-            size=self.size,
-            batch=self.batch,
-            sample=view.sample,
-            reach=max(1.0, _REACH * self.size[1]) * (view.sample + 1) ** -0.25,
-            texel=pixel_m(view.world_from_clip, self.size[1]),
-            segment=segment,
-            raised=raised,
-            goes_on=int(goes_on),
-            pad=(0, 0),
-        )

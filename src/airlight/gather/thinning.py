@@ -3,8 +3,8 @@
 What first segments find is uneven, a small sunlit patch or none; what later ones bring is dimmer
 and comes from all around: least noise for the time has about 1 / sqrt(2) as many rays of each
 segment as of the one before (docs/decisions.md). The first rays of a sample go on, and each counts
-for those that end (Veach1997 chapter 10: splitting).
-differs: Veach1997 lets chance decide which paths end; which is known here.
+for those that end (splitting, Arvo1990).
+differs: Arvo1990 lets chance decide which paths end; here that is known.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..surface.hits import Hits
 
 def rays_of(segment: int, rays: int) -> int:
     """How many of a point's `rays` in a sample have a `segment` of that number; one at least."""
-    return max(1, math.ceil(rays * 2.0 ** (-0.5 * segment)))
+    return max(1, math.ceil(rays / math.sqrt(2.0) ** segment))
 
 
 def going_on(numbers: range, sample: range, segment: int) -> range:

@@ -13,6 +13,7 @@ process, one_thread          which process and which thread may use it
 lifetime                     from opening to closing, whole again after an error
 canvas                       a window, or a browser's image, to draw into
 sliced, bands, tally         commands in the background, long passes in bands; counted
+counted                      passes over rows of which the device knows how many there are
 quick_types                  C types of wgpu-py, declared sooner
 interpolants, lanes          flat interpolants and lanes of vectors, on CPU adapters
 """

@@ -83,19 +83,18 @@ class FullscreenPass(RasterPipeline):
         stage = {"module": module, "entry_point": self._entry, "constants": self._constants}
         return device.create_compute_pipeline(label=self.label, layout=layout, compute=stage)
 
-    def draw(
+    def draw(self, commands: Commands, targets: tuple[Any, ...], **values: Any) -> None:
+        """Write `targets` (textures, or views); `values` name every slot."""
+        self._draw(commands, targets, None, values)
+
+    def draw_rows(
         self,
         commands: Commands,
         targets: tuple[Any, ...],
-        *,
-        rows: CountedRows | None = None,
+        rows: CountedRows | None,
         **values: Any,
     ) -> None:
-        """Write `targets` (textures, or views); `values` name every slot.
-
-        `rows`: how many of them there are, where the device has counted them. What is below is
-        zero or undefined.
-        """
+        """The same, of as many rows as the device has counted; what is below is no image."""
         if rows is None or self.stage == "compute":
             self._draw(commands, targets, None, values)
             return

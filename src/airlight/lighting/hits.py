@@ -13,7 +13,6 @@ import numpy as np
 from ..area.attenuation import Attenuation
 from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
-from ..gpu.counted import CountedRows
 from ..gpu.demands import fits
 from ..gpu.memory import Texture, linear_sampler
 from ..lattice.irradiance import Irradiance, SkyIrradiance
@@ -27,15 +26,11 @@ from .slots import NO_SUNS, LightingParams, Part, lighting_slots
 
 @dataclass(frozen=True)
 class HitsInLight:
-    """Hits, the sky's light that reaches them, and the layers that their radiance is written to.
-
-    `rows`: how many rows of hits there are, where the device has counted them; else all.
-    """
+    """Hits, the sky's light that reaches them, and the layers that their radiance is written to."""
 
     hits: Hits
     layers: RadianceLayers
     sky: SkyIrradiance
-    rows: CountedRows | None = None
 
 
 class HitLighting:
@@ -103,7 +98,7 @@ class HitLighting:
         lighting = self._lighting_of(part, irradiance)
         # A pass takes what its slots name.
         drawn = {name: values[name] for name in lighting.names if name in values}
-        lighting.draw(commands, targets, rows=what.rows, **drawn)
+        lighting.draw_rows(commands, targets, what.hits.rows, **drawn)
 
     def _bound(
         self, commands: Commands, what: HitsInLight, irradiance: Irradiance
@@ -114,10 +109,7 @@ class HitLighting:
         eye = (0.0, 0.0, 0.0)
         emission = hits.emission
         if self._area is not None:
-            target, camera = what.layers.of_emitters, (np.eye(4), eye)
-            emission = self._area.encode(
-                commands, hits, camera, lights.table, target=target, rows=what.rows
-            )
+            emission = self._area.encode(commands, hits, (np.eye(4), eye), lights.table)
         # Hits have positions of their own: no camera takes part.
         params = LightingParams(
             world_from_clip=np.eye(4),

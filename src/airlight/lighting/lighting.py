@@ -71,8 +71,7 @@ class RadianceLayers:
     """The targets of lighting: direct (with emission, sky, background; a = 1), indirect.
 
     `lit` is the direct layer without the sky, which exists where near surfaces light each other;
-    `also` the light of a second field, `of_emitters` that of lights with extent, which exist where
-    hits have them.
+    `also` the light of a second field, which exists where hits have one.
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
@@ -82,7 +81,6 @@ class RadianceLayers:
         self._gpu, self._size = gpu, size
         self._lit: Texture | None = None
         self._also: Texture | None = None
-        self._of_emitters: Texture | None = None
 
     @property
     def targets(self) -> tuple[Texture, Texture]:
@@ -102,13 +100,6 @@ class RadianceLayers:
         if self._also is None:
             self._also = self._another("light of another field")
         return self._also
-
-    @property
-    def of_emitters(self) -> Texture:
-        """What stands for the emission of surfaces: theirs, and direct light of emitters."""
-        if self._of_emitters is None:
-            self._of_emitters = self._another("area light")
-        return self._of_emitters
 
     def _another(self, name: str) -> Texture:
         return Texture(self._gpu, name, self._size, "rgba32float", target=True, written=True)

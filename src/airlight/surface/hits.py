@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ..gpu.counted import CountedRows
 from ..gpu.device import Gpu
 from ..gpu.memory import Texture
 from ..gpu.slots import Slot, texture
@@ -37,10 +38,12 @@ class Hits:
                albedo (to lighting a roughness, of which a surface without a coat knows nothing)
     albedo     rgb, a metallic
     emission   rgb W m^-2 sr^-1, a specular; black: what glows is lit as an emitter
+
+    `rows`: how many rows of them there are, where the device counts them; else all.
     """
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.size = size
+    def __init__(self, gpu: Gpu, size: tuple[int, int], rows: CountedRows | None = None) -> None:
+        self.size, self.rows = size, rows
         self.positions = Texture(gpu, "hit positions", size, "rgba32float", written=True)
         self.normal = Texture(gpu, "hit normals", size, "rgba16float", written=True)
         self.albedo = Texture(gpu, "hit albedo", size, "rgba16float", written=True)
