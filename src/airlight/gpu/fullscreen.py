@@ -95,8 +95,11 @@ class FullscreenPass(RasterPipeline):
         **values: Any,
     ) -> None:
         """The same, of as many rows as the device has counted; what is below is no image."""
-        if rows is None or self.stage == "compute":
+        if rows is None:
             self._draw(commands, targets, None, values)
+            return
+        if self.stage == "compute":
+            self._store(commands, targets, values, rows)
             return
         colors = color_attachments(targets)
         with commands.render(self.label, color_attachments=colors) as encoder:
@@ -154,7 +157,13 @@ class FullscreenPass(RasterPipeline):
             self.bindings.bind(commands, encoder, 0, values)
             encoder.draw(3)
 
-    def _store(self, commands: Commands, targets: tuple[Any, ...], values: dict[str, Any]) -> None:
+    def _store(
+        self,
+        commands: Commands,
+        targets: tuple[Any, ...],
+        values: dict[str, Any],
+        rows: CountedRows | None = None,
+    ) -> None:
         """The same as a compute pass."""
         width, height = targets[0].size[:2]
         bound = {target_name(k): target for k, target in enumerate(targets)}
@@ -165,7 +174,10 @@ class FullscreenPass(RasterPipeline):
             commands.pipeline = self.pipeline
             encoder.set_pipeline(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values | bound)
-        encoder.dispatch_workgroups(-(-width // WORKGROUP[0]), -(-height // WORKGROUP[1]))
+        if rows:
+            encoder.dispatch_workgroups_indirect(rows.arguments.handle, 0)
+        else:
+            encoder.dispatch_workgroups(-(-width // WORKGROUP[0]), -(-height // WORKGROUP[1]))
 
         # Targets were counted where they were bound.
         if commands.tally is not None:
