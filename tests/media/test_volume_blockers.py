@@ -12,7 +12,7 @@ from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.gpu.memory import buffer_of
 from airlight.lattice.placement import Placement
-from airlight.maths.two_streams import columns, layer
+from airlight.maths.two_streams import ALONG_HOPS, columns, layer
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.volume_blockers import VolumeBlockers
 from airlight.scene import Scene, Volume
@@ -56,7 +56,8 @@ def test_what_collides_is_absorbed_or_goes_either_way(
         (sigma,) * 3, shape="box", albedo=tuple(albedo), g=(g,) * 3, bounds=((-2,) * 3, (2,) * 3)
     )
     got = faces(gpu, owned, air, closed)["faces"]
-    scattering, extinction = sigma * albedo * (1 - g), sigma * (1 - albedo * g)
+    scattering = sigma * albedo * (1 - g)
+    extinction = scattering + ALONG_HOPS * sigma * (1 - albedo)
     back, onwards = layer(0.5 * extinction.mean(), scattering / extinction.mean())
     through = onwards.mean()
     wall = round(255 * closed) * UNORM
@@ -88,14 +89,16 @@ def test_light_passes_beside_what_fills_a_part_of_a_cell(
     air = Volume((sigma,) * 3, shape="box", albedo=(albedo,) * 3, bounds=((-2,) * 3, tuple(high)))
     got = np.moveaxis(faces(gpu, owned, air, 0.0)["faces"], 2 - axis, 0)
     # Along the border: three fifths of the light pass.
-    reflected, through = columns([0.5 * sigma] * 2 + [0.0] * 3, albedo)
+    along_hops = sigma * (albedo + ALONG_HOPS * (1 - albedo))
+    albedo *= sigma / along_hops
+    reflected, through = columns([0.5 * along_hops] * 2 + [0.0] * 3, albedo)
     for along in ((axis + 1) % 3, (axis + 2) % 3):
         met = got[2, ..., 2 * along : 2 * along + 2, :]
         np.testing.assert_allclose(met[..., 3], 1 - through, atol=UNORM)
         np.testing.assert_allclose(met[..., 0], reflected, atol=UNORM)
     assert through > 0.6
     # Across it: from the middle of the second cell a layer as thick as there is of the medium.
-    reflected, through = layer(0.45 * sigma, albedo)
+    reflected, through = layer(0.45 * along_hops, albedo)
     np.testing.assert_allclose(got[1, ..., 2 * axis, 3], 1 - through, atol=UNORM)
     np.testing.assert_allclose(got[2, ..., 2 * axis + 1, 0], reflected, atol=UNORM)
     # Beyond the third cell's middle there is nothing.

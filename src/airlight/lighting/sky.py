@@ -38,7 +38,8 @@ class Sky:
         self.version = 0
         # As many layers as there may ever be lights, if there are any now.
         layers = count if self.lights else 0
-        self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers)
+        # Cells are as wide as two of their texels or more: 2 by 2 are one virtual point light.
+        self.maps = ReflectiveShadowMaps(gpu, "sky", resolution, layers, block=2)
         self._compare = comparison_sampler(gpu)
         self._coarse: CoarseScene | None = None
 

@@ -10,6 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 F64 = NDArray[np.float64]
 
+ALONG_HOPS = 0.8
+"""What light's path is of a hop along an axis, for absorption: straight paths have .69 of the steps
+along axes that lead to the same place, in the mean over directions; light in lattices wanders."""
+
 
 def layer(depth: ArrayLike, albedo: ArrayLike) -> tuple[F64, F64]:
     """(reflected, transmitted), the shares of the light that meets a layer of optical `depth`.

@@ -19,7 +19,7 @@ from .column_texels import Fineness
 from .light_columns import LightColumns
 
 _SKY_TEXELS = 16
-_TEXELS_PER_CELL = 4  # a cell's light is the mean of points half a cell apart
+_TEXELS_PER_CELL = 2  # cells look for light at points half a cell apart
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,13 +37,20 @@ from .density_grids import ColumnPlan
 from .gpu_media import GpuMedia
 from .stale_cells import LISTED_CELLS, STALE_CELL_SLOTS, SkyLights, StaleCells
 
+_MANY = 64
 _LIMIT = "max-storage-textures-per-shader-stage"
+
+
+def sky_points(lights: int) -> int:
+    """At how many points of a cell each of a sky's `lights` is looked for: many are at others."""
+    return 1 if lights >= _MANY else 2
 
 
 class SkyInMediaParams(Struct):
     """How many lights of the sky there are, and how light is stored."""
 
     light_count = u32()
+    points = u32("of a cell, at which each light is looked for")
     scale = f32("stored units per W m^-2")
     is_listed = u32("1: cells of the list alone")
 
@@ -165,8 +172,7 @@ class SkyInMedia:
         # All cells of lattices that moved, or of all where light or shadows changed; else those
         # that light reaches through media that did.
         stale = [level for level in self._levels if has_changed or level not in before]
-        # Changes that touch no box are seen, too: few versions are remembered.
-        self._media_version = self.media.version
+        self._media_version = self.media.version  # few are remembered, so each is seen
         if not stale:
             return
         self._lit = table.tobytes()
@@ -185,6 +191,7 @@ class SkyInMedia:
                     level.count,
                     params=SkyInMediaParams(
                         light_count=lights.count,
+                        points=sky_points(lights.count),
                         scale=self.scale,
                         is_listed=self._stale.is_listed,
                     ),

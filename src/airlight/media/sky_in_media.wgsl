@@ -4,10 +4,10 @@
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store(texel: vec3u, light: SkyLight)
 
-// Two of four offsets in the cell, in turn, which suffice for many lights.
-fn offset_in_cell(i: u32, k: u32) -> vec3f {
-    let n = 2u * (i & 1u) + k;
-    return 0.5 + 0.25 * (vec3f(f32((0x3u >> n) & 1u), f32((0x5u >> n) & 1u), f32((0x9u >> n) & 1u))
+// One of four offsets in the cell, of which each light takes the next one or two.
+fn offset_in_cell(n: u32) -> vec3f {
+    let k = n & 3u;
+    return 0.5 + 0.25 * (vec3f(f32((0x3u >> k) & 1u), f32((0x5u >> k) & 1u), f32((0x9u >> k) & 1u))
         * 2.0 - 1.0);
 }
 
@@ -18,16 +18,14 @@ fn visibility(world: vec3f, i: u32) -> f32 {
 
 // The irradiance of light i of the sky in the cell, through media, W m^-2.
 fn arriving(span: CellSpan, i: u32) -> vec3f {
-    let light = row_of_lights(i);
+    var light = row_of_lights(i);
+    light.kind = LIGHT_DIRECTIONAL;
     var share = vec3f(0.0);
-    for (var k = 0u; k < 2u; k++) {
-        let p = point_in_span(lattice, span, offset_in_cell(i, k));
-        let open = visibility(p, i);
-        if (open > 0.0) {
-            share += open * media_light_transmittance(light, i, p);
-        }
+    for (var k = 0u; k < params.points; k++) {
+        let p = point_in_span(lattice, span, offset_in_cell(params.points * i + k));
+        share += visibility(p, i) * exp(-media_light_depth(light, i, p));
     }
-    return 0.5 * share * light.color;
+    return share / f32(params.points) * light.color;
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) invocation: vec3u) {

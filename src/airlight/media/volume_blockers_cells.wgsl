@@ -18,6 +18,9 @@ fn touches(m: u32, centre: vec3f) -> bool {
 // Depths that differ by less than this have the same transmittance, to a unit in 255.
 const ALIKE = 0.2;
 
+// Of a hop along the axes light's path is so much, for what it absorbs (maths/two_streams.py).
+const ALONG_HOPS = 0.8;
+
 // The extinction of a cell's samples, m^-1.
 var<private> samples: array<f32, SAMPLE_COUNT>;
 
@@ -75,9 +78,9 @@ fn store_spread(cell: u32, mean: f32) {
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
         let count = select(0u, params.samples, touches(m, centre));
-        // Similarity theory: sigma_s (1 - g), and the absorption as it is.
+        // Similarity theory: sigma_s (1 - g), and the absorption, less as hops are longer than light's path.
         let scattered = row_of_media(m).sigma_t * row_of_media(m).albedo;
-        let lost = row_of_media(m).sigma_t - scattered * row_of_media(m).g;
+        let lost = scattered * (1.0 - row_of_media(m).g) + ALONG_HOPS * (row_of_media(m).sigma_t - scattered);
         let extinction = (lost.r + lost.g + lost.b) / 3.0;
         var density = 0.0;
         for (var s = 0u; s < count; s++) {

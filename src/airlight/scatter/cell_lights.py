@@ -18,6 +18,18 @@ CELL_LIGHT_SLOTS: tuple[Slot, ...] = (
 # Walls are those of the level that is lit, all else is the lights' own.
 _OF_LIGHTS = tuple(slot.name for slot in CELL_LIGHT_SLOTS if slot.name != "lattice_walls")
 
+ALL_LIGHTS = """fn shining_light(i: u32) -> LightData { return row_of_lights(i); }
+const IS_SKY = false;
+"""
+SKY_LIGHTS = """fn shining_light(i: u32) -> LightData {
+    var light = row_of_lights(i);
+    light.kind = LIGHT_DIRECTIONAL;
+    return light;
+}
+const IS_SKY = true;
+"""
+"""Lines of passes over cells: any lights, or the sky's, for which compilers drop what is local."""
+
 
 @dataclass(frozen=True, eq=False)
 class CellLights:

@@ -22,14 +22,14 @@ from ..gpu.slots import Slot, image, storage, uniform
 from ..lattice.lattices import Level
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
+from ..media.sky_in_media import sky_points
 from ..media.stale_cells import ALL_CELLS, LISTED_CELLS, STALE_CELL_SLOTS, StaleCells
-from .cell_lights import CELL_LIGHT_SLOTS, CellLights
+from .cell_lights import ALL_LIGHTS, CELL_LIGHT_SLOTS, SKY_LIGHTS, CellLights
 from .cells import LatticeCells
 from .forward_textures import ForwardTextures
 from .reduced_media import SLANT_MEDIA, ReducedMedia
 
-# Every fourth part of a cell for each of a sky's many lights; for surfaces alone one.
-_SKY_STRIDE = 4
+_PARTS = 8
 _FEW = 4  # lights of which surfaces alone have every part of a cell; else every second, in turn
 
 
@@ -38,13 +38,11 @@ class ForwardParams(Struct):
 
     light_count = u32()
     stride = u32("every so many of a cell's eight parts")
-    is_blurred = u32("1: directional lights are blurred across their direction")
     scale = f32("stored units per W m^-2")
     depth = u32("cells along z of the textures that each light has")
     taps = u32("of each part, where directional lights are blurred")
     light_step = u32("every so many of the lights counts as all of these")
     is_listed = u32("1: cells of the list alone")
-    pad = u32()
 
 
 class _Forward(ComputePass):
@@ -56,7 +54,9 @@ class _Forward(ComputePass):
     workgroup = (32, 4, 2)
     file = "forward.wgsl"
 
-    def __init__(self, gpu: Gpu, media: GpuMedia, *, stores: bool, is_near: bool) -> None:
+    def __init__(
+        self, gpu: Gpu, media: GpuMedia, *, stores: bool, is_near: bool, is_sky: bool
+    ) -> None:
         # Beside the common slots: a texture to blur, near surfaces, or a list of stale cells.
         own: tuple[Slot, ...] = (image("unblurred", "rgba16float", "3d"),) * stores
         own += (storage("near", "u32"),) * is_near
@@ -74,6 +74,7 @@ class _Forward(ComputePass):
         )
         cells = LISTED_CELLS if is_listed else ALL_CELLS
         generated = media.wgsl + cells + _SLANT_MEDIA + _generated(stores, is_near)
+        generated += SKY_LIGHTS if is_sky else ALL_LIGHTS
         super().__init__(gpu, generated=generated)
 
 
@@ -114,11 +115,12 @@ class ForwardLight:
         textures: ForwardTextures | None = None,
     ) -> None:
         self._media, self._textures = media, textures
-        self._sky_stride = _SKY_STRIDE if textures else 2 * _SKY_STRIDE
         # Without textures it is for surfaces alone, in the cells that they read.
         is_near = textures is None
-        self._lights = _Forward(gpu, media.lights, stores=not is_near, is_near=is_near)
-        self._sky = _Forward(gpu, media.sky, stores=False, is_near=is_near)
+        self._lights = _Forward(
+            gpu, media.lights, stores=not is_near, is_near=is_near, is_sky=False
+        )
+        self._sky = _Forward(gpu, media.sky, stores=False, is_near=is_near, is_sky=True)
         self.sky = Buffer(gpu, "forward light of the sky", 3 * placement.cells * 16)
         self.all = Buffer(gpu, "forward light", 3 * placement.cells * 16)
 
@@ -138,17 +140,15 @@ class ForwardLight:
         `light_step`: cells take each so many of the lights, neighbours others. `stale`, where the
         light is not for surfaces alone: the cells that are computed.
         """
-        # Each of the sky's many lights is looked for at a few parts of a cell, and none is blurred.
+        # Each of the sky's lights is looked for at one or two parts of a cell; none is blurred.
         params = ForwardParams(
             light_count=lights.count,
-            stride=self._sky_stride,
-            is_blurred=0,
+            stride=_PARTS if self._textures is None else _PARTS // sky_points(lights.count),
             scale=1.0,
             depth=0,
             taps=1,
             light_step=light_step,
             is_listed=bool(stale and stale.is_listed),
-            pad=0,
         )
         self._sky.dispatch(
             commands,
@@ -180,13 +180,11 @@ class ForwardLight:
             light_count=lights.count,
             # Many lights are samples of few with extent.
             stride=1 if textures or lights.count <= _FEW else 2,
-            is_blurred=1,
             scale=textures.scale if textures else 1.0,
             depth=textures.depth if textures else 0,
             taps=self._media.taps,
             light_step=1,
             is_listed=0,
-            pad=0,
         )
         self._lights.dispatch(
             commands,

@@ -8,6 +8,7 @@
 //! use free_path
 //! use octants
 //! use cell_order
+//! needs fn shining_light(i: u32) -> LightData
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn store_light(id: vec3u, i: u32, light: vec4f)
 //! needs fn is_read(cell: u32) -> bool
@@ -68,7 +69,7 @@ struct Part {
 
 // Light that comes straight to p, where nobody asks for the rest: most of space has no media before it.
 fn forward_alone(light: LightData, i: u32, p: vec3f) -> Part {
-    let depths = depths_towards(light, i, p, params.is_blurred != 0u);
+    let depths = depths_towards(light, i, p, !IS_SKY);
     if (all(depths.forward == vec3f(0.0))) {
         return Part(vec3f(0.0), vec3f(0.0), 0.0);
     }
@@ -98,20 +99,16 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     let half = octant_middle(k);
     // What shines straight onto the part, as the true medium attenuates it.
     let p = point_in_span(lattice, span, half);
-    if (FOR_SURFACES) {
+    if (FOR_SURFACES || IS_SKY) {
         return forward_alone(light, i, p);
     }
     let own = incoming_in_media(light, p);
     let lit = lit_point(light, own.to_light, p);
-    // In the shade nothing arrives, and the path through the media need not be known.
-    if (params.is_blurred == 0u && lit <= 0.0) {
-        return Part(vec3f(0.0), vec3f(0.0), 0.0);
-    }
-    let depths = depths_towards(light, i, p, params.is_blurred != 0u);
+    let depths = depths_towards(light, i, p, true);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit, vec3f(0.0), depth);
-    let is_slanted = params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL && depths.deviation > 0.0;
+    let is_slanted = light.kind == LIGHT_DIRECTIONAL && depths.deviation > 0.0;
     if (!is_slanted) {
         return Part(seen.straight, gained_at(light, p, lit, depths), depth);
     }
@@ -146,10 +143,10 @@ fn travel_of(light: LightData, span: CellSpan) -> vec3f {
     // Of every so many lights one, of each cell another than of its neighbours.
     let first_light = (id.x + id.y + id.z) % params.light_step;
     for (var i = first_light; i < light_count; i += params.light_step) {
-        let light = row_of_lights(i);
+        let light = shining_light(i);
         var sum = vec3f(0.0);
         var passed = vec4f(0.0);
-        let is_whole = FOR_SURFACES && params.is_blurred != 0u && light.kind == LIGHT_DIRECTIONAL;
+        let is_whole = FOR_SURFACES && !IS_SKY && light.kind == LIGHT_DIRECTIONAL;
         if (is_whole) {
             sum = 8.0 / f32(params.stride) * slanted_alone(light, i, id, span);
         }

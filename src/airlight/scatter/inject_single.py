@@ -21,7 +21,7 @@ from ..gpu.slots import storage, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..media.gpu_media import GpuMedia
 from ..media.stale_cells import ALL_CELLS, LISTED_CELLS, STALE_CELL_SLOTS, StaleCells
-from .cell_lights import CELL_LIGHT_SLOTS, CellLights
+from .cell_lights import ALL_LIGHTS, CELL_LIGHT_SLOTS, SKY_LIGHTS, CellLights
 from .reduced_media import SLANT_MEDIA
 
 
@@ -105,10 +105,10 @@ class InjectSingle(ComputePass):
             *(kept[is_first:] if keeps_light else ()),
             *(STALE_CELL_SLOTS if is_first else ()),
         )
-        cells = LISTED_CELLS if is_first else ALL_CELLS
+        cells, lights = (LISTED_CELLS, SKY_LIGHTS) if is_first else (ALL_CELLS, ALL_LIGHTS)
         slants = f"const SLANT_MEDIA = {SLANT_MEDIA}u;\n"
         kept_wgsl = keep if keeps_light else _DROP
-        super().__init__(gpu, generated=media.wgsl + cells + slants + kept_wgsl)
+        super().__init__(gpu, generated=media.wgsl + cells + slants + kept_wgsl + lights)
 
     def encode(
         self,

@@ -7,6 +7,7 @@
 //! use octants
 //! use cell_order
 //! use tone
+//! needs fn shining_light(i: u32) -> LightData
 //! needs fn computed_cell(id: vec3u) -> vec3u
 //! needs fn keep_light(cell: u32, light: Arriving)
 
@@ -77,7 +78,7 @@ fn arriving(p: vec3f, size: vec3f, sigma_t: vec3f) -> Arriving {
     let radius = ball_radius(size);
     var sum = Arriving(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var i = 0u; i < params.light_count; i++) {
-        let light = row_of_lights(i);
+        let light = shining_light(i);
         // What arrives at the middle of the box, unless surfaces or the light's cone keep it off.
         let in = incoming_in_media(light, p);
         let reach = true_reach(light, p, in.distance);

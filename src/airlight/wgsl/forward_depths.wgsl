@@ -51,24 +51,28 @@ fn depths_towards(light: LightData, index: u32, p: vec3f, is_slanted: bool) -> D
     var slants = Slants(vec2f(0.0), 0.0);
     var along = vec2f(0.0);
     var walk = walk_towards(index, p, path);
-    for (var v = 0u; v < MEDIA_VISITS; v++) {
-        let m = next_towards(&walk);
-        if (walk.is_done) { break; }
-        if (m == NO_MEDIUM) { continue; }
-        let column = media_light_column(m, index, p, path);
-        let reduced = row_of_media(m).sigma_t * column;
-        let isotropic = max(vec3f(1e-4), 1.0 - row_of_media(m).g);
-        sum.reduced += reduced;
-        let scattering = reduced * row_of_media(m).albedo / isotropic;
-        sum.forward += scattering * row_of_media(m).g;
-        sum.scattering += scattering;
-        // Each counts by what it deflects; of many, none of which is looked for beside the path, the lengths in them add up.
-        let deflected = scattering.g * row_of_media(m).g.g;
-        if (MEDIA_COUNT > SLANT_MEDIA) {
-            along += slant(0.0, select(0.0, column, deflected > 0.0), row_of_media(m).g.g);
-        } else if (is_slanted && deflected > 0.0) {
-            let span = medium_interval(m, p, path.xyz);
-            slants = with_slant(slants, m, max(span.x, 0.0), min(span.y, path.w), deflected);
+    loop {
+        if (walk.medium != NO_MEDIUM) {
+            let m = walk.medium;
+            let column = media_light_column(m, index, p, path);
+            let reduced = row_of_media(m).sigma_t * column;
+            let isotropic = max(vec3f(1e-4), 1.0 - row_of_media(m).g);
+            sum.reduced += reduced;
+            let scattering = reduced * row_of_media(m).albedo / isotropic;
+            sum.forward += scattering * row_of_media(m).g;
+            sum.scattering += scattering;
+            // Each counts by what it deflects; of many, none of which is looked for beside the path, the lengths in them add up.
+            let deflected = scattering.g * row_of_media(m).g.g;
+            if (MEDIA_COUNT > SLANT_MEDIA) {
+                along += slant(0.0, select(0.0, column, deflected > 0.0), row_of_media(m).g.g);
+            } else if (is_slanted && deflected > 0.0) {
+                let span = medium_interval(m, p, path.xyz);
+                slants = with_slant(slants, m, max(span.x, 0.0), min(span.y, path.w), deflected);
+            }
+        }
+        continuing {
+            step_towards(&walk);
+            break if walk.is_done;
         }
     }
     // Directional lights are blurred, and so come to where the straight path meets no medium.

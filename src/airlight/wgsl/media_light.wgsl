@@ -55,11 +55,15 @@ fn media_light_depth(light: LightData, index: u32, p: vec3f) -> vec3f {
     let path = media_light_path(light, p);
     var sum = vec3f(0.0);
     var walk = walk_towards(index, p, path);
-    for (var v = 0u; v < MEDIA_VISITS; v++) {
-        let m = next_towards(&walk);
-        if (walk.is_done) { break; }
-        if (m == NO_MEDIUM) { continue; }
-        sum += row_of_media(m).sigma_t * media_light_column(m, index, p, path);
+    loop {
+        if (walk.medium != NO_MEDIUM) {
+            let m = walk.medium;
+            sum += row_of_media(m).sigma_t * media_light_column(m, index, p, path);
+        }
+        continuing {
+            step_towards(&walk);
+            break if walk.is_done;
+        }
     }
     return sum;
 }

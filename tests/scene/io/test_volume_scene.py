@@ -254,3 +254,11 @@ def test_a_grid_whose_axes_say_which_is_up_is_not_turned(tmp_path):
     assert "a.nc: up is left out" in " ".join(turned.warnings)
     (tmp_path / "a.toml").write_text('[[volume]]\nfile = "a.nc"\nsigma_t = 1\nup = "z"\n')
     assert "a.nc: up is left out" in " ".join(load(tmp_path / "a.toml").warnings)
+
+
+def test_a_sequence_has_a_frame_for_each_of_its_grids(tmp_path, monkeypatch, capsys):
+    for k in range(4):
+        np.save(tmp_path / f"smoke_{k}.npy", plume())
+    monkeypatch.setattr("airlight.scene.io.volume_scene.DEFAULT_FPS", 12.0)
+    assert run(["info", str(tmp_path)]) == 0
+    assert "fps 12, loop False, frames 4," in capsys.readouterr().out

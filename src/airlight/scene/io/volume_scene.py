@@ -172,7 +172,8 @@ def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[s
     text = f"{series.name}: {what} follow each other {series.fps:g} a second"
     text += " (airlight sequence, --time)"
     text += "" if is_one else f"; {file.name} is shown, the fullest of a few"
-    moving = Animation((VolumeTrack(0, sequence),))
+    # A frame for each time.
+    moving = Animation((VolumeTrack(0, sequence),), fps=series.fps)
     return replace(scene, animation=moving, warnings=(*scene.warnings, text))
 
 
