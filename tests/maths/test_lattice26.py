@@ -62,6 +62,14 @@ def test_clear_air_keeps_direction_by_rho_squared() -> None:
     np.testing.assert_allclose(after[..., 1:].sum(axis=(1, 2, 3)), lattice26.RHO**2 * flux)
 
 
+def test_finer_cells_of_clear_air_turn_less_light_on_a_hop() -> None:
+    # As much as ever on up to 25 cells; then the loss per hop falls by less than cells shrink.
+    lost = [1.0 - lattice26.persistence(n, is_clear=True) for n in (16, 25, 50, 100)]
+    assert lost[0] == lost[1] == pytest.approx(1.0 - lattice26.RHO**2)
+    assert lost[1] / lost[2] == pytest.approx(lost[2] / lost[3])
+    assert 1.5 < lost[1] / lost[2] < 2.0
+
+
 def test_absorption_takes_what_the_depth_says() -> None:
     h = lattice26.hops()
     state = lump()

@@ -22,8 +22,10 @@ F64 = NDArray[np.float64]
 
 # How much of a cell's net direction a transfer function sees; the best of those measured.
 RHO = 0.93
-# Cells that light wanders across as RHO has it; on longer lattices it keeps straighter.
+# Cells that light wanders across as RHO has it; on longer lattices it keeps straighter, by a power
+# of their length: without any medium, and within one; measured.
 _WANDERED = 25
+_IN_CLEAR_AIR, _IN_MEDIUM = 0.75, 1.5
 # Of the light that a lattice of a thin medium holds, this share is there in truth; measured.
 _TRUE_SHARE = 0.95
 # lattice6.surface_irradiance's `scale` for summed states of this scheme, no medium; measured.
@@ -74,14 +76,18 @@ def hops() -> Hops:
     return Hops(offsets, lengths, directions, omega, weights, gain0, np.sqrt(3.0) * RHO * gain0)
 
 
-def persistence(longest_side: int) -> float:
+def persistence(longest_side: int, *, is_clear: bool = False) -> float:
     """Share of its net direction that light keeps on a hop, by the lattice's longest side, cells.
 
     What it loses is scattering that no medium does. RHO^2 fits 25 cells best, beside Monte Carlo.
-    On more of them the same share would keep light in the lattice too long: 1.06 times its true
-    path through 8 cells, 1.27 times through 24. The power is fitted to rooms of 32 cells.
+    On more of them the same share would keep light in the lattice too long, 1.06 times its true
+    path through 8 cells, 1.27 times through 24, and it would hardly get past walls. In a medium the
+    power is fitted to rooms of 32 cells. In clear air (`is_clear`) light reaches the far end of a
+    hall alike whatever its cells by the first power, a loss per metre; past the ends of walls, at
+    which hops lose less the smaller they are, by less than that.
     """
-    lost = (1.0 - RHO**2) * float((_WANDERED / longest_side) ** 1.5)
+    power = _IN_CLEAR_AIR if is_clear else _IN_MEDIUM
+    lost = (1.0 - RHO**2) * float((_WANDERED / longest_side) ** power)
     return max(RHO**2, 1.0 - lost)
 
 

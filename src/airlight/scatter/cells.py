@@ -73,7 +73,7 @@ class LatticeCells:
             has_walls=self._settings.occlusion,
             is_varied=self.is_varied,
             scheme=scheme if scheme.startswith("paper") else "deposit",
-            is_straight=any(densest_medium(scene)[1]),
+            is_clear=not any(densest_medium(scene)[1]),
             span=round(max(extents) / self.placement.cell),
         )
 

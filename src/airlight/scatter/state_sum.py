@@ -19,7 +19,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer
 from ..gpu.recorded import Recorded
-from ..maths.lattice26 import RHO, persistence
+from ..maths.lattice26 import persistence
 from .coefficients import CHANNELS, StepCoefficients, handed_on, paper_rows, step_rows
 from .hop_visibility import HopVisibility, new_packs
 from .power_rescaling import PowerRescaling
@@ -38,8 +38,8 @@ class LatticeKind:
     """Whether the medium differs from cell to cell."""
     scheme: str = "deposit"
     """How a hop scatters in a homogeneous medium (settings.SCHEMES); "paper..." as eq. 3 has it."""
-    is_straight: bool = True
-    """Whether light keeps straighter on larger lattices (maths.lattice26.persistence)."""
+    is_clear: bool = False
+    """Whether there is no medium anywhere (maths.lattice26.persistence)."""
     span: int = 0
     """Of its cells, how many light has around it along the longest side, beyond it, too; 0: as many
     as the lattice has."""
@@ -66,7 +66,7 @@ class StateSum:
         self._packs = new_packs(gpu, cells if kind.has_walls else 1)
         self._face_visibility = Buffer(gpu, "no walls", 8)
         # Larger lattices keep light straighter, which hops would spread too soon.
-        self._persistence = persistence(kind.span or max(count)) if kind.is_straight else RHO**2
+        self._persistence = persistence(kind.span or max(count), is_clear=kind.is_clear)
         is_paper = kind.scheme != "deposit"
         self._step = Step(
             gpu,
