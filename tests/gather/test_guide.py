@@ -58,7 +58,6 @@ def test_where_light_is_wide_nothing_is_guided():
 
 DENSITY = """
 //! use light_guide
-//! use guide_surface
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&result)) { return; }
     let found = guide_density(vec3f(0.5, 0.0, -0.5), vec3f(0.0, 1.0, 0.0), asked[id.x].xyz);
@@ -79,7 +78,7 @@ def random_patches():
     return rows
 
 
-def answers(gpu, kernel, commands, code, rows, asked):
+def answers(gpu, kernel, commands, code, rows, asked, **constants):
     """What `code` makes of each vec4f of `asked`, with these patches."""
     slots = (
         storage("lit_patches", LightPatch),
@@ -88,7 +87,8 @@ def answers(gpu, kernel, commands, code, rows, asked):
     )
     asked = asked.astype(np.float32)
     result = Buffer(gpu, "result", asked.nbytes)
-    kernel(code, slots).dispatch(
+    made = kernel(code, slots)
+    type(made)(gpu, constants=constants).dispatch(
         commands,
         (len(asked),),
         lit_patches=buffer_of(gpu, "patches", rows.astype(np.float32)),
@@ -129,7 +129,7 @@ def test_rays_in_the_air_are_as_dense_as_the_twin_says(gpu, kernel, commands):
     rows[:PATCHES, 3] *= 0.2
     rng = np.random.default_rng(6)
     numbers = np.column_stack([rng.random((60000, 2)), np.zeros((60000, 2))])
-    got = answers(gpu, kernel, commands, AIR, rows, numbers)
+    got = answers(gpu, kernel, commands, AIR, rows, numbers, FROM_AIR=1.0)
     place, up = (0.5, 0.0, -0.5), np.array([0.0, 1.0, 0.0])
     led, found = guide_density(rows[:PATCHES], place, up, got[:, :3], mean_cosine=0.4)
     part = guided_share(found)

@@ -208,7 +208,8 @@ class CellSums:
         # Of each cell mean radiance and how many samples found it, and where it goes.
         self._before = Buffer(gpu, "light in air before", 32 * cells)
         self._points_of_cells = Buffer(gpu, "points of cells", 8 * cells)
-        self._cells, self._pass, self._next = cells, _CellSums(gpu), _CellAir(gpu)
+        self._cells, self._next = cells, _CellAir(gpu)
+        self._pass = _CellSums(gpu, constants={"FROM_AIR": 1.0})
 
     def write(self, seen: SeenCells) -> None:
         """Take these cells as those that send rays."""

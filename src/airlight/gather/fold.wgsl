@@ -1,7 +1,6 @@
 // What a segment of paths found: its light, times what the segments before it reflect.
 //! use gather
 //! use light_guide
-//! use guide_surface
 //! use sky_cells
 //! use octahedron
 //! use tone

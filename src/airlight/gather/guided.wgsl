@@ -2,7 +2,6 @@
 //! use gather
 //! use gather_hit
 //! use light_guide
-//! use guide_surface
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {

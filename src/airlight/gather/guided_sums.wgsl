@@ -2,7 +2,6 @@
 // cosine leave it to them.
 //! use gather
 //! use light_guide
-//! use guide_surface
 //! use tone
 //! needs fn passed_by_ray(row: u32) -> vec3f
 

@@ -1,7 +1,6 @@
 // Tiles of what lights shine on, put together: patches that send about as much to the image each. One workgroup.
 //! use sampling
 //! use light_guide
-//! use guide_surface
 
 const PROBES = 4u;          // points of the image for each lane
 const MOST_SPREAD = 1.5;    // of a patch: its radius over the root of its mean squared reach

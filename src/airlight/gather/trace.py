@@ -91,7 +91,7 @@ class Trace:
         # A kernel for each start: points, hits, cells of media, points towards patches.
         self._first = _Trace(gpu, constants=scene.constants)
         self._next = _Bounce(gpu, constants=scene.constants)
-        self._from_air = _FromAir(gpu, constants=scene.constants)
+        self._from_air = _FromAir(gpu, constants=scene.constants | {"FROM_AIR": 1.0})
         self._guided = _Guided(gpu, constants=scene.constants)
 
     def encode(

@@ -1,8 +1,8 @@
 """Rays towards what lights shine on: directions within cones, and how many rays go there.
 
-Twin of `wgsl/guided_share.wgsl`, `wgsl/light_guide.wgsl` and, for points of surfaces and in the
-air, `wgsl/guide_surface.wgsl` and `wgsl/guide_air.wgsl`. What a ray counts, however its
-direction was chosen, is `maths.gather.sky_share`: the same balance heuristic (Veach1995).
+Twin of `wgsl/guided_share.wgsl`, `wgsl/light_guide.wgsl` and `wgsl/guide_air.wgsl`. What a ray
+counts, however its direction was chosen, is `maths.gather.sky_share`: the same balance heuristic
+(Veach1995).
 """
 
 from __future__ import annotations

@@ -1,13 +1,7 @@
-// Rays from points in the air by lobe_density about `facing`, which is as long as the lobe's mean cosine, and those that
-// patches lead (light_guide.wgsl). The including pass binds `lit_patches`. Twins: maths.light_guide.
+// Rays from points in the air, by lobe_density or towards lit patches. The including pass binds `lit_patches`, and is
+// FROM_AIR. Twins: maths.light_guide.
 //! use gather
 //! use light_guide
-
-// What over pi is the density of rays by the lobe, sr^-1, as a surface's cosine is.
-fn patch_cosine(along: vec3f, sine: f32, facing: vec3f) -> f32 {
-    let g = length(facing);
-    return 3.14159265 * lobe_density(dot(facing, along) / max(g, 1e-6), g);
-}
 
 struct AirRay {
     direction: vec3f,

@@ -1,8 +1,10 @@
 // Where lights shine on surfaces, as a few spheres around what is lit: directions towards them, and how likely each is
-// chosen. The including pass binds `lit_patches` (gather/guide.py). `facing` says where rays go that no patch leads, as
-// guide_surface and guide_air have it.
+// chosen. The including pass binds `lit_patches` (gather/guide.py). `facing` says where rays go that no patch leads: by the cosine
+// about a surface's normal, or from the air by lobe_density about a vector as long as the lobe's mean cosine.
+//! use gather
 //! use guided_share
-//! needs fn patch_cosine(along: vec3f, sine: f32, facing: vec3f) -> f32
+
+override FROM_AIR: bool = false;
 
 const LIT_PATCHES = 16u;
 const LEAST_SINE2 = 1e-6;
@@ -31,6 +33,16 @@ struct GuideChoice {
     found: f32,             // share of rays that no patch leads that find the patches' light
     chosen: PatchSight,
     number: f32,            // uniform again
+}
+
+// Over pi the density, sr^-1, of rays that no patch leads, towards a cone about `along`; of a surface's eased by the sine
+// of half its angle.
+fn patch_cosine(along: vec3f, sine: f32, facing: vec3f) -> f32 {
+    if (FROM_AIR) {
+        let g = length(facing);
+        return 3.14159265 * lobe_density(dot(facing, along) / max(g, 1e-6), g);
+    }
+    return saturate((dot(facing, along) + sine) / (1.0 + sine));
 }
 
 fn patch_sight(k: u32, place: vec3f, facing: vec3f) -> PatchSight {
