@@ -17,21 +17,19 @@
         let origin = place.xyz + params.raised * n;
         let numbers = later_numbers(id.x, y, ray, params.segment);
         var direction = cosine_direction(n, numbers);
-        // A part of the second number chooses whether a patch leads the ray; the rest of it is uniform again.
+        // A part of the second number chooses whether a patch leads the ray.
         if (has_guide()) {
             var cones: PatchCones;
             let choice = guide_choice(origin, n, numbers.x, &cones);
-            let part = guided_share(choice.found);
-            let is_led = numbers.y < part;
-            let rest = select((numbers.y - part) / (1.0 - part), numbers.y / max(part, 1e-9), is_led);
-            direction = cosine_direction(n, vec2f(numbers.x, rest));
-            if (is_led) {
-                direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, rest));
+            let one = led(choice, numbers.y);
+            direction = cosine_direction(n, vec2f(numbers.x, one.rest));
+            if (one.is_led) {
+                direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, one.rest));
             }
             // What the path counts, both ways to choose its direction know (Veach1995, the balance heuristic).
             let cosine = max(dot(direction, n), 0.0) / 3.14159265;
-            let density = part * density_of_cones(&cones, choice.total, direction);
-            let counts = cosine / max((1.0 - part) * cosine + density, 1e-30);
+            let density = one.part * density_of_cones(&cones, choice.total, direction);
+            let counts = cosine / max((1.0 - one.part) * cosine + density, 1e-30);
             let row = 2u * (id.y * params.reduced.x + id.x) + 1u;
             paths[row] = vec4f(counts * paths[row].rgb, paths[row].w);
         }

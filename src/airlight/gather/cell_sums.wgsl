@@ -1,6 +1,6 @@
 // The radiance along the rays of each cell: its mean, and what of it media there scatter towards the eye.
 // Cells that sent no rays keep what they had: what the lattice solved, if they never did.
-//! use gather
+//! use guide_air
 //! use cell_order
 //! use tone
 //! use half_range
@@ -40,13 +40,13 @@ const NO_POINT = 0xffffffffu;
         let point = first + k / params.rays;
         let ray = k % params.rays;
         let radiance = paths[2u * (point + ray * params.points)].rgb;
-        let numbers = ray_numbers(point % params.width, point / params.width, params.first_ray + ray);
-        let direction = lobe_direction(-axis.xyz, axis.w, numbers);
-        let cosine = -dot(direction, axis.xyz);
-        let found = radiance / lobe_density(cosine, axis.w);
+        let source = vec2u(point % params.width, point / params.width);
+        let numbers = ray_numbers(source.x, source.y, params.first_ray + ray);
+        let sent = air_ray(textureLoad(places, source, 0).xyz, axis, numbers);
+        let found = radiance / sent.density;
         mean_radiance += PHASE_ISOTROPIC * found;
-        along -= PHASE_ISOTROPIC * luminance(found) * direction;
-        towards_eye += scattering_phase(cosine, g) * found;
+        along -= PHASE_ISOTROPIC * luminance(found) * sent.direction;
+        towards_eye += scattering_phase(-dot(sent.direction, axis.xyz), g) * found;
         k++;
     }
     // What rays of the next sample meet in the air: the mean of all samples in which it sent rays, the later ones more.

@@ -1,13 +1,13 @@
 """The final gather in the air: what arrives in a lattice's cells, found by rays.
 
-Cells of a lattice know the light that came to them through the faces between; a window of two
-cells is nearly shut to it, and a wall between cells is no sharper than they are. Rays from the
-middles of the cells find instead what surfaces and the air beyond send there, as the rays of pixels
-do. Half of them go into all directions alike, half where the media's phase function towards the eye
-is large; what it scatters of their radiance is kept, and the mean for the rays of the next sample.
-The first sample's rays meet the light in air that the lattice solved, later ones' what earlier
-samples found. Cells that the view does not read send rays in some of the samples; until then they
-have what the lattice solved.
+Cells of a lattice know the light that came to them through the faces between; a window of two cells
+is nearly shut to it, and a wall between cells is no sharper than they are. Rays from the middles of
+the cells find instead what surfaces and the air beyond send there, as the rays of pixels do. Half
+of them go into all directions alike, half where the media's phase function towards the eye is
+large, and some of both towards what lights shine on, where that is small; what it scatters of their
+radiance is kept, and the mean for the rays of the next sample. The first sample's rays meet the
+light in air that the lattice solved, later ones' what earlier samples found. Cells that the view
+does not read send rays in some of the samples; until then they have what the lattice solved.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from ..gpu.slots import FILTERED, image, storage, texture, uniform
 from ..lattice.placement import LatticeParams, Placement
 from ..lighting.view import View
 from ..media.gpu_media import GpuMedia
+from .guide import LightPatch
 from .seen_cells import NO_POINT, SeenCells
 
 # Texels in a row of the images whose points are cells.
@@ -91,6 +92,8 @@ class _CellSums(ComputePass):
         uniform("lattice", LatticeParams),
         storage("points_of_cells", "vec2u"),
         storage("paths", "vec4f"),
+        storage("lit_patches", LightPatch),
+        texture("places", "2d", "unfilterable-float"),
         texture("axes", "2d", "unfilterable-float"),
         texture("cosines", "2d", "unfilterable-float"),
         texture("solved", "3d", "unfilterable-float"),
@@ -205,7 +208,8 @@ class CellSums:
         # Of each cell mean radiance and how many samples found it, and where it goes.
         self._before = Buffer(gpu, "light in air before", 32 * cells)
         self._points_of_cells = Buffer(gpu, "points of cells", 8 * cells)
-        self._cells, self._pass, self._next = cells, _CellSums(gpu), _CellAir(gpu)
+        self._cells, self._next = cells, _CellAir(gpu)
+        self._pass = _CellSums(gpu, constants={"FROM_AIR": 1.0})
 
     def write(self, seen: SeenCells) -> None:
         """Take these cells as those that send rays."""
@@ -219,10 +223,11 @@ class CellSums:
         numbers: range,
         light: CellLight,
         number: int,
+        patches: Buffer,
     ) -> CellLight:
         """`light` with that of the `paths` of the rays of these `numbers` from `points`.
 
-        `number`: how many samples of the same light there were before.
+        `number`: how many samples of the same light there were before. `patches`: that led rays.
         """
         scattered, air = light
         largest = scattered.placement.cell
@@ -246,6 +251,8 @@ class CellSums:
                 lattice=placement.params(),
                 points_of_cells=self._points_of_cells,
                 paths=paths,
+                lit_patches=patches,
+                places=points.places,
                 axes=points.normals,
                 cosines=points.cosines,
                 solved=air.mean.mean,

@@ -1,6 +1,6 @@
 // Rays from points in the air, half of them into all directions alike, half where media scatter towards the eye
-// from; each writes the surface that it meets.
-//! use gather
+// from, or a part towards what lights shine on; each writes the surface that it meets.
+//! use guide_air
 //! use gather_hit
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -15,8 +15,7 @@
         let ray = params.first_ray + id.y / params.reduced.y;
         let axis = textureLoad(normals, at, 0);
         // Light travels against the ray that finds it.
-        let direction = lobe_direction(-axis.xyz, axis.w, ray_numbers(at.x, at.y, ray));
-        found = gather_hit(place.xyz, direction);
+        found = gather_hit(place.xyz, air_ray(place.xyz, axis, ray_numbers(at.x, at.y, ray)).direction);
     }
     store_hit(id.xy, found);
 }

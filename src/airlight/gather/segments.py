@@ -42,6 +42,11 @@ class PathSegments:
         self._guide = LightGuide(kit.gpu)
         self.trace: Trace | None = None
 
+    @property
+    def patches(self) -> Buffer:
+        """Those that lead rays, as `LightGuide.patches`."""
+        return self._guide.patches
+
     def guided(self, commands: Commands, sized: ViewBatches, fields: Fields) -> int:
         """Find what lights shine on that points see; how many rays of each point go there."""
         if not sized.guided.count:

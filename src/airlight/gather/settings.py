@@ -25,7 +25,7 @@ class GatherSettings:
     gather_guided: int = setting(
         2,
         "rays of a point beside these that are led to what lights shine on, where that is small; "
-        "0: none are, nor those of later bounces",
+        "0: none are, nor those of later bounces and of cells of media",
         low=0,
         high=1024,
     )

@@ -197,8 +197,9 @@ class GatherSolver(Solver):
         for _ in self._paths.followed(commands, sized, numbers, met):
             pass
         with commands.stage("gather lighting"):
+            paths, patches = sized.paths.buffer, self._paths.patches
             scattered, sized.found = sized.sums.encode(
-                commands, sized.points, sized.paths.buffer, numbers, (source, given), number
+                commands, sized.points, paths, numbers, (source, given), number, patches
             )
         return replace(fields, scattered=scattered, air=sized.found)
 

@@ -78,6 +78,7 @@ class _Guided(_Trace):
 
 
 class _FromAir(_Trace):
+    slots = (*_Trace.slots, storage("lit_patches", LightPatch))
     file = "from_air.wgsl"
 
 
@@ -90,7 +91,7 @@ class Trace:
         # A kernel for each start: points, hits, cells of media, points towards patches.
         self._first = _Trace(gpu, constants=scene.constants)
         self._next = _Bounce(gpu, constants=scene.constants)
-        self._from_air = _FromAir(gpu, constants=scene.constants)
+        self._from_air = _FromAir(gpu, constants=scene.constants | {"FROM_AIR": 1.0})
         self._guided = _Guided(gpu, constants=scene.constants)
 
     def encode(
@@ -114,7 +115,8 @@ class Trace:
         used = first if is_first else self._next
         start = points if is_first else before
         lit_patches, paths = guide
-        more = {} if is_first else {"lit_patches": lit_patches, "paths": paths}
+        more = {} if used is self._first else {"lit_patches": lit_patches}
+        more |= {} if is_first else {"paths": paths}
         self._dispatch(commands, used, points, _start(start), hits, segment, more)
 
     def encode_guided(

@@ -1,7 +1,8 @@
 """Rays towards what lights shine on: directions within cones, and how many rays go there.
 
-Twin of `wgsl/guided_share.wgsl` and `wgsl/light_guide.wgsl`. What a ray counts, however its
-direction was chosen, is `maths.gather.sky_share`: the same balance heuristic (Veach1995).
+Twin of `wgsl/guided_share.wgsl`, `wgsl/light_guide.wgsl` and `wgsl/guide_air.wgsl`. What a ray
+counts, however its direction was chosen, is `maths.gather.sky_share`: the same balance heuristic
+(Veach1995).
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .gather import lobe_density
 from .sampling import orthonormal_frame
 
 F64 = NDArray[np.float64]
@@ -20,7 +22,7 @@ RARE = 0.03
 COMMON = 0.25
 """The share from which on none are."""
 MOST_GUIDED = 0.5
-"""Of the rays of later segments, where the patches are as small as can be."""
+"""Of rays in the air and of later segments, where the patches are as small as can be."""
 _LEAST_SINE2 = 1e-6
 _MOST_SINE2 = 0.9  # a point inside of a sphere, or nearly, finds what is in it by the cosine
 
@@ -42,23 +44,29 @@ def cone_direction(axis: ArrayLike, height: ArrayLike, numbers: ArrayLike) -> F6
 
 
 def guided_share(found: ArrayLike) -> F64:
-    """Which part (...) of the rays of later segments is guided to what lights shine on.
+    """Which part (...) of rays in the air and of later segments is guided to what lights shine on.
 
-    `found`: the share of cosine-distributed rays that would find it by themselves.
+    `found`: the share of all other rays that would find it by themselves.
     """
     f = np.asarray(found, dtype=np.float64)
     return np.asarray(np.where(f < COMMON, MOST_GUIDED / (1.0 + f / RARE), 0.0))
 
 
 def guide_density(
-    patches: ArrayLike, place: ArrayLike, normal: ArrayLike, directions: ArrayLike
+    patches: ArrayLike,
+    place: ArrayLike,
+    normal: ArrayLike,
+    directions: ArrayLike,
+    *,
+    mean_cosine: float | None = None,
 ) -> tuple[F64, float]:
     """Density (...) in sr^-1 at which guided rays take unit `directions` (..., 3), and `found`.
 
     `patches` (K, 8): spheres with centre and radius in metres, the mean normal of what is lit in
     them, and the power in watts that it reflects. `place` (3,) metres, with unit `normal` (3,).
-    `found` is the share of cosine-distributed rays that find the patches' light: of patch k they
-    find a share f_k and leave noise of l_k^2 / f_k, where l_k is its light.
+    `found` is the share of other rays that find the patches' light: of patch k they find a share
+    f_k and leave noise of l_k^2 / f_k, where l_k is its light. They are distributed by the cosine,
+    or from a point in the air by `maths.gather.lobe_density` of this `mean_cosine` about `normal`.
     """
     lit, at, n = (np.asarray(x, dtype=np.float64) for x in (patches, place, normal))
 
@@ -70,6 +78,8 @@ def guide_density(
     height = sine2 / (1.0 + np.sqrt(np.maximum(1.0 - sine2, 0.0)))
     sine = np.sqrt(sine2)
     cosine = np.clip((along @ n + sine) / (1.0 + sine), 0.0, 1.0)
+    if mean_cosine is not None:
+        cosine = np.pi * lobe_density(along @ n, mean_cosine)
     mean_normal = lit[:, 4:7]
     sent = 1.0 - np.linalg.norm(mean_normal, axis=1) + sine - (mean_normal * along).sum(axis=1)
     light = lit[:, 7] * cosine * np.clip(sent, 0.0, 1.0) / squared_distance

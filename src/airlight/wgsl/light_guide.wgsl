@@ -1,18 +1,22 @@
 // Where lights shine on surfaces, as a few spheres around what is lit: directions towards them, and how likely each is
-// chosen. The including pass binds `lit_patches` (gather/guide.py).
+// chosen. The including pass binds `lit_patches` (gather/guide.py). `facing` says where rays go that no patch leads: by the cosine
+// about a surface's normal, or from the air by lobe_density about a vector as long as the lobe's mean cosine.
+//! use gather
 //! use guided_share
+
+override FROM_AIR: bool = false;
 
 const LIT_PATCHES = 16u;
 const LEAST_SINE2 = 1e-6;
 const MOST_SINE2 = 0.9;
 
-// A patch as a point of a surface sees it.
+// A patch as a point of a surface or in the air sees it.
 struct PatchSight {
     along: vec3f,
     sine2: f32,             // of half the angle of its cone
     height: f32,            // one minus the cosine of that
     light: f32,             // W m^-2, about
-    found: f32,             // share of cosine-distributed rays that meet its cone, about
+    found: f32,             // share of rays that no patch leads that meet its cone, about
     weight: f32,            // of its being chosen
 }
 
@@ -26,12 +30,22 @@ struct PatchCones {
 // How patches are chosen at a point, and the one that a number chooses.
 struct GuideChoice {
     total: f32,             // of all weights
-    found: f32,             // share of cosine-distributed rays that find the patches' light
+    found: f32,             // share of rays that no patch leads that find the patches' light
     chosen: PatchSight,
     number: f32,            // uniform again
 }
 
-fn patch_sight(k: u32, place: vec3f, n: vec3f) -> PatchSight {
+// Over pi the density, sr^-1, of rays that no patch leads, towards a cone about `along`; of a surface's eased by the sine
+// of half its angle.
+fn patch_cosine(along: vec3f, sine: f32, facing: vec3f) -> f32 {
+    if (FROM_AIR) {
+        let g = length(facing);
+        return 3.14159265 * lobe_density(dot(facing, along) / max(g, 1e-6), g);
+    }
+    return saturate((dot(facing, along) + sine) / (1.0 + sine));
+}
+
+fn patch_sight(k: u32, place: vec3f, facing: vec3f) -> PatchSight {
     let lit = lit_patches[k];
     let offset = lit.centre - place;
     let d2 = max(dot(offset, offset), 1e-20);
@@ -40,10 +54,10 @@ fn patch_sight(k: u32, place: vec3f, n: vec3f) -> PatchSight {
     out.sine2 = lit.radius * lit.radius / d2 + LEAST_SINE2;
     let sine = sqrt(out.sine2);
     out.height = out.sine2 / (1.0 + sqrt(max(1.0 - out.sine2, 0.0)));
-    let cosine = saturate((dot(n, out.along) + sine) / (1.0 + sine));
-    let facing = saturate(1.0 - length(lit.normal) + sine - dot(lit.normal, out.along));
-    // A point inside of a sphere, or nearly, finds what is in it by the cosine.
-    out.light = select(0.0, lit.flux * cosine * facing / d2, out.sine2 < MOST_SINE2);
+    let cosine = patch_cosine(out.along, sine, facing);
+    let sent = saturate(1.0 - length(lit.normal) + sine - dot(lit.normal, out.along));
+    // A point inside of a sphere, or nearly, finds what is in it by other rays.
+    out.light = select(0.0, lit.flux * cosine * sent / d2, out.sine2 < MOST_SINE2);
     out.found = clamp(2.0 * out.height * cosine, 1e-7, 1.0);
     out.weight = out.light / (1.0 + out.found / RARE);
     return out;
@@ -56,7 +70,7 @@ fn cone_density(direction: vec3f, along: vec3f, sine2: f32, density: f32) -> f32
 }
 
 // `number` in [0, 1) chooses; all cones are put down in `cones`.
-fn guide_choice(place: vec3f, n: vec3f, number: f32, cones: ptr<function, PatchCones>) -> GuideChoice {
+fn guide_choice(place: vec3f, facing: vec3f, number: f32, cones: ptr<function, PatchCones>) -> GuideChoice {
     var out: GuideChoice;
     out.number = number;
     var light = 0.0;
@@ -64,7 +78,7 @@ fn guide_choice(place: vec3f, n: vec3f, number: f32, cones: ptr<function, PatchC
     let count = u32(lit_patches[LIT_PATCHES].radius);
     (*cones).count = count;
     for (var k = 0u; k < count; k++) {
-        let seen = patch_sight(k, place, n);
+        let seen = patch_sight(k, place, facing);
         (*cones).along_sine2[k] = vec4f(seen.along, seen.sine2);
         (*cones).density[k] = seen.weight / (6.2831853 * seen.height);
         light += seen.light;
@@ -99,14 +113,14 @@ struct GuideDensity {
 }
 
 // At which a direction is chosen.
-fn guide_density(place: vec3f, n: vec3f, direction: vec3f) -> GuideDensity {
+fn guide_density(place: vec3f, facing: vec3f, direction: vec3f) -> GuideDensity {
     var total = 0.0;
     var light = 0.0;
     var noise = 0.0;
     var inside = 0.0;
     let count = u32(lit_patches[LIT_PATCHES].radius);
     for (var k = 0u; k < count; k++) {
-        let seen = patch_sight(k, place, n);
+        let seen = patch_sight(k, place, facing);
         light += seen.light;
         noise += seen.light * seen.light / seen.found;
         total += seen.weight;
@@ -118,4 +132,13 @@ fn guide_density(place: vec3f, n: vec3f, direction: vec3f) -> GuideDensity {
 // Whether there are any patches.
 fn has_guide() -> bool {
     return lit_patches[LIT_PATCHES].radius > 0.0;
+}
+
+// Whether a patch leads a ray, by a part of a number in [0, 1); `rest` of it is uniform again.
+struct Led { part: f32, is_led: bool, rest: f32 }
+
+fn led(choice: GuideChoice, number: f32) -> Led {
+    let part = guided_share(choice.found);
+    let is_led = number < part;
+    return Led(part, is_led, select((number - part) / (1.0 - part), number / max(part, 1e-9), is_led));
 }
