@@ -6,8 +6,6 @@ import itertools
 import math
 from collections.abc import Callable, Iterable
 
-import numpy as np
-
 from .gpu.commands import Commands
 from .lighting.accumulate import Accumulator
 from .lighting.read_layers import read_layers
@@ -47,23 +45,32 @@ class SampledView:
         A scene is taken when its sample is about to be drawn.
         """
         self._view.is_still = samples > 1
-        # Without anti-aliasing the one sample lies in the middle of its pixel.
-        jitters = pixel_jitter(samples) if samples > 1 else np.zeros((1, 2))
-        for index, (jitter, scene) in enumerate(zip(jitters, scenes, strict=False)):
-            camera, offset = scene.camera, (float(jitter[0]), float(jitter[1]))
-            # Through a lens each sample has a point of it.
-            if samples > 1:
-                camera, offset = through_lens(camera, offset, index, self._view.size[1])
-            self._view.aim(self._nearby.camera(camera), offset, index)
+        if samples == 1:
+            # Without anti-aliasing the one sample lies in the middle of its pixel.
+            self._view.aim(self._nearby.camera(next(iter(scenes)).camera))
             self._technique.draw(self._commands, self._view)
-            # Several samples are averaged on the device, and submitted one by one.
-            if samples > 1:
-                self._accumulate(index)
-                self._commands.submit()
-                if progress:
-                    self._commands.gpu.wait()
-                    progress("render", (index + 1) / samples)
+        else:
+            self._draw_still(scenes, samples, progress)
         self._commands.submit()
+
+    def _draw_still(self, scenes: Iterable[Scene], samples: int, progress: Progress | None) -> None:
+        # What takes longest serves several images of a sample, through other places of pixels.
+        places = self._technique.places
+        jitters = pixel_jitter(samples * places)
+        for sample, scene in zip(range(samples), scenes, strict=False):
+            for place in range(places):
+                number = sample * places + place
+                # Through a lens each sample has a point of it.
+                offset = (float(jitters[number, 0]), float(jitters[number, 1]))
+                camera, offset = through_lens(scene.camera, offset, sample, self._view.size[1])
+                self._view.aim(self._nearby.camera(camera), offset, sample, (place, places))
+                # All are averaged on the device, and submitted one by one.
+                self._technique.draw(self._commands, self._view)
+                self._accumulate(number)
+                self._commands.submit()
+            if progress:
+                self._commands.gpu.wait()
+                progress("render", (sample + 1) / samples)
 
     def metered(self, scene: Scene) -> float:
         """The exposure, stops, of an image without its unlit surfaces, which then follow it."""

@@ -158,7 +158,8 @@ def test_rough_pixels_of_a_block_share_a_ray_and_smooth_ones_send_their_own(
     above = Camera((0.0, 9.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 8.0)
     scene = Scene((floor,), (), Environment((0.5, 0.75, 1.0)), camera=above)
     render(scene, "lpv", SIZE, samples=4, settings=GATHERED)
-    assert seen == [round(share * SIZE[0] * SIZE[1])] * 4
+    assert len(seen) >= 4
+    assert set(seen) == {round(share * SIZE[0] * SIZE[1])}
 
 
 def test_mirrors_are_the_same_in_batches_of_any_size(monkeypatch):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.gather.points import MOST_POINTS, reduction
+from airlight.gather.solver import PLACES, GatherSolver
 from airlight.gpu.pipelines import Pipelines
 from airlight.rendering import Renderer, render
 from airlight.scene import (
@@ -22,6 +23,7 @@ from airlight.scene import (
 )
 from airlight.scene.point_lights import PointLights
 from airlight.scene.shapes import box
+from airlight.techniques.technique import Technique
 
 from .panels import LPV, PAINT, X, Y, Z, rectangle
 
@@ -257,3 +259,42 @@ def cornell():
     from airlight.scene.io import load
 
     return load("builtin:cornell")
+
+
+def test_images_of_a_sample_share_what_it_gathered(cornell, monkeypatch):
+    counted = {"draws": 0, "gathers": 0}
+    draw, gather = Technique.draw, GatherSolver._gathered
+
+    def drawn(self, *args):
+        counted["draws"] += 1
+        return draw(self, *args)
+
+    def gathered(self, *args):
+        counted["gathers"] += 1
+        return gather(self, *args)
+
+    monkeypatch.setattr(Technique, "draw", drawn)
+    monkeypatch.setattr(GatherSolver, "_gathered", gathered)
+    render(cornell, "lpv", SIZE, samples=3, settings=LPV)
+    assert counted == {"draws": 3 * PLACES, "gathers": 3}
+    # Through a lens every image has an eye of its own.
+    camera = replace(cornell.camera, aperture_m=0.05)
+    render(replace(cornell, camera=camera), "lpv", SIZE, samples=3, settings=LPV)
+    assert counted == {"draws": 3 * PLACES + 3, "gathers": 6}
+
+
+def test_edges_of_a_gathered_still_are_those_of_more_samples():
+    """A board aslant over the floor that it shadows: silhouette and shadow cross pixels."""
+    board = rectangle(-X + 0.2 * Y, 2 * X + 0.7 * Z, Y + 0.3 * X)
+    light = PointLight((0.5, 2.5, 2.0), (20.0, 20.0, 20.0))
+    aside = Camera((2.0, 1.7, 3.0), (0.0, 0.5, 0.0), (0.0, 1.0, 0.0), 45.0)
+    scene = Scene((FLOOR, board), (light,), camera=aside)
+    stills = {
+        (gather, samples): render(
+            scene, "lpv", SIZE, samples=samples, settings={**LPV, "gather": gather}
+        ).layers["direct"]
+        for gather, samples in (("off", 4), ("still", 4), ("off", 128))
+    }
+    truth = stills["off", 128]
+    off = [np.linalg.norm(stills[gather, 4] - truth) for gather in ("off", "still")]
+    assert off[1] < 0.75 * off[0]

@@ -11,6 +11,7 @@ from typing import Any
 
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
+from ..gpu.memory import Texture
 from ..lighting.gathered import Gathered
 from ..lighting.glossy import is_any_glossy
 from ..lighting.hits import HitLighting
@@ -29,6 +30,10 @@ from .settings import GatherSettings
 from .sky import SkyRays
 from .sky_cells import SkyCells
 from .trace import Trace
+
+PLACES = 2
+"""Images of a sample of a still, which share its gathered light: most of what a still of few
+samples is off is edges (docs/decisions.md)."""
 
 
 class GatherSolver(Solver):
@@ -67,6 +72,8 @@ class GatherSolver(Solver):
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
         self._albedos: Albedos | None = None
         self._scene, self._is_changing = kit.context.scene, False
+        # What the first image of a sample found: sums of points, and light in media.
+        self._found: tuple[Texture, dict[str, Any]] | None = None
         # What smooth surfaces mirror is lit apart: images of another size.
         self._mirrors: Mirrors | None = None
         materials = (mesh.material for mesh in self._scene.meshes)
@@ -84,11 +91,39 @@ class GatherSolver(Solver):
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """`fields` with the irradiance of the view's pixels, where this frame gathers."""
-        kit = self.kit
         if not self._gathers(view):
             return fields
         self._make(commands)
         sized = self._fitted(view.size)
+        # Images of a sample differ by less than a pixel: all but the first take what that found.
+        if view.place == 0 or self._found is None:
+            self._found = self._gathered(commands, view, sized, fields)
+        else:
+            self._draw_surfaces(commands, view)
+        sums, in_air = self._found
+        fields = replace(fields, **in_air)
+        with commands.stage("gather upsampling"):
+            irradiance = fields.irradiance or self.kit.no_irradiance
+            gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
+        return replace(fields, gathered=self._with_mirrors(commands, view, fields, gathered))
+
+    def _draw_surfaces(self, commands: Commands, view: View) -> None:
+        """The view's G-buffer, and what near surfaces hide of its pixels."""
+        with commands.stage("g-buffer"):
+            view.gbuffer.encode(commands, self.kit.meshes, view.clip_from_world)
+        if self._occlusion is not None:
+            with commands.stage("gather points"):
+                settings, placements = self.kit.settings, self.kit.lattices.placements
+                reach = lattice_reach(settings.occlusion_radius, placements)
+                self._occlusion.encode(
+                    commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
+                )
+
+    def _gathered(
+        self, commands: Commands, view: View, sized: ViewBatches, fields: Fields
+    ) -> tuple[Texture, dict[str, Any]]:
+        """The sums of the view's points, shared; and the fields of light in media, by name."""
+        kit = self.kit
         # A moving frame may go on from the light of those before it: its rays go on from theirs.
         history = None if view.is_still or view.sample else sized.history
         number = history.number if history else view.sample
@@ -97,14 +132,8 @@ class GatherSolver(Solver):
             with commands.stage("area lights"):
                 kit.area_shadows.encode(commands, kit.meshes, view.sample, *kit.box)
         # What the rays start from, and what lights the surfaces that they meet.
-        with commands.stage("g-buffer"):
-            view.gbuffer.encode(commands, kit.meshes, view.clip_from_world)
+        self._draw_surfaces(commands, view)
         with commands.stage("gather points"):
-            if self._occlusion is not None:
-                reach = lattice_reach(kit.settings.occlusion_radius, kit.lattices.placements)
-                self._occlusion.encode(
-                    commands, view.gbuffer, view.occlusion, view.world_from_clip, reach
-                )
             sized.points.encode(commands, view)
         # Lit patches and the light in the air are found before the paths that ask for them.
         guided = self._paths.guided(commands, sized, fields)
@@ -127,10 +156,7 @@ class GatherSolver(Solver):
             with commands.stage("gather lighting"):
                 pair = sums, sized.filtering.spare
                 sums = self._beams.encode(commands, sized.points, pair, rays, fields.forward)
-        with commands.stage("gather upsampling"):
-            irradiance = fields.irradiance or kit.no_irradiance
-            gathered = sized.upsampling.encode(commands, view, sums, irradiance, fields.sky)
-        return replace(fields, gathered=self._with_mirrors(commands, view, fields, gathered))
+        return sums, {"scattered": fields.scattered, "air": fields.air}
 
     def _gather(
         self,
@@ -232,12 +258,19 @@ class GatherSolver(Solver):
         if self._sized is None or self._sized.points.size != size:
             # The old buffers go first: both sets may not fit.
             self._scope.release()
-            self._sized = None
+            self._sized = self._found = None
             has_air = self._air is not None
             self._sized = ViewBatches(
                 self._scope, self.kit, size, self.settings, self._cells, has_air=has_air
             )
         return self._sized
+
+    @property
+    def places(self) -> int:  # type: ignore[override]
+        """Several where scenes have surfaces that gather, through a pinhole."""
+        is_sharp = self._scene.camera.aperture_m <= 0.0
+        gathers = bool(self.kit.meshes.draws) and not self._scene.light_groups
+        return PLACES if is_sharp and gathers else 1
 
     @property
     def stats(self) -> dict[str, Any]:

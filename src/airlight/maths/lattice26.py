@@ -22,8 +22,8 @@ F64 = NDArray[np.float64]
 
 # How much of a cell's net direction a transfer function sees; the best of those measured.
 RHO = 0.93
-# Cells that light wanders across as RHO has it; on longer lattices it keeps straighter, by a power
-# of their length: without any medium, and within one; measured.
+# Cells that light wanders across as RHO has it; on longer lattices it keeps straighter, by these
+# powers of their length; measured.
 _WANDERED = 25
 _IN_CLEAR_AIR, _IN_MEDIUM = 0.75, 1.5
 # Of the light that a lattice of a thin medium holds, this share is there in truth; measured.
@@ -81,10 +81,8 @@ def persistence(longest_side: int, *, is_clear: bool = False) -> float:
 
     What it loses is scattering that no medium does. RHO^2 fits 25 cells best, beside Monte Carlo.
     On more of them the same share would keep light in the lattice too long, 1.06 times its true
-    path through 8 cells, 1.27 times through 24, and it would hardly get past walls. In a medium the
-    power is fitted to rooms of 32 cells. In clear air (`is_clear`) light reaches the far end of a
-    hall alike whatever its cells by the first power, a loss per metre; past the ends of walls, at
-    which hops lose less the smaller they are, by less than that.
+    path through 8 cells, 1.27 times through 24. In a medium the power is fitted to rooms of 32
+    cells; clear air (`is_clear`) lies between far ends of halls and ends of walls (decisions.md).
     """
     power = _IN_CLEAR_AIR if is_clear else _IN_MEDIUM
     lost = (1.0 - RHO**2) * float((_WANDERED / longest_side) ** power)

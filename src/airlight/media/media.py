@@ -151,7 +151,7 @@ class Media(Solver):
             view,
             self.kit.lights,
             MarchedLight(fields.volumes, fields.scattered, fields.sky_scatter, fields.half_space),
-            frame=view.sample,
+            frame=view.number,
             is_composed=True,
         )
         self.image.compose(commands, view)

@@ -123,6 +123,11 @@ class Technique:
         return next((solver for solver in self.solvers if isinstance(solver, kind)), None)
 
     @property
+    def places(self) -> int:
+        """How many images make a sample of a still, each through another place of its pixels."""
+        return max((solver.places for solver in self.solvers), default=1)
+
+    @property
     def follows_eye(self) -> bool:
         """Whether lattices reach as far into a medium as the scene's cameras see."""
         return self.media is not None and not self.kit.settings.bounds
