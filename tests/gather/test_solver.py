@@ -10,6 +10,7 @@ import pytest
 from airlight.gather.points import MOST_POINTS, reduction
 from airlight.gather.solver import PLACES, GatherSolver
 from airlight.gpu.pipelines import Pipelines
+from airlight.lighting.view import View
 from airlight.rendering import Renderer, render
 from airlight.scene import (
     Camera,
@@ -277,10 +278,29 @@ def test_images_of_a_sample_share_what_it_gathered(cornell, monkeypatch):
     monkeypatch.setattr(GatherSolver, "_gathered", gathered)
     render(cornell, "lpv", SIZE, samples=3, settings=LPV)
     assert counted == {"draws": 3 * PLACES, "gathers": 3}
-    # Through a lens every image has an eye of its own.
+
+
+def test_images_of_a_sample_look_through_one_point_of_the_lens(cornell, monkeypatch):
+    aims = []
+    aim = View.aim
+
+    def aimed(self, camera, *args):
+        aims.append((camera.position, *args))
+        aim(self, camera, *args)
+
+    monkeypatch.setattr(View, "aim", aimed)
     camera = replace(cornell.camera, aperture_m=0.05)
     render(replace(cornell, camera=camera), "lpv", SIZE, samples=3, settings=LPV)
-    assert counted == {"draws": 3 * PLACES + 3, "gathers": 6}
+    assert len(aims) == 3 * PLACES
+    eyes = [{eye for eye, _, sample, _ in aims if sample == k} for k in range(3)]
+    assert all(len(found) == 1 for found in eyes)
+    assert len(set.union(*eyes)) == 3
+    # Less than a pixel apart, each at another place.
+    for k in range(3):
+        jitters = np.array([jitter for _, jitter, sample, _ in aims if sample == k])
+        apart = np.abs(np.diff(jitters, axis=0))
+        assert apart.max() < 1.0
+        assert apart.max(axis=1).min() > 0.0
 
 
 def test_edges_of_a_gathered_still_are_those_of_more_samples():

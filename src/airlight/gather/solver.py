@@ -267,10 +267,8 @@ class GatherSolver(Solver):
 
     @property
     def places(self) -> int:  # type: ignore[override]
-        """Several where scenes have surfaces that gather, through a pinhole."""
-        is_sharp = self._scene.camera.aperture_m <= 0.0
-        gathers = bool(self.kit.meshes.draws) and not self._scene.light_groups
-        return PLACES if is_sharp and gathers else 1
+        """Several where scenes have surfaces that gather."""
+        return PLACES if self.kit.meshes.draws and not self._scene.light_groups else 1
 
     @property
     def stats(self) -> dict[str, Any]:
