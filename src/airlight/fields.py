@@ -254,12 +254,12 @@ class Solver(Protocol):
     """One part of a technique's light transport; made once, used for any number of frames.
 
     `may_lag`: it takes long, and while a hand moves a light its fields of an earlier frame will do.
-    `places`: how many images of a still's sample, through other places of pixels, had best share
-    what it finds for the eye.
+    `jitters`: how many images of a still's sample, each with a sub-pixel jitter of its own, had best
+    share what it finds for the eye.
     """
 
     may_lag: ClassVar[bool] = False
-    places: int = 1
+    jitters: int = 1
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """`fields` with those that this solver adds; nothing in them depends on a view."""

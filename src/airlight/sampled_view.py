@@ -54,16 +54,16 @@ class SampledView:
         self._commands.submit()
 
     def _draw_still(self, scenes: Iterable[Scene], samples: int, progress: Progress | None) -> None:
-        # What takes longest serves several images of a sample, through other places of pixels.
-        places = self._technique.places
-        jitters = pixel_jitter(samples * places)
+        # What takes longest serves several images of a sample, which differ by their jitters.
+        count = self._technique.jitters
+        jitters = pixel_jitter(samples * count)
         for sample, scene in zip(range(samples), scenes, strict=False):
-            for place in range(places):
-                number = sample * places + place
+            for index in range(count):
+                number = sample * count + index
                 # Through a lens each sample has a point of it.
                 offset = (float(jitters[number, 0]), float(jitters[number, 1]))
                 camera, offset = through_lens(scene.camera, offset, sample, self._view.size[1])
-                self._view.aim(self._nearby.camera(camera), offset, sample, (place, places))
+                self._view.aim(self._nearby.camera(camera), offset, sample, (index, count))
                 # All are averaged on the device, and submitted one by one.
                 self._technique.draw(self._commands, self._view)
                 self._accumulate(number)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.gather.points import MOST_POINTS, reduction
-from airlight.gather.solver import PLACES, GatherSolver
+from airlight.gather.solver import JITTERS, GatherSolver
 from airlight.gpu.pipelines import Pipelines
 from airlight.lighting.view import View
 from airlight.rendering import Renderer, render
@@ -277,7 +277,7 @@ def test_images_of_a_sample_share_what_it_gathered(cornell, monkeypatch):
     monkeypatch.setattr(Technique, "draw", drawn)
     monkeypatch.setattr(GatherSolver, "_gathered", gathered)
     render(cornell, "lpv", SIZE, samples=3, settings=LPV)
-    assert counted == {"draws": 3 * PLACES, "gathers": 3}
+    assert counted == {"draws": 3 * JITTERS, "gathers": 3}
 
 
 def test_images_of_a_sample_look_through_one_point_of_the_lens(cornell, monkeypatch):
@@ -291,11 +291,11 @@ def test_images_of_a_sample_look_through_one_point_of_the_lens(cornell, monkeypa
     monkeypatch.setattr(View, "aim", aimed)
     camera = replace(cornell.camera, aperture_m=0.05)
     render(replace(cornell, camera=camera), "lpv", SIZE, samples=3, settings=LPV)
-    assert len(aims) == 3 * PLACES
+    assert len(aims) == 3 * JITTERS
     eyes = [{eye for eye, _, sample, _ in aims if sample == k} for k in range(3)]
     assert all(len(found) == 1 for found in eyes)
     assert len(set.union(*eyes)) == 3
-    # Less than a pixel apart, each at another place.
+    # Less than a pixel apart, and none on another.
     for k in range(3):
         jitters = np.array([jitter for _, jitter, sample, _ in aims if sample == k])
         apart = np.abs(np.diff(jitters, axis=0))

@@ -31,7 +31,7 @@ from .sky import SkyRays
 from .sky_cells import SkyCells
 from .trace import Trace
 
-PLACES = 2
+JITTERS = 2
 """Images of a sample of a still, which share its gathered light: most of what a still of few
 samples is off is edges (docs/decisions.md)."""
 
@@ -96,7 +96,7 @@ class GatherSolver(Solver):
         self._make(commands)
         sized = self._fitted(view.size)
         # Images of a sample differ by less than a pixel: all but the first take what that found.
-        if view.place == 0 or self._found is None:
+        if view.jitter == 0 or self._found is None:
             self._found = self._gathered(commands, view, sized, fields)
         else:
             self._draw_surfaces(commands, view)
@@ -266,9 +266,9 @@ class GatherSolver(Solver):
         return self._sized
 
     @property
-    def places(self) -> int:  # type: ignore[override]
+    def jitters(self) -> int:  # type: ignore[override]
         """Several where scenes have surfaces that gather."""
-        return PLACES if self.kit.meshes.draws and not self._scene.light_groups else 1
+        return JITTERS if self.kit.meshes.draws and not self._scene.light_groups else 1
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -33,7 +33,7 @@ class View:
         self.clip_from_world: F64 = np.eye(4)
         self.world_from_clip: F64 = np.eye(4)
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
-        self.sample, self.place, self.places = 0, 0, 1
+        self.sample, self.jitter, self.jitters = 0, 0, 1
         self.is_still = False
         """Whether its image is one of several samples, not a frame alone."""
         self.may_gather = True
@@ -53,13 +53,13 @@ class View:
         camera: Camera,
         jitter_px: tuple[float, float] = (0.0, 0.0),
         sample: int = 0,
-        place: tuple[int, int] = (0, 1),
+        jitter: tuple[int, int] = (0, 1),
     ) -> None:
         """Look through `camera`, the image moved by `jitter_px`; it is the still's `sample`.
 
-        `place`: which of its images it is, and of how many; they differ by the jitter alone.
+        `jitter`: which of its images it is, and of how many; they differ by `jitter_px` alone.
         """
-        self.sample, self.camera, (self.place, self.places) = sample, camera, place
+        self.sample, self.camera, (self.jitter, self.jitters) = sample, camera, jitter
         # Unlit surfaces are as bright as brings them out unchanged at this exposure.
         stops = self.metered_stops if camera.exposure_stops is None else camera.exposure_stops
         self.gbuffer.unlit_radiance = 2.0**-stops
@@ -80,13 +80,13 @@ class View:
     @property
     def number(self) -> int:
         """Of its image among all that a still is the mean of."""
-        return self.sample * self.places + self.place
+        return self.sample * self.jitters + self.jitter
 
     def follow(self, other: View) -> None:
         """Look where `other`, of the same size, looks."""
         # The same camera and jitter, so that pixels of both views match.
         self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
-        self.place, self.places = other.place, other.places
+        self.jitter, self.jitters = other.jitter, other.jitters
         self._aimed, self.jitter_px, self.eye = other._aimed, other.jitter_px, other.eye
         self.gbuffer.unlit_radiance = other.gbuffer.unlit_radiance
         self.clip_from_world = other.clip_from_world

@@ -123,9 +123,9 @@ class Technique:
         return next((solver for solver in self.solvers if isinstance(solver, kind)), None)
 
     @property
-    def places(self) -> int:
-        """How many images make a sample of a still, each through another place of its pixels."""
-        return max((solver.places for solver in self.solvers), default=1)
+    def jitters(self) -> int:
+        """How many images make a sample of a still, each with a sub-pixel jitter of its own."""
+        return max((solver.jitters for solver in self.solvers), default=1)
 
     @property
     def follows_eye(self) -> bool:
