@@ -254,8 +254,8 @@ class Solver(Protocol):
     """One part of a technique's light transport; made once, used for any number of frames.
 
     `may_lag`: it takes long, and while a hand moves a light its fields of an earlier frame will do.
-    `jitters`: how many images of a still's sample, each with a sub-pixel jitter of its own, had best
-    share what it finds for the eye.
+    `jitters`: how many images of a still's sample, each with a sub-pixel jitter of its own, had
+    best share what it finds for the eye.
     """
 
     may_lag: ClassVar[bool] = False
