@@ -6,6 +6,8 @@ import itertools
 import math
 from collections.abc import Callable, Iterable
 
+import numpy as np
+
 from .gpu.commands import Commands
 from .lighting.accumulate import Accumulator
 from .lighting.read_layers import read_layers
@@ -56,17 +58,18 @@ class SampledView:
     def _draw_still(self, scenes: Iterable[Scene], samples: int, progress: Progress | None) -> None:
         # What takes longest serves several images of a sample, which differ by their jitters.
         count = self._technique.jitters
-        jitters = pixel_jitter(samples * count)
+        jitters = pixel_jitter(samples * count).reshape(samples, count, 2)
         for sample, scene in zip(range(samples), scenes, strict=False):
-            for index in range(count):
-                number = sample * count + index
+            # The first, for which gathers choose their points, is the nearest to pixels' middles.
+            nearest = np.linalg.norm(jitters[sample], axis=1).argsort()
+            for index, jitter in enumerate(jitters[sample][nearest]):
                 # Through a lens each sample has a point of it.
-                offset = (float(jitters[number, 0]), float(jitters[number, 1]))
+                offset = (float(jitter[0]), float(jitter[1]))
                 camera, offset = through_lens(scene.camera, offset, sample, self._view.size[1])
                 self._view.aim(self._nearby.camera(camera), offset, sample, (index, count))
                 # All are averaged on the device, and submitted one by one.
                 self._technique.draw(self._commands, self._view)
-                self._accumulate(number)
+                self._accumulate(sample * count + index)
                 self._commands.submit()
             if progress:
                 self._commands.gpu.wait()

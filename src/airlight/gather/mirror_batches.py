@@ -15,7 +15,6 @@ from .points import pixel_m
 MOST_HITS = 1 << 17
 """Rays that are lit at once."""
 _REACH = 0.02  # of the image's height, within which pixels share rays in the first sample
-_LEAST_REACH = 2.0  # px: to the next block of pixels that share a ray
 
 
 class MirrorEnds:
@@ -82,7 +81,7 @@ class MirrorBatches:
             size=self.size,
             batch=self.batch,
             sample=view.number,
-            reach=max(_LEAST_REACH, _REACH * self.size[1] * (view.number + 1) ** -0.25),
+            reach=max(1.0, _REACH * self.size[1]) * (view.number + 1) ** -0.25,
             texel=pixel_m(view.world_from_clip, self.size[1]),
             segment=segment,
             raised=raised,

@@ -5,7 +5,6 @@
 //! use gather
 //! use mirrored_by
 
-const WIDE = 0.1;           // of alpha: rougher surfaces share a ray
 const ALIKE_SURFACE = 0.9;  // likeness of the surfaces of two pixels that do
 const ALIKE_ALPHA = 1.2;    // most ratio of their alphas
 

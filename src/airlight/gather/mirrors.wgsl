@@ -68,11 +68,12 @@ fn ray_weight(own: Asking, pixel: vec2u, ray: vec4f) -> f32 {
         // Rays of the pixels around it, by how likely its own would have been those; a sharp mirror takes its own alone.
         var whole = 0.0;
         let count = select(AROUND, 1u, r.alpha < SHARP);
+        let reach = max(params.reach, select(0.0, NEXT_BLOCK, r.alpha >= WIDE));
         var k = 0u;
         loop {
             // A spiral, turned from sample to sample and as wide as so many of them ask.
             let turn = TURN * f32(k + AROUND * params.sample);
-            let step = params.reach * sqrt(f32(k) / f32(AROUND)) * vec2f(cos(turn), sin(turn));
+            let step = reach * sqrt(f32(k) / f32(AROUND)) * vec2f(cos(turn), sin(turn));
             let pixel = vec2i(id.xy) + vec2i(round(step));
             var other = NO_PIXEL;
             if (all(pixel >= vec2i(0)) && all(pixel < vec2i(params.size))) {
