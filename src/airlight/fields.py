@@ -254,18 +254,21 @@ class Solver(Protocol):
     """One part of a technique's light transport; made once, used for any number of frames.
 
     `may_lag`: it takes long, and while a hand moves a light its fields of an earlier frame will do.
-    `jitters`: how many images of a still's sample, each with a sub-pixel jitter of its own, had
-    best share what it finds for the eye.
     """
 
     may_lag: ClassVar[bool] = False
-    jitters: int = 1
 
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """`fields` with those that this solver adds; nothing in them depends on a view."""
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
         """`fields` with those that depend on the eye of `view`."""
+
+    @property
+    def jitters(self) -> int:
+        """How many images of a still's sample, each with a sub-pixel jitter of its own, had best
+        share what it finds for the eye."""
+        return 1
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -30,8 +30,9 @@ def rooms(thick: float) -> Scene:
 
 # Means and brightest pixels over the bright room's mean light, measured .0175 and .029 (what the
 # lattice passes a sheet), 1.1e-4 and .019 (pixels in corners, whose lamp's shadow ends), then
-# 2.2e-5 and .0088 (indirect light of one pixel in a corner, at one of eight jitters; none at four),
-# 6e-9 and 1e-7; allowed is about half as much again, and 1e-6 where it is rounding.
+# 2.2e-5 and .0088 (one of eight jitters shows a point inside of the wall: the rasteriser's grid of
+# 1/256 pixel opens .3 mm between walls without common vertices), 6e-9 and 1e-7; allowed is about
+# half as much again, and 1e-6 where it is rounding.
 MOST = {0.0: (0.026, 0.05), 0.001: (2e-4, 0.03), 0.01: (3.5e-5, 0.014), 0.1: (1e-6, 1e-6)}
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -42,7 +43,6 @@ from .table import (
     sample_rows,
 )
 
-_SIZES_KEPT = 8  # of images: segments of paths have fewer and fewer rays
 MANY, _NONE = 8, 0xFFFFFFFF
 """Samples of an emitter, from which on half of them tell where all of it is seen, or nothing."""
 MOST_TEXELS = 1 << 24
@@ -215,7 +215,7 @@ class AreaLighting:
         table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
         table[:, :6] = cosine_table().reshape(-1, 6)
         self._cosines = buffer_of(gpu, "transformed cosines", table)
-        self._lit: dict[tuple[int, int], Texture] = {}
+        self._lit: WeakKeyDictionary[GBuffer | Hits, Texture] = WeakKeyDictionary()
 
     def encode(
         self,
@@ -235,7 +235,7 @@ class AreaLighting:
         samples do where they see all of it or nothing. `has_mirrors`: rays follow what smooth
         surfaces mirror, media that glow included.
         """
-        lit = self._fitted(gbuffer.size)
+        lit = self._lit_of(gbuffer)
         resolution = self.shadows.maps.resolution
         spans = map_spans(resolution)
         # What every pixel needs of the camera, of maps and of emitters.
@@ -261,15 +261,15 @@ class AreaLighting:
         self._pass().draw_rows(commands, (lit,), rows, **values)
         return lit
 
-    def _fitted(self, size: tuple[int, int]) -> Texture:
-        """One texture for images of one size; of many sizes the latest ones are kept."""
-        if size not in self._lit:
-            if len(self._lit) >= _SIZES_KEPT:
-                del self._lit[next(iter(self._lit))]
-            self._lit[size] = Texture(
-                self.gpu, "area light", size, "rgba32float", target=True, written=True
+    def _lit_of(self, gbuffer: GBuffer | Hits) -> Texture:
+        """The texture for the surfaces of a G-buffer, as large as it is, and gone with it."""
+        lit = self._lit.get(gbuffer)
+        if lit is None or lit.size[:2] != gbuffer.size:
+            lit = Texture(
+                self.gpu, "area light", gbuffer.size, "rgba32float", target=True, written=True
             )
-        return self._lit[size]
+            self._lit[gbuffer] = lit
+        return lit
 
     def _pass(self) -> _AreaLighting:
         """The pass for the kinds of emitters that there are in this frame."""

@@ -266,7 +266,7 @@ class GatherSolver(Solver):
         return self._sized
 
     @property
-    def jitters(self) -> int:  # type: ignore[override]
+    def jitters(self) -> int:
         """Several where scenes have surfaces that gather."""
         return JITTERS if self.kit.meshes.draws and not self._scene.light_groups else 1
 

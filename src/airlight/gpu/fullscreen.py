@@ -101,6 +101,9 @@ class FullscreenPass(RasterPipeline):
         if self.stage == "compute":
             self._store(commands, targets, values, rows)
             return
+        if commands.tally is not None:
+            commands.tally.bound(commands.stage_name, targets)
+        # The targets are cleared whole; how many pixels are drawn the device knows.
         colors = color_attachments(targets)
         with commands.render(self.label, color_attachments=colors) as encoder:
             encoder.set_pipeline(self.pipeline)
