@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 
-from airlight.app.outputs import check_writable, json_text, write_json
+from airlight.app import outputs
+from airlight.app.outputs import check_writable, json_text, make_folder, write_json
 from airlight.errors import OutputError
 
 
@@ -37,3 +38,17 @@ def test_a_failed_write_leaves_nothing(tmp_path):
         write_json({"a": object()}, tmp_path / "a.json")
     assert list(tmp_path.iterdir()) == []
     assert json_text({"é": 1}) == '{\n  "é": 1\n}'
+
+
+def test_a_folder_in_which_no_file_can_be_made_is_refused_before_any_work(tmp_path, monkeypatch):
+    make_folder(tmp_path / "a" / "b")
+    assert list((tmp_path / "a" / "b").iterdir()) == []
+
+    def refuse(**_):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(outputs.tempfile, "TemporaryFile", refuse)
+    with pytest.raises(
+        OutputError, match=r"/a: no file can be .* \(Read-only file system\)\. Choo"
+    ):
+        make_folder(tmp_path / "a")

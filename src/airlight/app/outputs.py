@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import stat
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -63,12 +64,24 @@ def check_folder(folder: Path) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder for outputs where it is missing. Raises OutputError."""
+    """Make a folder for outputs where it is missing. Raises OutputError.
+
+    Also where no file can be written in it: that is told before any work is done for nothing.
+    """
     check_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise _no_folder(folder, error) from None
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OutputError(
+            f"no file can be written in this folder ({error.strerror or error})",
+            where=folder,
+            remedy="Choose another folder, or check its permissions and free space.",
+        ) from None
 
 
 def _no_folder(folder: Path, error: Exception) -> OutputError:

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import OutputError
 from ..scene.checks import Rgb
 from ..scene.io.ledger import check_output
-from ..scene.io.writing import check_target, whole_file
+from ..scene.io.writing import check_target, unwritable, whole_file
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -66,7 +66,7 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
         _check_folder(path.parent / prefix, path)
         staged.mkdir(parents=False)
     except OSError as error:
-        raise OutputError(f"cannot write: {error.strerror}", where=path) from None
+        raise unwritable(path, error) from None
     try:
         # What Mitsuba cannot say is told, not refused.
         notes: list[str] = []
@@ -84,7 +84,7 @@ def write_mitsuba(scene: Scene, path: Path) -> list[str]:
             shutil.copyfile(made, part)
         made.unlink()
     except OSError as error:
-        raise OutputError(f"cannot write: {error.strerror or error}", where=path) from None
+        raise unwritable(path, error) from None
     finally:
         shutil.rmtree(staged, ignore_errors=True)
     return list(exported.notes)

@@ -9,6 +9,8 @@ from time import monotonic
 
 import click
 
+from ..progress import spoken
+
 _LINE_EVERY_S = 10.0
 
 
@@ -76,14 +78,5 @@ class Lines:
             # Frames that were there before say nothing of how long one takes.
             spent = now - self._began_s
             left = spent / (self.done - self.before) * (self.total - self.done)
-            tail = f", {_spoken(left)} left" if self.done < self.total else f" in {_spoken(spent)}"
+            tail = f", {spoken(left)} left" if self.done < self.total else f" in {spoken(spent)}"
             click.echo(f"{self.done} of {self.total} {self.what}{tail}", err=True)
-
-
-def _spoken(seconds: float) -> str:
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    minutes, rest = divmod(whole, 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s"

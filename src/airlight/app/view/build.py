@@ -7,6 +7,7 @@ work, which the viewer polls at every frame.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Generic, TypeVar
@@ -74,6 +75,7 @@ class Task(Generic[T]):
     def __init__(self, gpu: Gpu, turns: Turns, work: Callable[[SlicedCommands], T]) -> None:
         self._turns, self._work = turns, work
         self._commands = SlicedCommands(gpu, self._turn)
+        self._begun_s = time.monotonic()
         self._may_go_on, self._is_stopped = threading.Event(), False
         self._may_go_on.set()
         self._result: T | None = None
@@ -87,9 +89,12 @@ class Task(Generic[T]):
         return not self._thread.is_alive()
 
     @property
-    def stage(self) -> str:
-        """What its passes do now, as `--stats` names it; "other" between stages."""
-        return self._commands.stage_name
+    def progress(self) -> str:
+        """For how long it has been at work, and what its passes do now, as `--stats` names it."""
+        # Between stages shaders are compiled and arrays uploaded.
+        stage = self._commands.stage_name
+        doing = "meshes and shaders" if stage == "other" else stage
+        return f"{time.monotonic() - self._begun_s:.0f} s: {doing}"
 
     def pause(self, *, holds: bool) -> None:
         """Hold before the next pass, or go on."""

@@ -144,6 +144,12 @@ class Fine:
         return self._task is not None and not self._task.is_done
 
     @property
+    def progress(self) -> str:
+        """What is being done for its first gathered sample; empty once that is there."""
+        is_awaited = self._shot is not None and self.is_working and not self.samples
+        return self._task.progress if self._task and is_awaited else ""
+
+    @property
     def has_ended(self) -> bool:
         """Whether what was being made is done, and `begin` has more to do or to say."""
         return self._task is not None and self._task.is_done

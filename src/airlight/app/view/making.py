@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -29,7 +28,6 @@ class Making:
         self.wanted: Structure | None = None
         self._task: Task[Drawn] | None = None
         self._ending: list[Task[Drawn]] = []
-        self._begun_s = 0.0
 
     @property
     def is_under_way(self) -> bool:
@@ -39,11 +37,7 @@ class Making:
     @property
     def progress(self) -> str:
         """Which stage it is in, and for how long it has been made; empty where nothing is."""
-        if self._task is None:
-            return ""
-        stage = self._task.stage
-        doing = "meshes and shaders" if stage == "other" else stage
-        return f"{time.monotonic() - self._begun_s:.0f} s: {doing}"
+        return self._task.progress if self._task else ""
 
     @property
     def has_ended(self) -> bool:
@@ -61,7 +55,7 @@ class Making:
                 return
             _close(task)
         self._ending.clear()
-        self.wanted, self._begun_s = structure, time.monotonic()
+        self.wanted = structure
         self._task = Task(self.gpu, self._turns, lambda commands: _warm(commands, make))
 
     def give_up(self) -> None:

@@ -24,7 +24,9 @@ from .state import ViewState, boxes, structure
 
 COARSER_SAMPLES = 16
 """Of a still view, before a finer image is begun."""
-PREPARING, REBUILDING = "preparing ...", "rebuilding ..."
+FIRST_IMAGE, PREPARING, REBUILDING = "first image ...", "preparing ...", "rebuilding ..."
+MAKING = (FIRST_IMAGE, PREPARING, REBUILDING)
+"""Notices while a renderer is being made."""
 GATHER_HISTORY = 16
 """Frames that those of a moving view go on from where they gather."""
 PREVIEW = ("preview",)
@@ -110,6 +112,7 @@ class Renderers(Document):
         # The first image is a coarse one: there is something to see as soon as may be.
         size = self.quality.coarse(self._size)
         if self._drawn is None and self._refused is None and state.technique != PREVIEW_TECHNIQUE:
+            state.notice = FIRST_IMAGE
             self._making.begin(PREVIEW, self._maker(size, PREVIEW_TECHNIQUE, PREVIEW_SETTINGS))
         else:
             make = self._maker(size, state.technique, self._moving(), eye=self._eye)
@@ -175,7 +178,7 @@ class Renderers(Document):
         self._say_made()
 
     def _say_made(self) -> None:
-        if self.state.notice in (PREPARING, REBUILDING):
+        if self.state.notice in MAKING:
             self.state.notice = ""
 
     def _moving(self) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from .build import said
 from .drawn import Drawn, is_same
 from .fine import SAMPLES
 from .quality import STILL_SAMPLES, Plan
-from .renderers import COARSER_SAMPLES, PREPARING, REBUILDING, Renderers
+from .renderers import COARSER_SAMPLES, MAKING, Renderers
 
 _SAVED_SAMPLES = 16
 _HAND_S = 0.25
@@ -47,7 +47,7 @@ class Session(Renderers):
         self._jitters = pixel_jitter(STILL_SAMPLES)
         self._seen: tuple[Any, ...] = ()
         self._before_s: float | None = None
-        self._progress = ""
+        self._progress, self._fine_progress = "", ""
         self._touched_s = float("-inf")
 
     def attach(self, format: str) -> None:
@@ -76,7 +76,7 @@ class Session(Renderers):
         with self._turns.frame():
             self._size = size
             self._make()
-            self._progress = self._making.progress
+            self._progress, self._fine_progress = self._making.progress, self.fine.progress
             self.controls.height_px = size[1]
             # Time and hands first: keys that are held, and what turned the light.
             self._go_on(now_s)
@@ -101,7 +101,7 @@ class Session(Renderers):
             wants_more = self._drawn is not None and self._drew(plan)
             wants_more &= changed or not self._making.is_under_way
             self._show(target, place, is_at_rest=not plan.is_moving)
-            is_waiting = self.state.notice in (PREPARING, REBUILDING)
+            is_waiting = self.state.notice in MAKING
             is_moving = self.controls.is_moving or self.state.is_playing
             return wants_more or is_moving or (is_waiting and not self._making.is_under_way)
 
@@ -119,9 +119,10 @@ class Session(Renderers):
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is."""
         # How far the finer image is, else what the last frame took.
-        if self._shot is not None and self.fine.is_working and not self.fine.samples:
+        if self._shot is not None and self.fine.progress:
             is_full = self.fine.is_shown or self.quality.full_samples > 0
-            return "refining ..." if is_full else "full resolution follows ..."
+            doing = "refining ..." if is_full else "full resolution follows ..."
+            return f"{doing}   {self.fine.progress}"
         if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
             return f"refining   {self.fine.samples} of {SAMPLES}"
         width, height = self.renderer.size if self.renderer else self._size
@@ -146,6 +147,7 @@ class Session(Renderers):
         fine = self.fine
         is_finer = self._shown.is_behind(fine) or self._shown.is_behind_other(self.compared)
         is_further = self._making.progress != self._progress
+        is_further |= self.fine.progress != self._fine_progress
         has_ended = fine.has_ended or self.compared.has_ended
         return self._making.has_ended or has_ended or is_finer or is_further
 

@@ -183,10 +183,11 @@ def _said(path: Path, *more: type[Exception]) -> Iterator[None]:
     except AirlightError:
         raise
     except kinds as error:
-        raise _unwritable(path, error) from None
+        raise unwritable(path, error) from None
 
 
-def _unwritable(path: Path, error: Exception) -> OutputError:
+def unwritable(path: Path, error: Exception) -> OutputError:
+    """The error for a `path` that the system refuses to write."""
     reason = getattr(error, "strerror", None) or error
     return OutputError(
         f"cannot be written ({reason})",

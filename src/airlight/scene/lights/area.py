@@ -48,7 +48,7 @@ _KEYS = (
         required=True,
         stands_for="strength",
         moves=True,
-        control=Control("strength", "radiance (W/m2/sr)"),
+        control=Control("strength", "radiance (W/m²/sr)"),
     ),
     LightKey(
         "shape",

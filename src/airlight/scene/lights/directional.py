@@ -21,7 +21,7 @@ _IRRADIANCE = LightKey(
     required=True,
     stands_for="strength",
     moves=True,
-    control=Control("strength", "irradiance (W/m2)"),
+    control=Control("strength", "irradiance (W/m²)"),
 )
 
 

@@ -18,7 +18,7 @@ export default () => {
       const view = { ...ctx, el: stage }
       const close = inner.render(view)
       panel.hello()
-      return () => { ctx.model.off('msg:custom', take); close() }
+      return () => { ctx.model.off('msg:custom', take); close(); panel.close() }
     }
   }
 }

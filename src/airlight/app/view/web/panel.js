@@ -164,10 +164,11 @@ class AirlightPanel {
     root.prepend(this.panel)
     this.marks = document.createElementNS(SVG, 'svg'); this.marks.setAttribute('class', 'marks')
     this.toggle = make('button', 'toggle', '☰'); this.toggle.title = 'Controls (tab)'
-    this.toggle.onclick = () => this.say('panel.shown', !this.isShown)
+    this.toggle.onclick = () => { this.say('panel.shown', !this.isShown); this.giveKeys() }
     this.pill = make('div', 'pill'); this.help = make('div', 'help'); this.help.hidden = true
     stage.append(this.marks, this.toggle, this.pill, this.help)
-    this.takeTouches(); this.takeFiles()
+    this.ending = new AbortController(); this.hasHadKeys = isCell
+    this.takeTouches(); this.takeFiles(); this.takeTab()
     if (isCell) { new ResizeObserver(() => { this.panel.style.maxHeight = Math.max(stage.clientHeight, 260) + 'px' }).observe(stage) }
   }
 
@@ -179,6 +180,7 @@ class AirlightPanel {
   say (key, value) { this.send({ type: 'set', key, value }) }
 
   take (message) {
+    if (!this.hasHadKeys) { this.giveKeys() }
     if (message.type === 'panel') { this.showSections(message.sections) }
     if (message.type === 'status') { this.showStatus(message) }
     if (message.type === 'marks') { this.showMarks(message.marks) }
@@ -205,7 +207,7 @@ class AirlightPanel {
       const fold = make('details'); const rows = make('div', 'rows')
       fold.open = this.shut.get(section.name) ?? section.open
       fold.ontoggle = () => this.shut.set(section.name, fold.open)
-      fold.append(make('summary', '', section.name), rows)
+      fold.append(make('summary', '', section.name[0].toUpperCase() + section.name.slice(1)), rows)
       for (const widget of section.widgets) { rows.append(this.row(widget)) }
       this.sections.append(fold)
     }
@@ -234,6 +236,7 @@ class AirlightPanel {
     const text = status.shown ? status.notice || status.text : status.message || status.notice || status.text
     const length = make('i'); length.style.setProperty('--share', 100 * status.share + '%')
     this.pill.replaceChildren(length, make('span', '', text))
+    this.pill.classList.toggle('works', !status.share)
     this.pill.classList.toggle('rests', status.share >= 1 && !status.notice && !(status.message && !status.shown))
     this.pill.classList.toggle('error', !status.shown && !!status.message)
     this.help.hidden = !status.help
@@ -293,6 +296,22 @@ class AirlightPanel {
     }
     on('pointerup', up); on('pointercancel', up)
   }
+
+  /* Keys reach the image of a page as soon as there is one, not only once it was clicked. */
+  giveKeys () {
+    const taker = document.querySelector('#rendercanvas-focus-element-container input')
+    if (taker && this.root.classList.contains('page')) { taker.focus({ preventScroll: true }); this.hasHadKeys = true }
+  }
+
+  /* Tab is the viewer's while the image has the keys, which the browser would move elsewhere. */
+  takeTab () {
+    document.addEventListener('keydown', e => {
+      const hasKeys = this.stage.querySelector('.has-focus') !== null
+      if (e.key === 'Tab' && hasKeys && !(e.shiftKey || e.ctrlKey || e.altKey || e.metaKey)) { e.preventDefault() }
+    }, { capture: true, signal: this.ending.signal })
+  }
+
+  close () { this.ending.abort() }
 
   takeFiles () {
     const over = e => { if (e.dataTransfer && [...e.dataTransfer.types].includes('Files')) { e.preventDefault(); this.root.classList.add('dropping') } }
