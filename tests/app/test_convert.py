@@ -185,10 +185,22 @@ def test_meshes_take_no_other_file_s_place(tmp_path, capsys):
     assert not (tmp_path / "b.toml").exists()
 
 
-def test_a_builtin_scene_s_meshes_are_said_to_be_no_file(tmp_path, capsys):
+def test_a_builtin_scene_as_a_scene_file_is_the_same_scene(tmp_path, capsys):
     target = tmp_path / "b.toml"
-    assert cli.run(["convert", "builtin:bleeding", str(target)]) == 0
-    assert "note: The meshes of builtin:bleeding are no file" in capsys.readouterr().err
+    assert cli.run(["convert", "builtin:cornell", str(target)]) == 0
+    own, back = load("builtin:cornell"), load(target)
+    assert capsys.readouterr().err == ""  # nothing is left out
+    assert back.lights == own.lights
+    assert back.triangle_count == own.triangle_count
+    assert np.allclose(back.bounds, own.bounds)
+    assert back.camera.position == own.camera.position
+
+
+def test_of_a_builtin_scene_s_grids_it_is_said_that_they_are_left_out(tmp_path, capsys):
+    target = tmp_path / "b.toml"
+    assert cli.run(["convert", "builtin:smoke", str(target)]) == 0
+    assert "note: A volume's density is no file: it is left out." in capsys.readouterr().err
+    assert load(target).lights == load("builtin:smoke").lights
 
 
 def test_xml_to_xml_takes_every_mesh_along(tmp_path):

@@ -206,3 +206,8 @@ def test_a_folder_that_holds_no_light_is_refused_in_one_line(programs, language,
     )
     assert done.returncode == 2
     assert str(tmp_path) in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_what_is_no_path_is_said_to_be_none():
+    with pytest.raises(SceneError, match="a light field's file must be a path, not 3"):
+        LightField.load(3)

@@ -95,3 +95,8 @@ def test_a_unit_vector_read_again_is_the_same_to_the_bit():
         once = checks.unit_vec3(v, "v")
         assert checks.unit_vec3(once, "v") == once
     assert checks.unit_vec3((0.0, 1.0 + 1e-9, 0.0), "v") == (0.0, 1.0, 0.0)
+
+
+def test_lists_of_unequal_lengths_have_no_dimensions():
+    assert checks.dimensions([[[1.0]]]) == 3
+    assert checks.dimensions([[1.0, 2.0], [3.0]]) == 0

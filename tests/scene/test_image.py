@@ -9,7 +9,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from airlight.errors import OutputError, SettingsError
+from airlight.errors import OutputError, SceneError, SettingsError
 from airlight.scene.image import Image
 
 BLACK = np.zeros((4, 6, 3), np.float32)
@@ -67,3 +67,8 @@ def test_what_is_no_colour_is_not_shown(layer, remedy):
     with pytest.raises(SettingsError) as caught:
         image.display(layer)
     assert str(caught.value) == f"the image has no colour layer '{layer}'. {remedy}"
+
+
+def test_a_table_of_colours_is_named_by_a_path():
+    with pytest.raises(SceneError, match="a table of colours must be a path, not 3"):
+        Image(np.ones((2, 2, 3), np.float32)).graded(3)

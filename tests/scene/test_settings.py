@@ -79,3 +79,8 @@ def test_mistakes_get_one_exact_message(values, expected):
 def test_the_message_says_where():
     with pytest.raises(SettingsError, match=r"^room\.toml: unknown setting 'x'"):
         make_settings(Knobs, {"x": 1}, where="room.toml")
+
+
+def test_a_name_that_is_no_text_is_unknown():
+    with pytest.raises(SettingsError, match="unknown setting '3'"):
+        make_settings(Knobs, {3: 4})

@@ -42,3 +42,15 @@ def test_impossible_volumes_are_refused(values, expected):
     with pytest.raises(SceneError) as caught:
         Volume(sigma_t=1, **values)
     assert caught.match(expected)
+
+
+@pytest.mark.parametrize("name", ["density", "albedo", "emission"])
+def test_lists_of_unequal_lengths_are_no_grids(name):
+    from airlight.scene import Emission
+
+    ragged, grid = [[[1.0, 2.0], [3.0]]], np.ones((2, 2, 2), np.float32)
+    with pytest.raises(SceneError, match="must be"):
+        if name == "emission":
+            Volume(sigma_t=1.0, density=grid, emission=Emission(radiance=1.0, grid=ragged))
+        else:
+            Volume(sigma_t=1.0, **{"density": grid, name: ragged})

@@ -127,8 +127,7 @@ def _is_nameable(source: str) -> bool:
 def _refuse_loss(scene: Scene, source: str, target: Path) -> None:
     """Raise SettingsError where a scene file could not name what the file `source` holds.
 
-    Meshes are written beside it. Of a builtin scene the rest is written, with a note: its meshes
-    are code.
+    Meshes are written beside it. Of a builtin scene all but its grids is written, with a note.
     """
     from ..scene.io import BUILTIN_PREFIX
 
@@ -162,14 +161,13 @@ def _write_glb(scene: Scene, target: Path) -> Sequence[str]:
 
 
 def _write_toml(scene: Scene, source: str, target: Path, model: Mapping[str, Any]) -> Sequence[str]:
-    from ..scene.io import BUILTIN_PREFIX
     from ..scene.io.toml_text import scene_text
     from ..scene.io.writing import whole_file
 
     original = scene
     # Meshes that no file holds get one beside the scene file, and so do those around media.
     scene = _with_body_files(scene, target)
-    if not (source.startswith(BUILTIN_PREFIX) or _is_nameable(source)):
+    if not _is_nameable(source):
         if scene.meshes:
             source = str(_write_meshes(scene, target))
         # Of the source nothing else comes, so that the scene file says all the rest.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import OutputError, SceneError
 from ..maths.transforms import triple
+from ..scene.checks import path_text
 from ..scene.io.files import inside, read_text
 from ..scene.io.numpy_files import opened_npz, read_npy
 from ..scene.io.writing import whole_file
@@ -90,7 +91,7 @@ def save_light_field(field: LightField, path: str | Path) -> None:
 
 def load_light_field(path: str | Path) -> LightField:
     """Read what `save_light_field` wrote. Raises SceneError."""
-    source = Path(path)
+    source = Path(path_text(path, "a light field's file"))
     # Parsers raise errors of their own kinds; all of them are told as the file's.
     try:
         header, arrays = _read_folder(source) if source.is_dir() else _read_npz(source)

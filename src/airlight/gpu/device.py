@@ -118,7 +118,7 @@ def choose(found: Sequence[AdapterInfo], wanted: str = "auto") -> AdapterInfo:
         raise DeviceError("no graphics driver was found", remedy=NO_DRIVER_REMEDY)
     # A word for a kind of device, or a part of one's name.
     listed = ", ".join(f"{info.name} ({info.adapter_type})" for info in found)
-    key = wanted.lower()
+    key = str(wanted).lower()
     if key == "auto":
         return found[0]
     if key in ("cpu", "gpu"):

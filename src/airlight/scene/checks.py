@@ -209,6 +209,14 @@ def _of_numbers(value: Any, name: str, dtype: type[np.generic]) -> NDArray[Any]:
     raise SceneError(f"{name} must be an array of real numbers, not {shown(value)}")
 
 
+def dimensions(value: Any) -> int:
+    """How many dimensions an array has; 0 for lists of unequal lengths, which are none."""
+    try:
+        return np.ndim(value)
+    except ValueError:
+        return 0
+
+
 def array(
     value: Any, name: str, *, shape: tuple[int | None, ...], dtype: type[np.generic]
 ) -> NDArray[Any]:

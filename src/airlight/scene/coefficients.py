@@ -40,7 +40,7 @@ def coefficient_grid(
     Raises SceneError, where its voxels are not those of the density, `shape`.
     """
     # One channel stands for three of the same.
-    colours = np.ndim(values) == 4
+    colours = checks.dimensions(values) == 4
     wanted = (None, None, None, 3) if colours else (None, None, None)
     grid = checks.array(values, name, shape=wanted, dtype=np.float32)
     if grid.shape[:3] != shape:
@@ -90,18 +90,18 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
     if has_t == has_s:
         raise SceneError("a volume has either sigma_s and sigma_a, or sigma_t and albedo")
     # All coefficients on the grid's voxels, in three colours.
-    grids = [name for name in names if np.ndim(given[name]) >= 3]
+    grids = [name for name in names if checks.dimensions(given[name]) >= 3]
     if not grids:
         raise SceneError("no coefficient is a grid", remedy="Use shape = 'box', or a density.")
     shape = np.shape(given[grids[0]])[:3]
     full = {name: _filled(given[name], name, shape) for name in names}
     # The mean cosine stays a number where it is one, so that it needs no mixture.
-    g = {"g_grid": full["g"]} if np.ndim(given["g"]) >= 3 else {"g": given["g"]}
+    g = {"g_grid": full["g"]} if checks.dimensions(given["g"]) >= 3 else {"g": given["g"]}
     # sigma_t = density times tint; albedo = sigma_s / sigma_t, where anything is.
     if has_t:
         density, tint = density_and_tint(full["sigma_t"])
         own = given["albedo"] if given["albedo"] is not None else 1.0
-        is_grid = np.ndim(own) >= 3
+        is_grid = checks.dimensions(own) >= 3
         albedo = (
             {"albedo_grid": full["albedo"]} if is_grid else {"albedo": checks.rgb(own, "albedo")}
         )
@@ -118,7 +118,7 @@ def as_grids(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _filled(value: Any, name: str, shape: tuple[int, ...]) -> F32:
     """A coefficient in every voxel, (z, y, x, 3)."""
-    if np.ndim(value) >= 3:
+    if checks.dimensions(value) >= 3:
         low, high = (-0.9999, 0.9999) if name == "g" else (0.0, checks.MOST)
         return coefficient_grid(value, name, shape, low=low, high=high)
     rgb = mean_cosine(value) if name == "g" else checks.rgb(value, name)

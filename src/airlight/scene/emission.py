@@ -90,7 +90,7 @@ class Emission:
 
 
 def _grid(values: F32, name: str, *, signed: bool = False) -> F32:
-    colours = np.ndim(values) == 4
+    colours = checks.dimensions(values) == 4
     shape = (None, None, None, 3) if colours else (None, None, None)
     grid = checks.array(values, name, shape=shape, dtype=np.float32)
     if grid.size == 0:

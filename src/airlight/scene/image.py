@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import OutputError, SettingsError, nearest
 from ..maths.lut import Lut
 from ..maths.tone import display_srgb8
-from .checks import F32, MOST_PX, shown
+from .checks import F32, MOST_PX, path_text, shown
 
 MAX_SIDE_PX = MOST_PX
 MOST_SAMPLES = 4096
@@ -89,7 +89,7 @@ class Image:
         """
         from .io.cube import read_cube
 
-        return replace(self, lut=read_cube(Path(path)))
+        return replace(self, lut=read_cube(Path(path_text(path, "a table of colours"))))
 
     def denoised(self) -> Image:
         """The image without the noise of gathered light, by Intel's Open Image Denoise.

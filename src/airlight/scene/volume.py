@@ -183,7 +183,7 @@ class Volume:
 
 def _checked_density(density: F32) -> tuple[F32, F32 | None]:
     """The density, and the tint of one that has colours."""
-    shape = (None, None, None, 3) if np.ndim(density) == 4 else (None, None, None)
+    shape = (None, None, None, 3) if checks.dimensions(density) == 4 else (None, None, None)
     grid = checks.array(density, "volume density", shape=shape, dtype=np.float32)
     if grid.size == 0:
         raise SceneError("volume density is empty")

@@ -110,10 +110,10 @@ def test_every_section_of_the_panel_can_be_drawn(view):
 
 def test_the_help_is_drawn_and_goes_again(view):
     before = shown(view)
-    event(view, "key_down", key="?")
+    event(view, "char", data="?")
     helped = shown(view)
     assert np.abs(helped[:, PANEL_PX:] - before[:, PANEL_PX:]).mean() > 5.0
-    event(view, "key_down", key="?")
+    event(view, "char", data="?")
     assert np.abs(shown(view)[:, PANEL_PX:] - before[:, PANEL_PX:]).mean() < 3.0
 
 

@@ -79,6 +79,30 @@ def test_a_drag_in_the_browser_changes_the_image(page):
 
 
 @pytest.mark.slow
+def test_keys_reach_the_image_before_any_click_and_tab_stays_the_viewers(page):
+    opened, _ = page
+    opened.reload()
+    until(opened, lambda p: p.std() > 4.0, "the scene is shown")
+    opened.wait_for_function("document.querySelector('.stage .has-focus') !== null")
+    opened.keyboard.type("?")
+    opened.locator(".help").wait_for(state="visible")
+    opened.keyboard.type("?")
+    opened.locator(".help").wait_for(state="hidden")
+    panel = opened.locator("aside.panel")
+    for state in ("visible", "hidden", "visible", "hidden"):
+        opened.keyboard.press("Tab")
+        panel.wait_for(state=state)
+    # After a click at the button the keys are the image's again.
+    for state in ("visible", "hidden"):
+        opened.locator("button.toggle").click()
+        panel.wait_for(state=state)
+    opened.keyboard.press("Tab")
+    panel.wait_for(state="visible")
+    opened.keyboard.press("Tab")
+    panel.wait_for(state="hidden")
+
+
+@pytest.mark.slow
 def test_keys_fly(page):
     opened, _ = page
     opened.keyboard.press("r")

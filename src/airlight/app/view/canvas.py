@@ -126,6 +126,8 @@ class CanvasView:
         if not self._is_panels(event):
             if kind == "key_down":
                 self._key(event["key"], event.get("modifiers", ()))
+            elif kind == "char":
+                self._typed(event.get("data"))
             if not (
                 kind in _POINTER and self.session.grips.handle(self._within(event), self.seen())
             ):
@@ -147,8 +149,6 @@ class CanvasView:
         # Keys of the panel, then of the view, then undo and redo.
         if key == "Tab" and panel:
             panel.is_shown = not panel.is_shown
-        elif key == "?" and panel:
-            panel.shows_help = not panel.shows_help
         elif key == "Escape":
             session.state.picked = -1
         elif key == "r":
@@ -159,6 +159,11 @@ class CanvasView:
             is_again = key.lower() == "y" or "Shift" in modifiers
             (session.redo if is_again else session.undo)()
 
+    def _typed(self, text: Any) -> None:
+        """Characters that need other keys on other keyboards: a window names keys as in the US."""
+        if text == "?" and self.panel:
+            self.panel.shows_help = not self.panel.shows_help
+
     def _is_panels(self, event: dict[str, Any]) -> bool:
         """Whether a press, a turn of the wheel or a key is the panel's; a drag goes on over it."""
         if self.panel is None:
@@ -166,7 +171,7 @@ class CanvasView:
         # Only a press begins something; a drag that began on the image goes on over the panel.
         if event["event_type"] in ("pointer_down", "wheel"):
             return self.panel.covers(event["x"], event["y"])
-        return event["event_type"] == "key_down" and self.panel.takes_text()
+        return event["event_type"] in ("key_down", "char") and self.panel.takes_text()
 
     async def watch(self, sleep: Callable[[float], Any]) -> None:
         """Draw again after every edit of the scene file, and when what was made between frames is

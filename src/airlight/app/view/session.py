@@ -47,7 +47,7 @@ class Session(Renderers):
         self._jitters = pixel_jitter(STILL_SAMPLES)
         self._seen: tuple[Any, ...] = ()
         self._before_s: float | None = None
-        self._progress, self._fine_progress = "", ""
+        self._progress = ("", "", "")
         self._touched_s = float("-inf")
 
     def attach(self, format: str) -> None:
@@ -76,7 +76,7 @@ class Session(Renderers):
         with self._turns.frame():
             self._size = size
             self._make()
-            self._progress, self._fine_progress = self._making.progress, self.fine.progress
+            self._progress = self._awaited
             self.controls.height_px = size[1]
             # Time and hands first: keys that are held, and what turned the light.
             self._go_on(now_s)
@@ -117,12 +117,18 @@ class Session(Renderers):
 
     @property
     def status(self) -> str:
-        """In a few words: the last frame's time and size, or how far the finest image is."""
+        """In a few words: the last frame's time and size, or how far the finest image is, and the
+        one beside it."""
+        beside = self.compared.progress if self.state.compared else ""
+        return self._own_status + (f"   {self.state.compared}: {beside}" if beside else "")
+
+    @property
+    def _own_status(self) -> str:
         # How far the finer image is, else what the last frame took.
-        if self._shot is not None and self.fine.progress:
+        if self._shot is not None and self.fine.is_working and not self.fine.samples:
             is_full = self.fine.is_shown or self.quality.full_samples > 0
             doing = "refining ..." if is_full else "full resolution follows ..."
-            return f"{doing}   {self.fine.progress}"
+            return f"{doing}   {self.fine.progress}".rstrip()
         if self.fine.is_shown or (self.fine.is_working and self._shot is not None):
             return f"refining   {self.fine.samples} of {SAMPLES}"
         width, height = self.renderer.size if self.renderer else self._size
@@ -131,7 +137,12 @@ class Session(Renderers):
     @property
     def progress(self) -> str:
         """How far the renderer is that is being made; empty where none is."""
-        return self._progress
+        return self._progress[0]
+
+    @property
+    def _awaited(self) -> tuple[str, str, str]:
+        """How far the next renderer, the finer image and the compared one are."""
+        return self._making.progress, self.fine.progress, self.compared.progress
 
     @property
     def share(self) -> float:
@@ -146,8 +157,7 @@ class Session(Renderers):
         """Whether something that was being made between frames is ready to be shown."""
         fine = self.fine
         is_finer = self._shown.is_behind(fine) or self._shown.is_behind_other(self.compared)
-        is_further = self._making.progress != self._progress
-        is_further |= self.fine.progress != self._fine_progress
+        is_further = self._awaited != self._progress
         has_ended = fine.has_ended or self.compared.has_ended
         return self._making.has_ended or has_ended or is_finer or is_further
 
