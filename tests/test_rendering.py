@@ -285,7 +285,7 @@ def test_progress_and_stats(gpu, corner):
         timed=True,
         progress=lambda stage, share: seen.append((stage, share)),
     )
-    assert seen == [("upload", 0.0), ("render", 0.5), ("render", 1.0)]
+    assert seen == [("preparing", 0.0), ("render", 0.5), ("render", 1.0)]
     stats = json.loads(json.dumps(image.stats))
     assert stats["device"] == gpu.info.name
     assert stats["adapter_type"] == gpu.info.adapter_type

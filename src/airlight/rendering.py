@@ -273,7 +273,7 @@ def render(
     time = shutter_time(scene, time)
     samples = checked_samples(still_samples(scene) if samples is None else samples)
     if progress:
-        progress("upload", 0.0)
+        progress("preparing", 0.0)
     with Renderer(scene, technique, size, settings=settings, adapter=adapter) as renderer:
         image = renderer.frame(time=time, samples=samples, progress=progress)
         assert image is not None

@@ -27,7 +27,7 @@ def test_a_bar_on_a_terminal_stays_off_stdout(capsys, monkeypatch):
     assert capsys.readouterr().out == ""
 
 
-def test_what_is_left_goes_by_the_parts_that_are_done():
+def test_the_rest_of_the_time_follows_from_the_parts_that_are_done():
     clock = [0.0]
     left = Left(lambda: clock[0])
     left.note("render", 0.0)
@@ -39,7 +39,7 @@ def test_what_is_left_goes_by_the_parts_that_are_done():
     assert left.seconds == 26.0  # time goes on between two notes
     clock[0] = 100.0
     assert left.seconds == 0.0
-    # Another stage knows nothing of the one before, nor does the same one anew.
+    # Another stage knows nothing of the one before, nor does the same one when it starts again.
     left.note("timing", 0.5)
     assert left.seconds is None
     left.note("timing", 0.1)

@@ -54,7 +54,7 @@ class Left:
 
     @property
     def seconds(self) -> float | None:
-        """What is left of the stage; None where nothing tells, or it is done."""
+        """The rest of the stage's time; None where nothing tells, or it is done."""
         done = self.fraction - self._begun_at
         if done <= 0.0 or self.fraction >= 1.0:
             return None

@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 
+from airlight.app.view.page import web_text
 from small_viewer import box_share, served
 
 PANEL_PX = 340
@@ -188,3 +189,27 @@ def test_a_wrong_link_says_what_to_do(page):
     assert answer.status == 403
     assert "Open the link that `airlight view` printed last" in second.inner_text("body")
     second.close()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [900, 500])
+def test_in_a_notebook_the_panel_stands_beside_the_image_or_below_it(page, width):
+    opened = page[0].context.new_page()
+    opened.set_viewport_size({"width": width, "height": 640})
+    stage = "<div class=stage style='width:480px; height:200px'></div>"
+    opened.set_content(f"<style>{web_text('panel.css')}</style><div id=root>{stage}</div>")
+    opened.add_script_tag(content=web_text("panel.js"))
+    status = {"type": "status", "shown": True, "title": "", "doubts": [], "share": 0.5, "text": ""}
+    opened.evaluate(
+        """status => {
+          const root = document.getElementById('root')
+          new AirlightPanel(root, root.firstChild, () => {}, true).take(status)
+        }""",
+        {**status, "message": "", "notice": "", "help": None},
+    )
+    image, panel = (opened.locator(name).bounding_box() for name in (".stage", "aside.panel"))
+    if width == 900:
+        assert (panel["x"], panel["y"]) == (image["x"] + image["width"], image["y"])
+    else:
+        assert (panel["x"], panel["y"]) == (image["x"], image["y"] + image["height"])
+    opened.close()
