@@ -209,6 +209,7 @@ def _write_meshes(scene: Scene, target: Path, kind: str = "meshes") -> Path:
     from ..scene.scene import Scene
 
     path = target.with_name(f"{target.stem}_{kind}.glb")
+    check_writable(path)  # its name is longer than that of the scene file
     # What another program has put there is not overwritten.
     if path.exists() and not is_written_here(path):
         raise OutputError(
