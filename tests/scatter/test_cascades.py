@@ -83,7 +83,7 @@ def solved(scene, **settings):
         yard(LIGHT),
         yard(g=0.7),
         yard(endless=True, sigma=0.05),
-        yard(volumes=(SMOKE,)),
+        pytest.param(yard(volumes=(SMOKE,)), marks=pytest.mark.slow),
     ],
     ids=["sun", "lamp", "forward", "endless", "smoke"],
 )

@@ -93,7 +93,13 @@ def error(found, truth):
 
 
 @pytest.mark.parametrize(
-    ("sigma", "is_varied"), [(THIN, False), (FOG, False), (FOG, True), (DENSE, True)]
+    ("sigma", "is_varied"),
+    [
+        pytest.param(THIN, False, marks=pytest.mark.slow),
+        (FOG, False),
+        pytest.param(FOG, True, marks=pytest.mark.slow),
+        (DENSE, True),
+    ],
 )
 def test_with_cells_of_the_same_size_it_is_the_same_light(nest, sigma, is_varied):
     inner = Placement((3.0, 2.0, 1.5), 0.5, (8, 8, 10))

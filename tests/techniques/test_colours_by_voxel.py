@@ -36,7 +36,9 @@ def lumps(seed: int) -> np.ndarray:
     return (noise - noise.min()) / np.ptp(noise)
 
 
-@pytest.mark.parametrize("technique", SETTINGS)
+@pytest.mark.parametrize(
+    "technique", ["pop", pytest.param("lpv-scatter", marks=pytest.mark.slow), "single"]
+)
 def test_a_channel_is_a_grey_volumes(technique):
     """Extinction by voxel and channel: red light sees the red extinction alone."""
     sigma_t = np.stack([lumps(k) for k in range(3)], axis=-1).astype(np.float32)

@@ -52,7 +52,7 @@ def drawn(scene: Scene, layer: str, technique: str = "lpv-scatter") -> np.ndarra
 @pytest.mark.parametrize(
     ("light", "technique"),
     [
-        ("sun", "auto"),
+        pytest.param("sun", "auto", marks=pytest.mark.slow),
         ("sky", "lpv-scatter"),
         pytest.param("sun", "lpv-scatter", marks=pytest.mark.slow),
         pytest.param("sky", "auto", marks=pytest.mark.slow),

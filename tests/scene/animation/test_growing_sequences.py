@@ -120,6 +120,7 @@ def test_images_are_those_of_the_files_alone(growing):
     np.testing.assert_array_equal(found[2], found[0])
 
 
+@pytest.mark.slow
 def test_an_open_shutter_sees_boxes_that_change(growing):
     scene = load(growing / "all.toml")
     shut = replace(scene, camera=replace(scene.camera, shutter_s=0.5))
