@@ -23,7 +23,7 @@ SLOTS = (
     storage("lattices", LatticeParams),
     *(
         texture(f"lattice_{n}", "3d")
-        for n in ("red", "green", "blue", "visibility_a", "visibility_b", "walls")
+        for n in ("red", "green", "blue", "visibility_a", "visibility_b", "walls", "planes")
     ),
     sampler("linear_clamp"),
     storage("points", "vec4f"),
@@ -31,7 +31,7 @@ SLOTS = (
     storage("results", "vec4f", "read_write"),
 )
 MAIN = """
-//! use lattice
+//! use surface_coordinates
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&points)) {
         return;
@@ -65,7 +65,7 @@ def on_device(gpu, commands, kernel, owned):
             commands,
             (len(points),),
             **used.fields.irradiance.bound,
-            **used.kit.blockers.bound,
+            **used.kit.blockers.surface_bound,
             linear_clamp=linear_sampler(gpu),
             points=p,
             normals=n,
@@ -100,6 +100,26 @@ def scene_of(name):
     placed = tuple(replace(m, world_from_object=matrix @ m.world_from_object) for m in scene.meshes)
     lights = tuple(light.moved(matrix) for light in scene.lights)
     return replace(scene, meshes=placed, lights=lights)
+
+
+@pytest.mark.parametrize("name", ["cornell", "bleeding"])
+def test_numpy_reads_what_stands_beside_an_oblique_surface_as_the_device_does(on_device, name):
+    # Floors and walls: few of their cells know a plane, so there are many points.
+    with Renderer(builtin_scene(name), "lpv", (16, 16), settings=SMALL) as renderer:
+        renderer.frame(read=False)
+        field = light_field(renderer, "lpv")
+        points, _ = some_points(field.lattices[0], 20_000)
+        normals = np.eye(3)[np.arange(len(points)) % 3]
+        expected = on_device(renderer.technique, points, normals)
+    found = field.irradiance(points, normals)
+    without = replace(field, lattices=tuple(replace(c, planes=None) for c in field.lattices))
+    is_beside = (
+        np.abs(without.irradiance(points, normals) - found).max(axis=1) > 0.01 * found.mean()
+    )
+    assert is_beside.sum() > 100
+    np.testing.assert_allclose(
+        found[is_beside], expected[is_beside], atol=0.01 * expected.max(), rtol=0.02
+    )
 
 
 @pytest.mark.parametrize(

@@ -27,13 +27,14 @@ SLOTS = (
     texture("lattice_visibility_a", "3d"),
     texture("lattice_visibility_b", "3d"),
     texture("lattice_walls", "3d"),
+    texture("lattice_planes", "3d"),
     sampler("linear_clamp"),
     storage("points", "vec4f"),
     storage("normals", "vec4f"),
     storage("results", "vec4f", "read_write"),
 )
 MAIN = """
-//! use lattice
+//! use surface_coordinates
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x < arrayLength(&points)) {
         let p = points[id.x].xyz;
@@ -70,6 +71,7 @@ def looked_up(gpu, commands, kernel, owned, cells_texture):
             lattice_visibility_a=cells_texture(ROOM, "rgba8unorm", visibility_a),
             lattice_visibility_b=cells_texture(ROOM, "rgba8unorm", visibility_b),
             lattice_walls=cells_texture(ROOM, "rgba8snorm", walls),
+            lattice_planes=cells_texture(ROOM, "rgba16float"),
             linear_clamp=linear_sampler(gpu),
             points=p,
             normals=n,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.rendering import Renderer
+from airlight.scene import Camera
 from airlight.scene.builtin import builtin_scene
 
 
@@ -60,6 +61,34 @@ def test_light_of_a_board_does_not_jump_from_pixel_to_pixel():
     steps = np.abs(np.diff(light, axis=1))[board[:, 1:] & board[:, :-1]]
     assert len(steps) > 3000
     assert np.percentile(steps, 99.5) < 0.45 * light[board].mean()
+
+
+@pytest.mark.parametrize("turned_deg", [15, 30, 45])
+@pytest.mark.parametrize("technique", ["lpv", "lpv-scatter"])
+def test_the_floor_at_the_foot_of_a_board_has_no_teeth(turned_deg, technique):
+    # .05 to .074; .144 to .33 where cells of the floor are read that the board's other side has.
+    layers = drawn(turned(np.radians(turned_deg)), technique, (320, 180))
+    assert floor_steps(layers) < 0.1
+
+
+@pytest.mark.parametrize("technique", ["lpv", "lpv-scatter"])
+def test_the_floor_at_the_foot_of_a_block_has_no_teeth(technique):
+    # .061 and .081; .135 and .124 where cells inside the blocks are read.
+    eye = Camera((0.0, 2.73, 2.7), (0.0, 0.0, 0.0), fov_y_deg=80.0)
+    layers = drawn(replace(builtin_scene("cornell"), camera=eye), technique, (320, 180))
+    assert floor_steps(layers) < 0.1
+
+
+def floor_steps(layers):
+    """The step of light between neighbouring pixels of a floor in a row, over its mean light, that
+    one in a thousand exceeds."""
+    floor = layers["normal"][..., 1] > 0.999
+    # What stands before the floor may face up, too.
+    depth = layers["depth"]
+    one = floor[:, 1:] & floor[:, :-1] & (np.abs(np.diff(depth, axis=1)) < 0.05 * depth[:, 1:])
+    light = layers["indirect"].mean(axis=-1)
+    assert one.sum() > 8000
+    return np.percentile(np.abs(np.diff(light, axis=1))[one], 99.9) / light[floor].mean()
 
 
 def turned(turn):

@@ -38,6 +38,8 @@ class LatticeLight:
                face really lies from it
     dead_ends  (Z, Y, X) bits of the hops +x -x +y -y +z -z that leave the cell into a wall with air
                before it: what faces such a wall is not looked up behind it. None: no such walls
+    planes     (Z, Y, X, 4) the oblique surface that each cell is near: its unit normal times how
+               far it counts, plus 2 on a thin board; cells from it to the cell's middle. Or None
     rule       how surfaces read it; "lobe": as a lobe that is nowhere negative, "linear": as
                pi (a - 2/3 b.n), at least 0
     """
@@ -50,6 +52,7 @@ class LatticeLight:
     walls: F32
     air: F32 | None = None
     dead_ends: NDArray[np.uint8] | None = None
+    planes: F32 | None = None
     rule: Literal["lobe", "linear"] = "lobe"
     axes: F64 = field(default_factory=lambda: np.eye(3))
 

@@ -66,6 +66,11 @@ _MEANINGS = {
     "openness": ("", "(z, y, x, 6): how open the faces at -x +x -y +y -z +z are"),
     "walls": ("cells", "(z, y, x, 3): how far walls lie from the cell's low faces"),
     "dead_ends": ("", "(z, y, x): bit k: the k-th of the ways +x -x +y -y +z -z leads into a wall"),
+    "planes": (
+        "cells",
+        "(z, y, x, 4): the oblique plane that the cell is near, its unit normal times how far it "
+        "counts (2 more on a thin board), and how far before it the cell's middle is",
+    ),
 }
 
 
@@ -118,6 +123,8 @@ def _arrays(field: LightField) -> dict[str, NDArray[Any]]:
         made[f"{name}openness"], made[f"{name}walls"] = cells.openness, cells.walls
         if cells.dead_ends is not None:
             made[f"{name}dead_ends"] = cells.dead_ends
+        if cells.planes is not None:
+            made[f"{name}planes"] = cells.planes
     for index, volume in enumerate(field.volumes):
         made[f"volume{index}"] = volume.radiance
     return made
@@ -231,4 +238,5 @@ def _lattice(about: dict[str, Any], name: str, arrays: dict[str, Any]) -> Lattic
         walls=arrays[f"{name}walls"],
         air=None if air is None else _from_sh(air),
         dead_ends=arrays.get(f"{name}dead_ends"),
+        planes=arrays.get(f"{name}planes"),
     )

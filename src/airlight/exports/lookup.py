@@ -5,7 +5,7 @@ Twins of wgsl/lattice.wgsl and wgsl/lattice_space.wgsl, which a test holds toget
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +30,32 @@ OBLIQUE, CUT = (0.9903, 0.9986), (0.05, 0.14)
 """As in wgsl/lattice_space.wgsl: cosines between which surfaces along an axis become oblique to it;
 sines from which on their planes cut others."""
 OWN_STEPS = (0.2, 0.4)
-"""As in wgsl/lattice.wgsl: sines between a plane and an axis from which on closed faces across it
-are the plane's own steps."""
+"""As in wgsl/surface_coordinates.wgsl: sines between a plane and an axis from which on closed faces
+across it are the plane's own steps."""
+WHOLE_CELL = (0.35, 0.6)
+"""As in wgsl/surface_coordinates.wgsl: cells from an oblique plane to the middle of one that lies
+wholly before it."""
+BESIDE_PLANE, OF_PLANE, ON_PLANE = (1.0, 1.5), (0.7, 0.9), 0.004
+"""As in wgsl/surface_coordinates.wgsl: cells from an oblique plane within which what stands beside
+it is looked up before it; cosines from which on that is a part of it; what rounding may hide."""
+
+
+class _Plane(NamedTuple):
+    """Oblique planes: a point (n, 3) of each, unit normals, and how far faces of cells closed
+    across each axis are their own (n, 3); whether they bound a body (n, 1)."""
+
+    point: F64
+    normal: F64
+    is_own: F64
+    is_body: NDArray[np.bool_]
+
+    def distance(self, cell: F64) -> F64:
+        """(n, 1), cells: how far the middles of cells (n, 3) are before the planes."""
+        return np.asarray(((cell + 0.5 - self.point) * self.normal).sum(axis=1, keepdims=True))
+
+    def whole(self, cell: F64) -> F64:
+        """(n, 1): how far all of a cell is before the plane."""
+        return _smoothstep(*WHOLE_CELL, self.distance(cell))
 
 
 class Lookup:
@@ -39,24 +63,31 @@ class Lookup:
 
     def __init__(self, lattice: LatticeLight) -> None:
         self.count, self.cell, self.origin = lattice.count, lattice.cell, lattice.origin
-        self.openness, self.walls = lattice.openness, lattice.walls
+        self.openness, self.walls, self.planes = lattice.openness, lattice.walls, lattice.planes
         self.dead_ends, self.rule = lattice.dead_ends, lattice.rule
 
     def coordinates(self, p: F64, n: F64) -> F64:
         """Texture coordinates (n, 3) for surfaces at `p` (n, 3), metres, of normals `n` (n, 3).
 
-        Both are along the lattice's axes. Twin: lattice_coordinates in wgsl/lattice.wgsl.
+        Both are along the lattice's axes. Twin: lattice_coordinates in
+        wgsl/surface_coordinates.wgsl.
         """
         # Warped to the walls, then before the surface, then away from closed faces.
         warped = self.warped(p, n)
-        upright = self._eased(self._lookup_coordinates(warped, n), _rim_shares(n))
+        at = self._lookup_coordinates(warped, n)
+        upright = self._eased(at, _rim_shares(n))
         if self.rule == "linear":
             return upright
 
-        # Surfaces that lie along no axis are looked up between cells before their plane.
+        # Surfaces that lie along no axis are looked up between cells before their plane, and others
+        # before that of an oblique one beside them.
         oblique = 1.0 - _smoothstep(*OBLIQUE, np.abs(n).max(axis=1, keepdims=True))
         plane = self._plane_coordinates(p, warped, n)
-        return np.asarray(upright + oblique * (self._oblique_coordinates(plane, n) - upright))
+        own = upright + oblique * (self._oblique_coordinates(plane, n) - upright)
+        if self.planes is None:
+            return own
+        beside = self._coordinates_beside(self.planes, p, at, n, upright)
+        return np.where(oblique > 0.0, own, beside)
 
     def _cells(self, coordinates: F64) -> tuple[NDArray[np.intp], tuple[Any, Any, Any]]:
         """The cell (n, 3) of each lattice coordinate, and its index in the arrays."""
@@ -70,24 +101,54 @@ class Lookup:
         return np.asarray(warped + _smoothstep(*CUT, np.abs(n)) * (coordinates - warped))
 
     def _oblique_coordinates(self, plane: F64, n: F64) -> F64:
-        """Twin: oblique_coordinates in wgsl/lattice.wgsl."""
-        # From a point before the surface, no nearer to closed faces than they allow.
-        count = np.array(self.count)
-        coordinates = self._lifted(plane, n)
-        raised = coordinates + BEFORE_OBLIQUE * n
-        is_own = _smoothstep(*OWN_STEPS, np.abs(n))
-        walled = self._before_walls(coordinates, raised, n)
-        at = np.clip(walled + is_own * (raised - walled), 0.5, count - 0.5)
+        """Before its own_plane of wgsl/surface_coordinates.wgsl."""
+        own = _Plane(plane, n, _smoothstep(*OWN_STEPS, np.abs(n)), np.zeros((len(n), 1), np.bool_))
+        base = self._lifted(plane, n)
+        return self._coordinates_before(base, base + BEFORE_OBLIQUE * n, own)
+
+    def _coordinates_before(self, base: F64, raised: F64, plane: _Plane) -> F64:
+        """Twin: coordinates_before in wgsl/surface_coordinates.wgsl."""
+        # From a point before the surface, not past walls that are not its own.
+        count, n, is_own = np.array(self.count), plane.normal, plane.is_own
+        walled = self._before_walls(base, raised, n)
+        passes = np.where(plane.is_body, 0.0, 1.0 - plane.whole(np.floor(base + BEFORE * n)))
+        at = np.clip(walled + is_own * passes * (raised - walled), 0.5, count - 0.5)
+        # No nearer to closed faces than they allow.
         cell = np.floor(at)
         t = at - cell - 0.5
+        ended = np.where(plane.is_body, self._ends(cell, n), plane.whole(cell))
+        passes = is_own * (1.0 - np.where(t * n > 0.0, ended, 0.0))
         eased = self._open_offset(cell, t, np.zeros_like(t))
-        offset = eased + is_own * (t - eased)
+        offset = eased + passes * (t - eased)
         # On each axis, the share of all cells that are beside the point's own along it.
-        shares = _shares_before(((cell + 0.5 - plane) * n).sum(axis=1), offset, n)
+        shares = _shares_before(plane.distance(cell)[:, 0], offset, n)
         beside = [np.take(shares, 1, axis=1 + axis).sum(axis=(1, 2)) for axis in range(3)]
         share = np.stack(beside, axis=1) / shares.sum(axis=(1, 2, 3))[:, None]
         middle = cell + 0.5 + np.sign(offset) * share
         return np.asarray(np.clip(middle, 0.5, count - 0.5) / count)
+
+    def _coordinates_beside(self, planes: NDArray[Any], p: F64, at: F64, n: F64, uvw: F64) -> F64:
+        """Before its plane_beside of wgsl/surface_coordinates.wgsl."""
+        # The plane that the cell knows where the surface is looked up.
+        is_facing = np.abs(n) > 0.5
+        own = (p - np.array(self.origin)) / self.cell
+        cell, index = self._cells(np.where(is_facing, at, own))
+        stored = planes[index].astype(np.float64)
+        size = np.linalg.norm(stored[:, :3], axis=1, keepdims=True)
+        is_thin = size > 1.5
+        towards = stored[:, :3] / np.maximum(size, 1e-30)
+        on_plane = cell + 0.5 - stored[:, 3:] * towards
+        height = ((own - on_plane) * towards).sum(axis=1, keepdims=True)
+        m = np.where(height >= -ON_PLANE, 1.0, -1.0) * towards
+        # As far before it as it is itself looked up, along the surface.
+        is_own = np.where(is_facing, 0.0, _smoothstep(*OWN_STEPS, np.abs(m)))
+        base = np.where(is_facing, at, self._plane_coordinates(p, at, m))
+        raised = base + np.maximum(BEFORE_OBLIQUE - np.abs(height), 0.0) * np.where(is_facing, 0, m)
+        beside = self._coordinates_before(base, raised, _Plane(on_plane, m, is_own, ~is_thin))
+        is_near = 1.0 - _smoothstep(*BESIDE_PLANE, np.abs(height))
+        along = np.abs((m * n).sum(axis=1, keepdims=True))
+        share = (size - 2.0 * is_thin) * is_near * (1.0 - _smoothstep(*OF_PLANE, along))
+        return np.asarray(uvw + share * (beside - uvw))
 
     def _lookup_coordinates(self, coordinates: F64, n: F64) -> F64:
         """Twin: lookup_coordinates in wgsl/lattice.wgsl."""
@@ -210,7 +271,7 @@ def _shares_before(distance: F64, offset: F64, n: F64) -> F64:
     """(n, 2, 2, 2): shares of the eight cells around points, as far as they are before a plane.
 
     An index is 1 where a cell is beside the point's own along that axis. Twin: shares_before in
-    wgsl/lattice.wgsl.
+    wgsl/surface_coordinates.wgsl.
     """
     # Linear between them, less where their own middles are near the plane or behind it.
     step, t = np.sign(offset) * n, np.abs(offset)

@@ -91,6 +91,7 @@ def _lattices(used: Technique, origin: F64) -> tuple[LatticeLight, ...]:
             [blockers.visibility_a.read(), blockers.visibility_b.read()[..., :2]], axis=-1
         ),
         "walls": blockers.walls.read(),
+        "planes": blockers.planes.read(),
     }
     # Each lattice's own part of them.
     rows = bound["lattices"].read(LatticeParams.dtype)
@@ -105,8 +106,8 @@ def _lattice_light(record: Any, held: Mapping[str, Any], origin: F64) -> Lattice
     cell, is_paper = float(record["cell"]), bool(record["is_paper"])
     first, (x, y, z) = int(record["first_row"]), (int(n) for n in record["count"])
     # Lattices share textures as large as the largest of them.
-    states, openness, walls = (
-        held[k][:z, first : first + y, :x] for k in ("states", "open", "walls")
+    states, openness, walls, planes = (
+        held[k][:z, first : first + y, :x] for k in ("states", "open", "walls", "planes")
     )
     # Stored units to radiance, so that irradiance is pi (a - 2/3 b.n) to first order.
     scale = 1.0 / (cell**2 * float(record["power_scale"]))
@@ -129,6 +130,7 @@ def _lattice_light(record: Any, held: Mapping[str, Any], origin: F64) -> Lattice
         openness=(openness / 255.0).astype(np.float32),
         walls=np.maximum(walls[..., :3] / 127.0, -1.0).astype(np.float32),
         dead_ends=walls[..., 3].astype(np.uint8),
+        planes=planes.astype(np.float32),
     )
 
 

@@ -8,7 +8,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec2u
 from ..gpu.memory import Texture, linear_sampler
 from ..gpu.slots import sampler, storage, texture, uniform
-from ..lattice.blockers import BLOCKER_SLOTS
+from ..lattice.blockers import SURFACE_BLOCKER_SLOTS
 from ..lattice.irradiance import Irradiance
 from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
@@ -32,7 +32,7 @@ class _Beams(ComputePass):
         texture("normals", "2d", "unfilterable-float"),
         storage("lattices", LatticeParams),
         *CHANNEL_SLOTS,
-        *BLOCKER_SLOTS,
+        *SURFACE_BLOCKER_SLOTS,
         sampler("linear_clamp"),
         read_sums("sums"),
         written_sums(),
@@ -65,7 +65,7 @@ class Beams:
             places=points.places,
             normals=points.normals,
             **irradiance.bound,
-            **self._kit.blockers.bound,
+            **self._kit.blockers.surface_bound,
             linear_clamp=self._linear,
             sums=given,
             sums_after=made,

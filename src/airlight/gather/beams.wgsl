@@ -2,7 +2,7 @@
 //! use point_sums
 //! use stored_sums
 //! use tone
-//! use lattice
+//! use surface_coordinates
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.reduced)) {

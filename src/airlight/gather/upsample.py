@@ -85,6 +85,6 @@ class Upsampling:
             sky_cube=sky.cube,
             linear_clamp=self._linear,
             **irradiance.bound,
-            **self._kit.blockers.bound,
+            **self._kit.blockers.surface_bound,
         )
         return self.gathered

@@ -8,6 +8,7 @@
 //! use point_sums
 //! use flat_normal
 //! use mirrored_light
+//! use surface_coordinates
 //! use tone
 //! use near_field_lookup
 

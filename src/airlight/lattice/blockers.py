@@ -29,7 +29,7 @@ from .placement import LatticeParams, Placement
 from .rooms import Rooms
 from .surfels import SurfelData, follow, mean_reflectances, sealed, surfels, turned
 
-_CORNER_VALUES = 36  # as in wgsl/blocker_sums.wgsl
+_CORNER_VALUES = 67  # as in wgsl/blocker_sums.wgsl
 UNITS = 2.0**16
 """Fixed-point units per fully covered cell face."""
 
@@ -38,6 +38,8 @@ BLOCKER_SLOTS: tuple[Slot, ...] = tuple(
     texture(f"lattice_{name}", "3d") for name in ("visibility_a", "visibility_b", "walls")
 )
 """Of passes that use `wgsl/open_line.wgsl` or `wgsl/lattice.wgsl`; `Blockers.bound` binds them."""
+SURFACE_BLOCKER_SLOTS: tuple[Slot, ...] = (*BLOCKER_SLOTS, texture("lattice_planes", "3d"))
+"""Of passes that use `wgsl/surface_coordinates.wgsl`; `Blockers.surface_bound` binds them."""
 
 
 class BlockerParams(Struct):
@@ -83,6 +85,7 @@ class _FaceVisibility(ComputePass):
         image("visibility_a", "rgba8unorm", "3d"),
         image("visibility_b", "rgba8unorm", "3d"),
         image("walls", "rgba8snorm", "3d"),
+        image("planes", "rgba16float", "3d"),
     )
     workgroup = (32, 8, 1)
     in_bands = True
@@ -98,7 +101,8 @@ class Blockers:
     hold the visibility of each of a cell's six faces in both directions, so that lookups do not
     interpolate across a wall. `walls` says how far, in cells, the walls that were counted on a
     cell's three low faces really are from them: readers warp lattice coordinates by it
-    (wgsl/lattice_space), so that a point before a wall is never looked up behind it.
+    (wgsl/lattice_space), so that a point before a wall is never looked up behind it. `planes` holds
+    the plane of the oblique surface that a cell is near (wgsl/oblique_plane).
     """
 
     count: int
@@ -108,6 +112,7 @@ class Blockers:
     visibility_a: Texture
     visibility_b: Texture
     walls: Texture
+    planes: Texture
 
     def __init__(
         self,
@@ -132,6 +137,7 @@ class Blockers:
         else:
             self.count, self.surfels, self.walls = owner.count, owner.surfels, owner.walls
             self.visibility_a, self.visibility_b = owner.visibility_a, owner.visibility_b
+            self.planes = owner.planes
 
         # Sums stand around corners, one more than cells on each axis; faces belong to cells.
         self.corners = int(np.prod([n + 1 for n in placement.count]))
@@ -174,6 +180,7 @@ class Blockers:
         self.visibility_a = made("face visibility xy", "rgba8unorm")
         self.visibility_b = made("face visibility z", "rgba8unorm")
         self.walls = made("walls", "rgba8snorm")
+        self.planes = made("oblique planes", "rgba16float")
 
     def move_to(self, placement: Placement) -> None:
         """Move the lattice, which has as many cells as before, at the next `encode`."""
@@ -241,6 +248,7 @@ class Blockers:
             visibility_a=self.visibility_a,
             visibility_b=self.visibility_b,
             walls=self.walls,
+            planes=self.planes,
         )
 
     def note_change(self) -> None:
@@ -276,6 +284,11 @@ class Blockers:
             "lattice_visibility_b": self.visibility_b,
             "lattice_walls": self.walls,
         }
+
+    @property
+    def surface_bound(self) -> dict[str, Texture]:
+        """By the names of SURFACE_BLOCKER_SLOTS."""
+        return {**self.bound, "lattice_planes": self.planes}
 
 
 def _inside(scene: Scene) -> NDArray[np.float64]:

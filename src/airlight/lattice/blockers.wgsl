@@ -38,4 +38,6 @@ const SEALED_GAIN = 4.0;
         }
         add_axis(first, axis, units, corner.offset[axis]);
     }
+    let size = length(covered);
+    add_oblique(first, covered / max(size, 1e-30), size / gain, corner.offset);
 }

@@ -4,6 +4,7 @@
 // shares of the six incoming hops as unorm8; and where the walls on its low faces really are.
 //! use face_sums
 //! use share_between
+//! use oblique_plane
 
 const OCCLUSION_GAIN = 1.5;    // closes a wall that falls between two layers of corners
 const ENCLOSED_COVER = 0.5;
@@ -123,4 +124,5 @@ fn enclosed_faces(cell: vec3u) -> f32 {
     // And its low faces across x and y once more: rays find all three in one texture.
     textureStore(visibility_b, texel, vec4f(between[4], between[5], between[0], between[2]));
     textureStore(walls, texel, vec4f(shifts[1], shifts[3], shifts[5], enclosed_faces(id)));
+    textureStore(planes, texel, oblique_plane(id));
 }

@@ -33,6 +33,16 @@ fn merged_units(value: i32) -> i32 {
             merged[first + AXIS_MOMENT + axis] = merged_units(sums[first + AXIS_MOMENT + axis]);
         }
     }
+    // Oblique planes of each side, by the one that covers more.
+    for (var side = 0u; side < 6u; side++) {
+        let at = first + PLANES + PLANE_VALUES * side;
+        if (abs(merged_units(sums[at + side / 2u])) > abs(merged[at + side / 2u])) {
+            for (var k = 0u; k < PLANE_VALUES; k++) {
+                merged[at + k] = merged_units(sums[at + k]);
+            }
+        }
+    }
+    merged[first + PLANE_SIDES] |= sums[first + PLANE_SIDES];
     // Empty for the next buffer.
     for (var k = 0u; k < CORNER_VALUES; k++) {
         sums[first + k] = 0;

@@ -18,4 +18,5 @@
             add_axis(first, axis, units, seen.offset[axis]);
         }
     }
+    add_oblique(first, seen.normal, seen.area * params.units, seen.offset);
 }

@@ -131,7 +131,7 @@ class HitLighting:
             "emission": emission,
             "near_field": self._no_near_field,
             "sky_cube": what.sky.cube,
-            **kit.blockers.bound,
+            **kit.blockers.surface_bound,
             "linear_clamp": self._linear,
             **(self.shadows.bound if self.shadows else {}),
         }

@@ -7,7 +7,7 @@ from typing import Literal
 from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
-from ..lattice.blockers import BLOCKER_SLOTS
+from ..lattice.blockers import SURFACE_BLOCKER_SLOTS
 from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
 from ..rays.slots import RAY_SLOTS
@@ -76,7 +76,7 @@ LATTICE_SLOTS = (
     texture("near_field", "2d", "uint"),
     texture("sky_cube", "3d"),
     *CHANNEL_SLOTS,
-    *BLOCKER_SLOTS,
+    *SURFACE_BLOCKER_SLOTS,
     sampler("linear_clamp"),
 )
 # Glossy pixels, whose number atomics count.

@@ -213,7 +213,7 @@ class Surfaces:
             "near_field": view.occlusion.near,
             **({"lit": view.layers.lit} if part in _AFTER else {}),
             "sky_cube": sky.cube,
-            **self.kit.blockers.bound,
+            **self.kit.blockers.surface_bound,
             "linear_clamp": self._linear,
         }
 

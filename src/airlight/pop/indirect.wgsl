@@ -42,7 +42,7 @@ fn scattered_radiance(state: vec4f, travel: vec3f, g: f32) -> f32 {
             // A cell's power over that of the largest lattice, where both hold the same light.
             let finer = lattices[last].cell / lattice.cell;
             let travel = lattice_from_world(lattice, towards);
-            let uvw = lattice_coordinates(lattice, p, vec3f(0.0));
+            let uvw = coordinates_in_medium(lattice, p);
             let red = textureSampleLevel(lattice_red, linear_clamp, uvw, 0.0);
             let green = textureSampleLevel(lattice_green, linear_clamp, uvw, 0.0);
             let blue = textureSampleLevel(lattice_blue, linear_clamp, uvw, 0.0);

@@ -103,69 +103,10 @@ fn lattice_eased(lattice: LatticeParams, coordinates: vec3f, rim: vec3f) -> vec3
     return lattice_uvw(lattice, cell + 0.5 + eased);
 }
 
-// Sines between an oblique plane and an axis: closed faces across it are other walls' up to the first, the plane's
-// own steps from the second on.
-const OWN_STEPS = vec2f(0.2, 0.4);
-// How far from its plane an oblique surface is looked up, cells along its normal.
-const BEFORE_OBLIQUE = 0.75;
-// Cells whose middles are so far from its plane lie behind it, and before it.
-const BEHIND_PLANE = -0.1;
-const BEFORE_PLANE = 0.3;
-// What those behind it count, for points of which none is before it.
-const LEAST_BEFORE = 1e-4;
-
-// The shares of the eight cells between which a point is interpolated: of the four that are its own along x, and of
-// those beside them. Each four: the point's own, the one beside along y, along z, and along both.
-struct EightShares { own: vec4f, beside: vec4f }
-
-// As far as they are before a plane of normal n, from which the middle of the point's own cell is so far; `offset` leads
-// from there to the point.
-fn shares_before(distance: f32, offset: vec3f, n: vec3f) -> EightShares {
-    let step = sign(offset) * n;
-    let t = abs(offset);
-    let across = vec4f((1.0 - t.y) * (1.0 - t.z), t.y * (1.0 - t.z), (1.0 - t.y) * t.z, t.y * t.z);
-    let own = distance + vec4f(0.0, step.y, step.z, step.y + step.z);
-    let low = vec4f(BEHIND_PLANE);
-    let high = vec4f(BEFORE_PLANE);
-    return EightShares((1.0 - t.x) * across * (smoothstep(low, high, own) + LEAST_BEFORE),
-        t.x * across * (smoothstep(low, high, own + step.x) + LEAST_BEFORE));
-}
-
-// Texture coordinates for a surface oblique to the cells, at plane_coordinates. The faces that it closes are steps
-// before and behind it, which would show as plates. So cells count by how far their middles lie before its plane,
-// which leaves out those that hold the light of its other side; closed faces end interpolation only across
-// its normal, where they are another wall's.
-fn oblique_coordinates(lattice: LatticeParams, plane: vec3f, n: vec3f) -> vec3f {
-    // Its own steps enclose cells across axes that it faces more, other walls across the others.
-    let is_own = smoothstep(vec3f(OWN_STEPS.x), vec3f(OWN_STEPS.y), abs(n));
-    let coordinates = lifted(lattice, plane, n);
-    let raised = coordinates + BEFORE_OBLIQUE * n;
-    let before = mix(before_walls(lattice, coordinates, raised, n), raised, is_own);
-    let at = clamp(before, vec3f(0.5), vec3f(lattice.count) - 0.5);
-    let cell = floor(at);
-    let t = at - cell - 0.5;
-    let offset = mix(open_offset(lattice, cell, t, vec3f(0.0)), t, is_own);
-    // One filtered tap has one share on each axis: of all cells that are beside the point's own along it. Each of the eight
-    // counts by its own distance, so that nothing jumps where the point goes over from cell to cell.
-    let shares = shares_before(dot(cell + 0.5 - plane, n), offset, n);
-    let both = shares.own + shares.beside;
-    let beside = vec3f(dot(shares.beside, vec4f(1.0)), both.y + both.w, both.z + both.w);
-    return lattice_uvw(lattice, cell + 0.5 + sign(offset) * beside / dot(both, vec4f(1.0)));
-}
-
-// The same for a surface point of the world, m, and its normal along the lattice's axes.
-fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec3f {
-    let warped = warped_lookup(lattice, position, n);
-    let oblique = select(obliqueness(n, OBLIQUE), 0.0, lattice.is_paper != 0u);
-    var uvw = vec3f(0.0);
-    if (oblique < 1.0) {
-        uvw = lattice_eased(lattice, lookup_coordinates(lattice, warped, n), rim_shares(n));
-    }
-    if (oblique > 0.0) {
-        let plane = plane_coordinates(lattice, position, warped, n);
-        uvw = mix(uvw, oblique_coordinates(lattice, plane, n), oblique);
-    }
-    return uvw;
+// The same for a point of a medium of the world, m.
+fn coordinates_in_medium(lattice: LatticeParams, position: vec3f) -> vec3f {
+    let warped = warped_lookup(lattice, position, vec3f(0.0));
+    return lattice_eased(lattice, lookup_coordinates(lattice, warped, vec3f(0.0)), vec3f(0.0));
 }
 
 // pi l/s^2 times this is the irradiance on a surface of normal n in the cell. Two bands of light

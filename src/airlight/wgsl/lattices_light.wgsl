@@ -4,6 +4,7 @@
 //! use near_field_lookup
 //! use near_field
 //! use mirrored_light
+//! use surface_coordinates
 //! needs fn is_traced_separately(r: Reflector, n_v: f32) -> bool
 
 override DAMPING: f32 = 0.0;

@@ -110,7 +110,7 @@ fn lattice_enter(p: vec3f) {
         let weight = left * lattice_weight(lattices[k], p);
         if (weight > 0.0) {
             let finer = lattices[last].cell / lattices[k].cell;
-            let uvw = lattice_coordinates(lattices[k], p, vec3f(0.0));
+            let uvw = coordinates_in_medium(lattices[k], p);
             lattice_at[found] = vec4f(uvw, weight);
             lattice_gain[found] = finer * finer;
             left -= weight;
