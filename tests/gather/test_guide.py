@@ -23,7 +23,7 @@ SPOT = SpotLight((0.0, 1.5, 0.0), (-1.0, 0.0, 0.0), (2000.0,) * 3, 1.6, 2.2)
 
 
 def indirect(light, samples, guided):
-    settings = {**LPV, "gather_rays": 16, "gather_guided": guided}
+    settings = {**LPV, "gather_guided": guided}
     return render(
         Scene((ROOM,), (light,), camera=EYE), "lpv", SIZE, samples=samples, settings=settings
     ).layers["indirect"]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from airlight.gpu.memory import Texture
+from airlight.lattice.blockers import Blockers
 from airlight.lattice.placement import Placement
 from airlight.scene import Mesh, Scene
 from airlight.surface.geometry import GpuScene
@@ -36,3 +37,18 @@ def cells_texture(gpu: Any, owned: Callable[[Any], Any]) -> Callable[..., Textur
         return texture
 
     return make
+
+
+@pytest.fixture
+def encoded_blockers(
+    gpu: Any, commands: Any, owned: Callable[[Any], Any], on_device: Callable[..., GpuScene]
+) -> Callable[..., Blockers]:
+    """encoded_blockers(placement, surfels, mesh, ...) -> Blockers of these meshes, encoded."""
+
+    def solve(placement: Placement, surfels: int, *meshes: Mesh) -> Blockers:
+        made = owned(Blockers(gpu, Scene(meshes=meshes), on_device(*meshes), placement, surfels))
+        assert made.encode(commands)
+        commands.submit()
+        return made
+
+    return solve

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import numpy as np
 import pytest
@@ -19,17 +20,9 @@ PAINT = Material(base_color=(0.8, 0.4, 0.2), specular=0.0)
 
 
 @pytest.fixture
-def blocked(gpu, commands, owned):
+def blocked(encoded_blockers):
     """blocked(mesh, ...) -> Blockers, encoded."""
-
-    def solve(*meshes):
-        scene = Scene(meshes=meshes)
-        made = owned(Blockers(gpu, scene, owned(GpuScene(gpu, scene)), ROOM, COUNT))
-        assert made.encode(commands)
-        commands.submit()
-        return made
-
-    return solve
+    return partial(encoded_blockers, ROOM, COUNT)
 
 
 def closed(blockers):

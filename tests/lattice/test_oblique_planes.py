@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.lattice.blockers import Blockers
 from airlight.lattice.placement import Placement
-from airlight.scene import Material, Mesh, Scene
+from airlight.scene import Material, Mesh
 from airlight.scene.shapes import sphere
-from airlight.surface.geometry import GpuScene
 
 N, CELL = 10, 0.5
 ROOM = Placement((0.0, 0.0, 0.0), CELL, (N, N, N))
@@ -19,17 +17,9 @@ MIDDLE = np.full(3, 0.5 * N * CELL)
 
 
 @pytest.fixture
-def planes(gpu, commands, owned):
+def planes(encoded_blockers):
     """planes(mesh, ...) -> (Z, Y, X, 4), as `Blockers.planes` has them."""
-
-    def solve(*meshes):
-        scene = Scene(meshes=meshes)
-        made = owned(Blockers(gpu, scene, owned(GpuScene(gpu, scene)), ROOM, SURFELS))
-        assert made.encode(commands)
-        commands.submit()
-        return made.planes.read().astype(np.float64)
-
-    return solve
+    return lambda *meshes: encoded_blockers(ROOM, SURFELS, *meshes).planes.read().astype(float)
 
 
 def centres():

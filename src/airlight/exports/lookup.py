@@ -27,8 +27,8 @@ before it."""
 LEAST_BEFORE = 1e-4
 """As in wgsl/lattice.wgsl: what cells behind it count, for points of which none is before it."""
 OBLIQUE, CUT = (0.9903, 0.9986), (0.05, 0.14)
-"""As in wgsl/lattice_space.wgsl: cosines between which surfaces along an axis become oblique to it;
-sines from which on their planes cut others."""
+"""As in wgsl/obliqueness.wgsl: cosines between which surfaces along an axis become oblique to it;
+as in wgsl/lattice_space.wgsl: sines from which on their planes cut others."""
 OWN_STEPS = (0.2, 0.4)
 """As in wgsl/surface_coordinates.wgsl: sines between a plane and an axis from which on closed faces
 across it are the plane's own steps."""

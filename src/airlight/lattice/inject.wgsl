@@ -6,6 +6,7 @@
 //! use lobes
 //! use light_texel
 //! use flat_surfaces
+//! use obliqueness
 //! needs fn light_arriving(layer: u32, p: vec3f) -> vec3f
 
 const PLANE = 0.1;       // cells: how far from a plane what counts as part of it may be

@@ -1,4 +1,5 @@
 //! use blocker_sums
+//! use obliqueness
 
 // A surface that faces one side of an axis, added to what blocks around a corner. The including
 // pass binds `sums`, atomic. `first`: the corner's first value; `units`: the covered share of a
@@ -19,17 +20,14 @@ fn add_axis(first: u32, axis: u32, units: i32, offset: f32) {
     atomicAdd(&sums[first + AXIS_MOMENT + axis], i32(round(f32(units) * offset)));
 }
 
-// Cosine between a normal and an axis up to which a surface is oblique to the cells (8 degrees).
-const OBLIQUE_TO_CELLS = 0.9903;
-
 // A surface of unit normal n that covers so much of a face if it lies in it, as a plane aslant to the cells. `offset`:
 // cells from the corner.
 fn add_oblique(first: u32, n: vec3f, units: f32, offset: vec3f) {
-    let sizes = abs(n);
-    let most = max(sizes.x, max(sizes.y, sizes.z));
-    if (most > OBLIQUE_TO_CELLS || most == 0.0) {
+    if (obliqueness(n, OBLIQUE) < 1.0) {
         return;
     }
+    let sizes = abs(n);
+    let most = max(sizes.x, max(sizes.y, sizes.z));
     let axis = select(select(2u, 1u, sizes.y == most), 0u, sizes.x == most);
     let side = 2u * axis + select(1u, 0u, n[axis] > 0.0);
     let at = first + PLANES + PLANE_VALUES * side;

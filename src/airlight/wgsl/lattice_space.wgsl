@@ -86,17 +86,8 @@ fn warped_lookup(lattice: LatticeParams, world: vec3f, n: vec3f) -> vec3f {
     return select(warped, again, stays & (floor(again) != floor(coordinates)));
 }
 
-// From where on a surface is oblique to an axis of the cells: cosines of 8 and 3 degrees between its normal and that.
-const OBLIQUE = vec2f(0.9903, 0.9986);
-// And from where on its plane cuts an axis: the sines of 3 and 8 degrees.
+// From where on a surface's plane cuts an axis of the cells: the sines of 3 and 8 degrees.
 const CUT = vec2f(0.05, 0.14);
-
-// How oblique a surface of normal n is to the faces of cells: 1 up to the first of two cosines to the nearest axis,
-// 0 from the second on. A point of a medium (n = 0) is not.
-fn obliqueness(n: vec3f, cosines: vec2f) -> f32 {
-    let along = max(abs(n.x), max(abs(n.y), abs(n.z)));
-    return select(0.0, 1.0 - smoothstep(cosines.x, cosines.y, along), along > 0.0);
-}
 
 // Where an oblique surface of normal n at a world point is: as it is on axes that its plane cuts, since the faces
 // that it closes there are steps, and warped along the others, to the walls that it stands between.

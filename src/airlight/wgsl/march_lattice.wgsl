@@ -3,6 +3,7 @@
 // place, and what samples their textures (media/march/march.py). Loops are tested at their ends: CPU
 // adapters run a body once more than a test before it passes.
 //! use lattice
+//! use obliqueness
 
 // Texture coordinates of the step's middle, and their weight; the first is 0 where there are none.
 var<private> lattice_at: array<vec4f, LATTICES_AT_ONCE>;

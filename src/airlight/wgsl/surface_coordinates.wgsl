@@ -1,6 +1,7 @@
 // Where surfaces read a lattice: those that are oblique to its cells, those that stand beside such, and all others. The
 // including pass binds what lattice needs, and lattice_planes (the oblique plane that each cell is near, see oblique_plane).
 //! use lattice
+//! use obliqueness
 
 // Sines between an oblique plane and an axis: closed faces across it are other walls' up to the first, the plane's
 // own steps from the second on.

@@ -101,6 +101,7 @@ def test_keys_reach_the_image_before_any_click_and_tab_stays_the_viewers(page):
     panel.wait_for(state="visible")
     opened.keyboard.press("Tab")
     panel.wait_for(state="hidden")
+    assert opened.evaluate("document.querySelector('.stage .has-focus') !== null")
 
 
 @pytest.mark.slow
