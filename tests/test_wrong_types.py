@@ -95,6 +95,7 @@ def test_what_is_no_path_is_no_scene_and_no_image(value):
         ({"technique": 3}, "unknown technique '3'"),
         ({"settings": ["bounces"]}, "settings must be a mapping"),
         ({"time": float("nan")}, "time_s is nan"),
+        ({"progress": 3}, "progress must be a function, not 3"),
     ],
 )
 def test_render_says_what_its_arguments_are(options, words):
@@ -107,4 +108,22 @@ def test_frames_say_so_too_and_the_renderer_goes_on():
         refused(lambda: renderer.frame(meshes=CUBE), "meshes")
         refused(lambda: renderer.frame(samples=0), "samples = 0")
         refused(lambda: renderer.frame(time="now"), "time_s must be a number")
+        refused(lambda: renderer.frame(progress="yes"), "progress must be a function")
         assert renderer.frame() is not None
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda image: al.reference.compare(image, 3), "the reference must be of type Image"),
+        (lambda image: al.reference.compare("a.exr", image), "the image must be of type Image"),
+        (lambda _: al.reference.render("a.toml"), "must be of type Scene, not 'a.toml'"),
+        (lambda _: al.reference.render(SCENE, size=8), "size must be two whole numbers"),
+        (lambda _: al.reference.render(SCENE, spp="64"), "spp must be a whole number, not '64'"),
+        (lambda _: al.reference.render(SCENE, layers=("x",)), "unknown reference layer 'x'"),
+        (lambda _: al.reference.render(SCENE, progress=3), "progress must be a function"),
+    ],
+)
+def test_references_say_what_they_are_given(wrong, words):
+    black = al.Image(np.zeros((2, 2, 3), np.float32))
+    refused(lambda: wrong(black), words)

@@ -19,6 +19,7 @@ from .lighting.reach import MadeFor
 from .lighting.view import View
 from .sampled_view import Progress, SampledView
 from .scene.camera import Camera
+from .scene.checks import optional_function
 from .scene.environment import Environment
 from .scene.image import Image, checked_samples, checked_size
 from .scene.io import load
@@ -127,7 +128,7 @@ class Renderer(DeviceLifetime):
         SceneError, SettingsError, DeviceError.
         """
         begin = perf_counter()
-        samples = checked_samples(samples)
+        samples = _checked(samples, progress)
         with self.used():
             before = self.scene
             changes = dict[str, Any](camera=camera, lights=lights, environment=environment)
@@ -246,6 +247,11 @@ class Renderer(DeviceLifetime):
             raise
 
 
+def _checked(samples: int, progress: Progress | None) -> int:
+    optional_function(progress, "progress")
+    return checked_samples(samples)
+
+
 def render(
     scene: Scene | str | Path,
     technique: str = "auto",
@@ -271,7 +277,7 @@ def render(
     scene = scene if isinstance(scene, Scene) else load(scene)
     # An open shutter needs a time; a still has as many samples as its camera asks for.
     time = shutter_time(scene, time)
-    samples = checked_samples(still_samples(scene) if samples is None else samples)
+    samples = _checked(still_samples(scene) if samples is None else samples, progress)
     if progress:
         progress("preparing", 0.0)
     with Renderer(scene, technique, size, settings=settings, adapter=adapter) as renderer:

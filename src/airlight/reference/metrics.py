@@ -17,7 +17,7 @@ import numpy as np
 from ..errors import ReferenceFailure
 from ..maths.colour import luminance
 from ..maths.tone import auto_exposure
-from ..scene.checks import F32, F64
+from ..scene.checks import F32, F64, instance
 from ..scene.image import Image
 from . import metrics_display as display
 
@@ -116,6 +116,8 @@ def compare(image: Image, reference: Image, *, perceptual: bool = True) -> Metri
     "NAME_variance"); without it there is no noise floor. `perceptual = False` leaves FLIP out.
     Raises ReferenceFailure for images of different sizes or with NaN.
     """
+    instance(image, "the image", Image)
+    instance(reference, "the reference", Image)
     # Every layer against its own truth, with the exposure and epsilons of the whole reference.
     judge = _Judge.of(reference, perceptual)
     judge.check(image.radiance, "image")

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from ..errors import ReferenceFailure, SettingsError, nearest
 from ..maths.tone import auto_exposure
-from ..scene.checks import F32
-from ..scene.image import Image
+from ..scene.checks import F32, instance, optional_function
+from ..scene.image import Image, checked_size
 from ..scene.nearby import Nearby, origin_near
 from ..scene.scene import Scene
 from .mitsuba_child import LlvmFailure, Progress, choose_variant, run_job
@@ -114,7 +114,9 @@ def render_layers(
     more, the first at a surface. single_scatter: one, in the air. multiple_scatter: two or
     more, the first in the air. direct + indirect + single_scatter + multiple_scatter = all.
     """
-    _check(names, size, spp, max_depth)
+    instance(scene, "what is path traced", Scene)
+    optional_function(progress, "progress")
+    size = _checked(names, size, spp, max_depth)
     scene = Nearby(origin_near(scene)).of(scene)  # Mitsuba's numbers are single precision, too
     request = _Request(tuple(names), size, spp, max_depth, seed, timeout_s, choose_variant(variant))
     try:
@@ -147,12 +149,18 @@ class _Part:
     notes: tuple[str, ...]
 
 
-def _check(names: Sequence[str], size: tuple[int, int], spp: int, max_depth: int | None) -> None:
+def _checked(
+    names: Sequence[str], size: tuple[int, int], spp: int, max_depth: int | None
+) -> tuple[int, int]:
+    """The size in pixels, where all of these can be rendered."""
     for name in names:
         if name not in LAYERS:
             raise SettingsError(f"unknown reference layer '{name}'", remedy=nearest(name, LAYERS))
-    if min(size) < 1 or size[0] * size[1] > MAX_PX:
-        raise SettingsError(f"reference size {size[0]}x{size[1]} is impossible")
+    width, height = checked_size(size)
+    if width * height > MAX_PX:
+        raise SettingsError(f"reference size {width}x{height} is impossible")
+    if isinstance(spp, bool) or not isinstance(spp, int):
+        raise SettingsError(f"spp must be a whole number, not {spp!r}")
     if spp < MIN_SPP:
         raise SettingsError(
             f"spp = {spp} is too few",
@@ -160,6 +168,7 @@ def _check(names: Sequence[str], size: tuple[int, int], spp: int, max_depth: int
         )
     if max_depth is not None and max_depth < 1:
         raise SettingsError(f"max_depth = {max_depth} is too few", remedy="1 shows emission only.")
+    return width, height
 
 
 def _share(progress: Progress | None, index: int, count: int) -> Progress | None:

@@ -186,6 +186,12 @@ def instances(values: Any, name: str, *kinds: type) -> tuple[Any, ...]:
     return held
 
 
+def optional_function(value: Any, name: str) -> None:
+    """Raise SceneError unless a value can be called or is None."""
+    if value is not None and not callable(value):
+        raise SceneError(f"{name} must be a function, not {shown(value)}")
+
+
 def _either(kinds: tuple[type, ...]) -> str:
     return " or ".join(getattr(kind, "called", kind.__name__) for kind in kinds)
 
