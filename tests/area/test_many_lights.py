@@ -114,6 +114,7 @@ def bulbs_irradiance(bulbs: np.ndarray, radius: float) -> float:
     return total
 
 
+@pytest.mark.slow
 def test_a_hundred_bulbs_light_the_floor_as_all_of_them_do(camera_rays) -> None:
     scene, places = string()
     points, found = floor_light(scene, camera_rays)

@@ -129,7 +129,7 @@ def test_numpy_reads_what_stands_beside_an_oblique_surface_as_the_device_does(on
         ("cornell", "lpv", {"scheme": "paper"}),
         ("cornell", "lpv", {"cascades": 2, "bounds": (-6.0, -2.9, -2.0, 6.0, 2.9, 2.0)}),
         ("haze-box", "lpv-scatter", {}),
-        ("haze-box", "lpv-scatter", {"cascades": 2}),
+        pytest.param("haze-box", "lpv-scatter", {"cascades": 2}, marks=pytest.mark.slow),
         ("turned", "lpv", {"cascades": 2}),
     ],
 )

@@ -125,7 +125,7 @@ def seen_angle(points, middles, radius):
     ("axis", "count"),
     [
         (0, 1),
-        (2, 13),
+        pytest.param(2, 13, marks=pytest.mark.slow),
         pytest.param(2, 1, marks=pytest.mark.slow),
         pytest.param(0, 13, marks=pytest.mark.slow),
     ],

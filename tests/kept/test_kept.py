@@ -21,9 +21,8 @@ FOLDER = Path(__file__).parent
 measure = script(FOLDER / "measure.py")
 CEILINGS = measure.read_ceilings()
 SLOW = ("room", "atrium")
-SLOW_PAIRS = tuple((name, "lpv-scatter") for name in ("cornell", "wall-floor", "haze-box"))
-"""Lattices of scattered light without air, which `cornell-area` has, too, and in air, which `auto`
-has."""
+SLOW_PAIRS = tuple((name, "lpv-scatter") for name in ("cornell", "wall-floor"))
+"""Lattices of scattered light without air, which `cornell-area` has, too."""
 GATHERS = ("lpv", "lpv-scatter", "auto")
 NO_LIGHT = {"relative_l2": 1.0, "energy_error": 1.0}
 """How far off a black image is."""

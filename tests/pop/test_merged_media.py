@@ -63,6 +63,7 @@ def test_nothing_is_as_wide_as_its_box() -> None:
     assert np.isfinite([width.diffusivity, width.density, width.mass]).all()
 
 
+@pytest.mark.slow
 def test_a_white_furnace_hides_many(gpu: Gpu) -> None:
     """Balls apart and overlapping, of several g and colours, and fog around them."""
     centres = itertools.product((-0.6, 0.1, 0.5), (-0.4, 0.4), (-0.3, 0.3))

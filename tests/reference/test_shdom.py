@@ -41,6 +41,7 @@ def test_straight_light_falls_off_as_beer_and_lambert_say():
     assert light[5, 0, 7] == light.min()
 
 
+@pytest.mark.slow
 @pytest.mark.needs("numba")
 def test_a_cube_scatters_what_monte_carlo_says():
     """Fluence in an isotropic cube under a uniform sky: within 8 %, darker at the walls."""

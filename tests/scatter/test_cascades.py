@@ -79,7 +79,7 @@ def solved(scene, **settings):
 @pytest.mark.parametrize(
     "scene",
     [
-        yard(),
+        pytest.param(yard(), marks=pytest.mark.slow),
         yard(LIGHT),
         yard(g=0.7),
         yard(endless=True, sigma=0.05),
@@ -126,6 +126,7 @@ class Still:
         self.renderer.close()
 
 
+@pytest.mark.slow
 def test_a_moving_camera_changes_still_air_and_surfaces_by_little(gpu):
     scene = yard(g=0.4, volumes=(SMOKE,))
     with Still(scene, cascades=2) as still:

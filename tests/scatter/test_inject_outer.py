@@ -98,7 +98,7 @@ def error(found, truth):
         pytest.param(THIN, False, marks=pytest.mark.slow),
         (FOG, False),
         pytest.param(FOG, True, marks=pytest.mark.slow),
-        (DENSE, True),
+        pytest.param(DENSE, True, marks=pytest.mark.slow),
     ],
 )
 def test_with_cells_of_the_same_size_it_is_the_same_light(nest, sigma, is_varied):

@@ -49,7 +49,7 @@ ALL = [
     ("lpv-scatter", LPV),
     pytest.param("lpv-scatter", {**LPV, "cascades": 2}, marks=pytest.mark.slow),
     pytest.param("pop", POP, marks=pytest.mark.slow),
-    ("pop", {**POP, "scheme": "split"}),
+    pytest.param("pop", {**POP, "scheme": "split"}, marks=pytest.mark.slow),
     ("pop", {**POP, "scheme": "paper"}),
     ("auto", SMALL),
 ]

@@ -173,6 +173,7 @@ def reflected(roughness: float, samples: int) -> float:
     return float(layers["direct"].sum() + layers["indirect"].sum())
 
 
+@pytest.mark.slow
 def test_metal_mirrors_a_fire_once() -> None:
     """By rays, or as highlights of the fire's lights; by a part of each, in between."""
     # Rough metal in a frame has highlights alone; measured .86, with both 1.72.

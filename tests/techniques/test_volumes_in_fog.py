@@ -55,12 +55,9 @@ def scattered(scene: Scene, **settings: object) -> np.ndarray:
     return np.asarray(sum(layers)[6:12, 9:15].mean(axis=(0, 1)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("light", "path_m"),
-    [
-        pytest.param(SUN, 2.0, marks=pytest.mark.slow),
-        (PointLight((0.0, 0.9, 0.0), (1.0, 1.0, 1.0)), 0.9),
-    ],
+    ("light", "path_m"), [(SUN, 2.0), (PointLight((0.0, 0.9, 0.0), (1.0, 1.0, 1.0)), 0.9)]
 )
 def test_black_fog_attenuates_light_on_its_way_to_a_volume(light, path_m):
     """By the light's and the eye's path through the fog, which without it is nothing."""

@@ -49,15 +49,9 @@ def drawn(scene: Scene, layer: str, technique: str = "lpv-scatter") -> np.ndarra
     return np.asarray(render(scene, technique, SIZE, settings=SETTINGS, samples=1).layers[layer])
 
 
-@pytest.mark.parametrize(
-    ("light", "technique"),
-    [
-        pytest.param("sun", "auto", marks=pytest.mark.slow),
-        ("sky", "lpv-scatter"),
-        pytest.param("sun", "lpv-scatter", marks=pytest.mark.slow),
-        pytest.param("sky", "auto", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("technique", ["auto", "lpv-scatter"])
+@pytest.mark.parametrize("light", ["sun", "sky"])
 def test_fog_scatters_more_than_once_as_it_does_without_surfaces(technique, light):
     """About a black cube of 5 cm, whose lattices reach as far as 10 cm."""
     camera = Camera((0.0, 0.0, 1.5), (0.0, 0.0, 0.0), fov_y_deg=20.0)

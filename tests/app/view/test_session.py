@@ -196,6 +196,7 @@ def test_fog_can_be_added_thickened_and_taken_away(gpu, scene_file):
     session.close()
 
 
+@pytest.mark.slow
 def test_a_camera_far_out_in_fog_gets_lattices_that_reach_to_it(gpu, scene_file):
     scene = replace(load(scene_file), medium=Medium((0.05,) * 3))
     settings = {**SMALL, "gather": "off"}
