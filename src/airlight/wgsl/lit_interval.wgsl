@@ -22,6 +22,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     parallel_sent = row_of_media(0).albedo * medium_sigma_t * phase;
     medium_has_shafts = has_shafts(0u, false) > 0.0;
     is_light_inside = MEDIA_COUNT == 1u && medium_density(0u, light.position) > 0.0;
+    // Where light enters the box is linear along the ray, face by face.
     let o = medium_coordinates(0u, origin);
     let d = (row_of_media(0).volume_from_world * vec4f(direction, 0.0)).xyz;
     let back = -(row_of_media(0).volume_from_world * vec4f(light.direction, 0.0)).xyz;

@@ -73,10 +73,12 @@ fn grid_step_length(t: f32) -> f32 {
 
 // Advances by a step; the first has no length.
 fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
+    // From where the last one ended, with the optical depth up to there.
     let is_first = step_end < 0.0;
     step_depth = select(step_depth + (step_end - step_begin) * step_sigma, vec3f(0.0), is_first);
     step_begin = select(step_end, media_hull.x, is_first);
     step_end = step_begin + select(grid_step_length(step_begin), 0.0, is_first);
+    // The media at its middle stand for the whole step.
     let p = origin + 0.5 * (step_begin + step_end) * direction;
     step_sigma = vec3f(0.0);
     step_sent = vec3f(0.0);
@@ -94,6 +96,7 @@ fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
         step_density[step_media_count] = density;
         step_media_count++;
     }
+    // Towards the light from its end; its begin is where the last one ended.
     let end = origin + step_end * direction;
     let is_local = light.kind != LIGHT_DIRECTIONAL;
     let path = select(1.0, max(media_light_path(light, end).w, 1e-9), is_local);
@@ -157,6 +160,7 @@ fn lit_interval(
     if (t0 < step_begin) {
         step_end = -1.0;
     }
+    // Step by step: the lit part of each, until nothing more is lit, there, or seen.
     var sum = vec3f(0.0);
     loop {
         let a = max(t0, step_begin);
