@@ -39,7 +39,7 @@ class _Attenuate(ComputePass):
     file = "attenuated_maps.wgsl"
 
     def __init__(self, gpu: Gpu, own: tuple[Slot, ...], wgsl: str) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", AttenuationParams),
             table("views", LightViewData),
             texture("depth", "2d-array", "depth"),

@@ -22,7 +22,7 @@ class Upsample(FullscreenPass):
     targets = ("rgba32float",)
 
     def __init__(self, gpu: Gpu, *, is_added: bool = False) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             texture("depth", "2d", "depth"),
             texture("picked", "2d", "unfilterable-float"),
