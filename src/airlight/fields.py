@@ -262,7 +262,8 @@ class Solver(Protocol):
         """`fields` with those that this solver adds; nothing in them depends on a view."""
 
     def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """`fields` with those that depend on the eye of `view`."""
+        """`fields` with those that depend on the eye of `view`; as they are where none do."""
+        return fields
 
     @property
     def jitters(self) -> int:

@@ -13,7 +13,7 @@ from airlight.gpu.memory import Texture
 from airlight.media.compositing.compose import Compose
 from airlight.media.compositing.finish import Finish, MediaLayers, Reduced, can_finish
 from airlight.media.compositing.transmittance import Transmittance
-from airlight.media.compositing.upsample import Upsample, UpsampleOnto
+from airlight.media.compositing.upsample import Upsample
 from airlight.media.gpu_media import GpuMedia
 from airlight.media.rays import Rays
 from airlight.scene import Camera, Medium, Mesh, Scene
@@ -61,7 +61,8 @@ def test_it_is_what_the_passes_make(
     Upsample(gpu).encode(seen.commands, rays, depth, reduced, apart["multiple"])
     Transmittance(gpu, air).encode(seen.commands, rays, depth, apart["transmittance"])
     if has_sky:
-        UpsampleOnto(gpu).encode(seen.commands, rays, depth, skylit, shafts, apart["single"])
+        upsample = Upsample(gpu, is_added=True)
+        upsample.encode(seen.commands, rays, depth, skylit, apart["single"], shafts)
     else:
         apart["single"] = at_once["single"] = shafts
     one.encode(seen.commands, **surfaces, transmittance=apart["transmittance"])

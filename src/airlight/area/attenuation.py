@@ -2,20 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Protocol
 
-from ..gpu.slots import Slot
+from ..lattice.inject import LightAttenuation
 
 
-class Attenuation(Protocol):
+class Attenuation(LightAttenuation, Protocol):
     """Media as a pass binds them: media.gpu_media.GpuMedia."""
-
-    slots: tuple[Slot, ...]
-    wgsl: str
-
-    @property
-    def bound(self) -> dict[str, Any]:
-        """The resources, by slot name."""
 
     @property
     def is_one_box(self) -> bool:

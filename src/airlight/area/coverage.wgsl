@@ -1,3 +1,4 @@
+// The light of a pixel with glowing polygons by the exact part of it that they cover, in place of what one sample hit.
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f
 
@@ -33,12 +34,14 @@ fn edge_cover(a: vec2f, b: vec2f) -> f32 {
     let p = surface_point(position.xy, d);
     // The sample within the pixel as it is without jitter.
     let own = position.xy - params.jitter - floor(position.xy);
+    // Each polygon is added by its cover, whatever the sample hit.
     var added = vec3f(0.0);
     var is_drawn = false;
     for (var i = 0u; i < params.count; i++) {
         let o = outlines[i];
         let first = i * MOST_CORNERS;
         let origin = vec4f(floor(position.xy), 0.0, 0.0);
+        // Edge by edge: the cover, whether the sample lies within, and which point of the outline is nearest to it.
         var a = corners[first + o.corner_count - 1u] - origin;
         var cover = 0.0;
         var inside = vec2f(1e30, -1e30);
@@ -62,6 +65,7 @@ fn edge_cover(a: vec2f, b: vec2f) -> f32 {
         let height = select(-1e30, dot(p - o.centre, o.normal), d > 0.0);
         let is_hidden = height > OWN_PLANE * o.radius && (is_within || d > nearest.y);
         added += select(abs(cover), 0.0, is_hidden) * o.radiance;
+        // A sample that hit the polygon has shown it already.
         let is_glow = all(abs(glow.rgb - o.radiance) <= SAME_GLOW * o.radiance + vec3f(1e-6));
         is_drawn = is_drawn || (is_within && is_glow && abs(height) <= OWN_PLANE * o.radius);
     }

@@ -80,6 +80,7 @@ def extinction_at(points: F64, scene: Scene, of: Extinction) -> F64:
     if medium is not None:
         found = found + of(medium)
     for volume in scene.volumes:
+        # Where the points lie in the volume's box; outside there is nothing.
         low, high = np.array(volume.bounds)
         inverse = np.asarray(np.linalg.inv(volume.world_from_volume), np.float64)
         inside = transformed(points, inverse)

@@ -88,7 +88,7 @@ class _AreaLighting(FullscreenPass):
         self, gpu: Gpu, media: Attenuation | None, has: Mapping[str, bool], points: Points
     ) -> None:
         """`has`: what the shader's overrides ask for, by their names; `points`: what is lit."""
-        self.slots: tuple[Slot, ...] = (  # type: ignore[misc]
+        self.slots: tuple[Slot, ...] = (
             uniform("params", AreaLightingParams),
             points.slot,
             texture("albedo", "2d", "unfilterable-float"),

@@ -39,6 +39,7 @@ struct Seen {
 fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_glossy: bool) -> vec2f {
     // Rows of `frame` are the axes about the normal: corners times it lie in them.
     let centre = (e.centre - s.p) * frame;
+    // A sphere without gloss has a closed form; the lobe sees it as the rim of a disk.
     var round = vec4f(0.0);
     var axes = mat3x3f();
     var count = e.corner_count;
@@ -73,6 +74,7 @@ fn analytic(i: u32, e: EmitterData, s: Seen, frame: mat3x3f, lobe: mat3x3f, is_g
         k++;
         if (k > count) { break; }
     }
+    // A sphere's own irradiance is exact, which its rim's is not.
     var irradiance = outline_irradiance(matt);
     if (HAS_SPHERES && e.kind == SPHERE) {
         irradiance = sphere_irradiance(centre, e.radius);

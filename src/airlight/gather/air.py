@@ -51,7 +51,7 @@ class _Air(ComputePass):
     in_bands = True
 
     def __init__(self, gpu: Gpu, media: GpuMedia, variant: Variant) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", AirParams),
             texture("starts", "2d", "unfilterable-float"),
             texture("reached", "2d", "unfilterable-float"),

@@ -71,7 +71,7 @@ class _CellPoints(ComputePass):
     workgroup = (32, 8, 1)
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", CellPointParams),
             uniform("lattice", LatticeParams),
             storage("seen", "u32"),

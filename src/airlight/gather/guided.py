@@ -41,7 +41,7 @@ class _GuidedSums(ComputePass):
     in_bands = True
 
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", GuidedParams),
             texture("places", "2d", "unfilterable-float"),
             texture("normals", "2d", "unfilterable-float"),

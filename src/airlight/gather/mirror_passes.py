@@ -119,7 +119,7 @@ class MirrorLight(ComputePass):
     file = "mirror_light.wgsl"
 
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MirrorParams),
             texture("starts", "2d", "unfilterable-float"),
             *_FOUND,

@@ -82,7 +82,7 @@ class _Fold(ComputePass):
     in_bands = True
 
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
-        self.slots = _SLOTS + (storage("air", "vec4f"),) * has_air  # type: ignore[misc]
+        self.slots = _SLOTS + (storage("air", "vec4f"),) * has_air
         super().__init__(gpu, generated=_AIR if has_air else _NO_AIR)
 
     file = "fold.wgsl"

@@ -33,7 +33,7 @@ class _SkyRays(ComputePass):
     in_bands = True
 
     def __init__(self, gpu: Gpu, media: GpuMedia | None, constants: dict[str, float]) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("sky", SkyParams),
             texture("places", "2d", "unfilterable-float"),
             texture("normals", "2d", "unfilterable-float"),

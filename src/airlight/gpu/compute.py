@@ -31,7 +31,8 @@ _GRIDS_KEPT = 64
 class ComputePass:
     """A compute pass: subclasses give `slots`, `workgroup`, and a `.wgsl` of the module's name."""
 
-    slots: ClassVar[tuple[Slot, ...]]
+    slots: tuple[Slot, ...]
+    """What it binds: of the class, or of the object, set before this class begins it."""
     workgroup: ClassVar[tuple[int, int, int]] = (8, 8, 1)
     entry: ClassVar[str] = "main"
     file: ClassVar[str] = ""

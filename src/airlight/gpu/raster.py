@@ -32,9 +32,9 @@ class Shader:
 class RasterPipeline:
     """A render pipeline with up to two bind groups: the pass's own and a second, per material."""
 
-    slots: ClassVar[tuple[Slot, ...]]
+    slots: tuple[Slot, ...]
     second_slots: ClassVar[tuple[Slot, ...]] = ()
-    targets: ClassVar[tuple[str, ...]] = ()
+    targets: tuple[str, ...] = ()
     depth: ClassVar[str] = ""
     depth_compare: ClassVar[str] = "greater"
     depth_writes: ClassVar[bool] = True

@@ -110,7 +110,7 @@ class Inject(ComputePass):
     no wall is before it.
     """
 
-    slots: tuple[Slot, ...] = (  # type: ignore[misc]
+    slots: tuple[Slot, ...] = (
         uniform("params", InjectParams),
         *MAP_SLOTS,
         *TARGET_SLOTS,

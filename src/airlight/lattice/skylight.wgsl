@@ -129,6 +129,7 @@ fn copy_previous(id: vec3u) {
     if (any(id >= lattice.count)) {
         return;
     }
+    // A lattice that moved has most of its cells already.
     if (params.has_previous != 0u && is_inner(vec3i(id)) && is_inner(previous_cell(id))) {
         copy_previous(id);
         return;
@@ -153,6 +154,7 @@ fn copy_previous(id: vec3u) {
         faces[4] += e * max(0.0, towards.z);
         faces[5] += e * max(0.0, -towards.z);
     }
+    // The faces lie one behind the other along z.
     for (var face = 0u; face < 6u; face++) {
         let texel = id + vec3u(0u, lattice.first_row, face * textureDimensions(cube).z / 6u);
         textureStore(cube, texel, vec4f(faces[face], 1.0));

@@ -6,13 +6,13 @@ every pixel of the image what it costs the glossy ones.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture
-from ..gpu.slots import Slot, image, storage
+from ..gpu.slots import image, storage
 from .kernel import LatticeLight
 from .slots import LATTICE_SLOTS, SURFACE_SLOTS
 
@@ -28,7 +28,7 @@ def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
 
 
 class _Mirrored(ComputePass):
-    slots: ClassVar[tuple[Slot, ...]] = (
+    slots = (
         *SURFACE_SLOTS,
         *LATTICE_SLOTS,
         storage("found", "u32"),

@@ -46,7 +46,7 @@ class Lighting(FullscreenPass):
         slots = slots_of(is_traced=shadows is not None)
         if shadows is not None and not fits(gpu, slots):
             shadows, slots = None, slots_of()
-        self.slots = slots  # type: ignore[misc]
+        self.slots = slots
         self.names = [slot.name for slot in self.slots]
         traced = shadows.constants(points) if shadows else None
         surfaces = {

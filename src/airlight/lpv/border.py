@@ -32,7 +32,7 @@ class BorderParams(Struct):
 class Border(ComputePass):
     """Adds the light that enters through the six sides to a lattice's fixed-point sums."""
 
-    slots: tuple[Slot, ...] = (  # type: ignore[misc]
+    slots: tuple[Slot, ...] = (
         uniform("params", BorderParams),
         uniform("lattice", LatticeParams),
         uniform("outer", LatticeParams),

@@ -20,7 +20,6 @@ from ..lattice.lookup import LatticeStates, LatticeTextures, texture_scale
 from ..lattice.placement import EVERYWHERE, Hull, LatticeParams
 from ..lattice.point_lights import InjectPoints
 from ..lighting.kit import Kit
-from ..lighting.view import View
 from ..maths.lattice6 import LOOKUP_SCALE, enough_steps
 from ..scene.scene import Scene
 from ..surface.light_maps import BLOCK, LightMaps
@@ -266,10 +265,6 @@ class LpvSolver(Solver):
         bound = {**self.textures.bound, **self.kit.blockers.bound}
         finer = tuple(part.placement for part in self.cascades[:-1])
         return LatticeSource(placement, bound, scale, finer=finer)
-
-    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """Return the fields as they are: the lattices do not depend on the eye."""
-        return fields
 
     @property
     def stats(self) -> dict[str, Any]:

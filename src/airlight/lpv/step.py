@@ -83,7 +83,7 @@ class _PropagateCells(ComputePass):
     file = "propagate.wgsl"
 
     def __init__(self, gpu: Gpu, kind: StepKind, format: Format) -> None:
-        self.slots = _slots(format.element, "vec4u")  # type: ignore[misc]
+        self.slots = _slots(format.element, "vec4u")
         super().__init__(gpu, constants=kind.constants, generated=format.wgsl + kind.wgsl)
 
 

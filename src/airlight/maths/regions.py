@@ -83,10 +83,12 @@ def _begun(count: Count, grid: Count, is_open: NDArray[np.bool_], found: I64, tu
     cells have the numbers that are left.
     """
     cells = np.moveaxis(np.indices(count[::-1]), 0, -1)[..., ::-1]
+    # Of each cell: its box of the grid, and where in that box it lies.
     part = cells * grid // count
     first = -(-part * count // grid)
     x, y, z = np.moveaxis(cells - first, -1, 0)
     wide, high, _ = np.moveaxis(-(-(part + 1) * count // grid) - first, -1, 0)
+    # Fewest closed faces, then nearest to the middle, then first: one key orders them.
     closed = 6 - is_open.sum(axis=0)
     off = np.abs(cells - (2 * part + 1) * count // (2 * np.array(grid))).sum(axis=-1)
     key = (closed << 25) + (off << 18) + (z * high + y) * wide + x
@@ -94,6 +96,7 @@ def _begun(count: Count, grid: Count, is_open: NDArray[np.bool_], found: I64, tu
     ranked = 256 * part.sum(axis=-1) + number
     is_free = (found == _FAR) & (closed < 6)
 
+    # Boxes with the most cells come first, for those get the numbers that are left.
     begun = np.full(found.shape, _FAR)
     boxes = [np.nonzero(is_free.ravel() & (number.ravel() == box))[0] for box in range(_size(grid))]
     order = sorted(

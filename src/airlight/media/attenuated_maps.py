@@ -17,7 +17,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, u32
 from ..gpu.memory import Texture, buffer_of
 from ..gpu.rows import Table, table
-from ..gpu.slots import image, storage, texture, uniform
+from ..gpu.slots import Slot, image, storage, texture, uniform
 from ..surface.light_table import LightData
 from ..surface.light_views import LightViewData
 from ..surface.reflective import ReflectiveShadowMaps
@@ -33,39 +33,27 @@ class AttenuationParams(Struct):
 
 
 class _Attenuate(ComputePass):
+    """Through media by their columns towards each light; `own` slots and WGSL are the media's."""
+
     workgroup = (16, 16, 1)
     file = "attenuated_maps.wgsl"
 
-    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        # Lights of the scene: through media by their columns towards the light.
-        self.slots = (  # type: ignore[misc]
+    def __init__(self, gpu: Gpu, own: tuple[Slot, ...], wgsl: str) -> None:
+        self.slots = (
             uniform("params", AttenuationParams),
             table("views", LightViewData),
-            table("lights", LightData),
-            storage("owners", "u32"),
             texture("depth", "2d-array", "depth"),
             texture("flux", "2d-array", "unfilterable-float"),
             image("attenuated", "rgba16float", "2d-array"),
-            *media.slots,
+            *own,
         )
-        super().__init__(gpu, generated=media.wgsl)
+        super().__init__(gpu, generated=wgsl)
 
 
-class _AttenuateSky(ComputePass):
-    workgroup = (16, 16, 1)
+class _AttenuateSky(_Attenuate):
+    """The sky's maps are parallel: along each of them media are marched, without columns."""
+
     file = "attenuated_maps_sky.wgsl"
-
-    def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        # The sky's maps are parallel: along each of them media are marched, without columns.
-        self.slots = (  # type: ignore[misc]
-            uniform("params", AttenuationParams),
-            table("views", LightViewData),
-            texture("depth", "2d-array", "depth"),
-            texture("flux", "2d-array", "unfilterable-float"),
-            image("attenuated", "rgba16float", "2d-array"),
-            *media.medium_slots,
-        )
-        super().__init__(gpu, generated=media.medium_wgsl)
 
 
 class _Attenuated(ReflectiveShadowMaps):
@@ -109,7 +97,8 @@ class AttenuatedMaps(_Attenuated):
         self, gpu: Gpu, of: ReflectiveShadowMaps, media: GpuMedia, owners: Sequence[int]
     ) -> None:
         """`owners`: each layer's row among the scene's lights."""
-        super().__init__(gpu, "attenuated flux", of, _Attenuate(gpu, media))
+        own = (table("lights", LightData), storage("owners", "u32"), *media.slots)
+        super().__init__(gpu, "attenuated flux", of, _Attenuate(gpu, own, media.wgsl))
         self._media = media
         self._owners = buffer_of(gpu, "map owners", np.array(list(owners) or [0], np.uint32))
 
@@ -122,7 +111,8 @@ class AttenuatedSkyMaps(_Attenuated):
     """The maps of the sky's lights, attenuated by media along the maps' depth."""
 
     def __init__(self, gpu: Gpu, of: ReflectiveShadowMaps, media: GpuMedia) -> None:
-        super().__init__(gpu, "attenuated flux of the sky", of, _AttenuateSky(gpu, media))
+        attenuate = _AttenuateSky(gpu, media.medium_slots, media.medium_wgsl)
+        super().__init__(gpu, "attenuated flux of the sky", of, attenuate)
         self._media = media
 
     def attenuate(self, commands: Commands, beyond: float = 0.0) -> None:

@@ -31,6 +31,7 @@ var<private> means: array<vec4f, RUN>;
             means[i][k] = mean_towards(grid, path, texel, place * params.lights + light);
         }
     }
+    // Four lights share a texel, and so are written together.
     for (var i = 0u; i < RUN; i++) {
         let z = first.z + i * apart;
         if (z >= grid.count.z) { break; }

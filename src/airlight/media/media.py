@@ -140,10 +140,6 @@ class Media(Solver):
             is_lattice=self.has_multiple,
         )
 
-    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """Add nothing: what depends on the eye is drawn, not stored."""
-        return fields
-
     def draw(self, commands: Commands, view: View, fields: Fields) -> None:
         """Draw single scattering, marched fields, transmittance, and surfaces behind them."""
         self.image.encode(

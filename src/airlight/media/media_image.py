@@ -19,7 +19,7 @@ from .compositing.compose import Compose
 from .compositing.finish import Finish, Listing, MediaLayers, Reduced, can_finish
 from .compositing.guided import GuidedUpsample
 from .compositing.transmittance import Transmittance
-from .compositing.upsample import Upsample, UpsampleOnto
+from .compositing.upsample import Upsample
 from .density_grids import ColumnPlan
 from .gpu_media import GpuMedia
 from .image_textures import Drawn, Expected, ImageTextures
@@ -82,7 +82,7 @@ class MediaImage:
         gpu, media, has_grids = self.gpu, self.media, self.media.has_grids
         # A pass for each step, where density grids or the device do not allow one for all.
         self._exact = Transmittance(gpu, media)
-        self._upsample, self._upsample_onto = Upsample(gpu), UpsampleOnto(gpu)
+        self._upsample, self._upsample_onto = Upsample(gpu), Upsample(gpu, is_added=True)
         self._guided = GuidedUpsample(gpu, media) if has_grids else None
         self._finisher: Finish | None = None
         if self.is_marched and self.march_rays.scale > 1 and not has_grids and can_finish(gpu):
@@ -193,8 +193,8 @@ class MediaImage:
                 self.march_rays,
                 depth,
                 made.reduced["sky"],
-                made.shafts_alone,
                 made.single_scatter,
+                made.shafts_alone,
             )
         # Homogeneous media have a closed form; rays through grids found it while they marched.
         if not self.media.has_grids:

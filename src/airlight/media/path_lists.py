@@ -74,7 +74,6 @@ class PathLists:
     ) -> None:
         """`bounds`: about where media lie, metres; blocks are cubes if they fill them."""
         self.count = _blocks(np.subtract(bounds[1], bounds[0]))
-        self._media_count = media_count
         # A texel has bits for 128 media; the lists of lights lie behind one another along z.
         nx, ny, nz = self.count
         size = (nx * ny, nz, light_count * list_texels(media_count))

@@ -39,6 +39,7 @@ const WIDER = 1.001;    // blocks overlap a little, whatever rounding makes of a
                 bits[k] |= select(vec4u(0u), bit, meets_wider_box(o, to_light, reach, half));
             }
         }
+        // A texel holds the bits of 128 media; those of a light lie one behind the other along z.
         for (var k = 0u; k < LISTS_AT_ONCE; k++) {
             let block = id.x + k * apart;
             if (block < blocks) {

@@ -68,7 +68,7 @@ class _SkyInMedia(ComputePass):
     def __init__(self, gpu: Gpu, media: GpuMedia, written: Sequence[str]) -> None:
         """`written`: keys of _WRITTEN."""
         self.images = [name for library in written for name in _WRITTEN[library]]
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", SkyInMediaParams),
             uniform("lattice", LatticeParams),
             table("lights", LightData),

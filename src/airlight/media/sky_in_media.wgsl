@@ -1,3 +1,4 @@
+// The environment's light in each cell of a lattice, attenuated by media and shadowed by its maps.
 //! use lattice_space
 //! use map_visibility
 //! use media_light

@@ -44,7 +44,7 @@ class _Cells(ComputePass):
     file = "volume_blockers_cells.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", VolumeBlockerParams),
             uniform("lattice", LatticeParams),
             storage("cells", "vec4f", "read_write"),

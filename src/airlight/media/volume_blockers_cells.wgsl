@@ -38,6 +38,7 @@ fn half_extinction(h: u32) -> f32 {
 
 // How the samples of a cell of mean extinction `mean` are spread.
 fn store_spread(cell: u32, mean: f32) {
+    // Of cells whose samples are alike the mean says all, and no shares are stored.
     var largest = 0.0;
     var least = 1e30;
     for (var h = 0u; h < params.halves; h++) {
@@ -48,6 +49,7 @@ fn store_spread(cell: u32, mean: f32) {
     let is_alike = (largest - least) * lattice.cell < ALIKE;
     spread[SPREAD_WORDS * cell + LARGEST_WORD] = bitcast<u32>(select(largest / max(mean, 1e-20), 0.0, is_alike));
     if (is_alike) { return; }
+    // Else half a column towards each face by its share of the densest, in four bits.
     for (var word = 0u; word * HALVES_PER_WORD < params.halves; word++) {
         var bits = 0u;
         for (var k = 0u; k < HALVES_PER_WORD; k++) {
@@ -67,6 +69,7 @@ fn store_spread(cell: u32, mean: f32) {
     for (var s = 0u; s < params.samples; s++) {
         samples[s] = 0.0;
     }
+    // Each medium that touches the cell adds to all samples; no other one is sampled.
     let centre = world_from_cells(lattice, vec3f(id) + 0.5);
     // Turned cells reach farther along the world's axes.
     let reach = 0.8660254 * lattice.cell;
@@ -91,6 +94,7 @@ fn store_spread(cell: u32, mean: f32) {
         }
         scattering += density * scattered * (1.0 - row_of_media(m).g);
     }
+    // The means, and how the extinction is spread about its own.
     var extinction = 0.0;
     for (var s = 0u; s < params.samples; s++) {
         extinction += samples[s];

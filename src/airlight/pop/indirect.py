@@ -56,7 +56,7 @@ class _Indirect(ComputePass):
     file = "indirect.wgsl"
 
     def __init__(self, gpu: Gpu, light: IncidentLight) -> None:
-        self.slots = (*self.own_slots, *light.slots)  # type: ignore[misc]
+        self.slots = (*self.own_slots, *light.slots)
         super().__init__(gpu, generated=light.mixture.beam_wgsl(has_blocks=False))
 
 

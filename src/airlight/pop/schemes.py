@@ -16,19 +16,17 @@ def scheme_of(
 
     `around`: of a finer grid, the light of the next larger one.
     """
-    medium, indirect = emission.medium, emission.indirect
+    medium = emission.medium
     # Grids per ordinate know neither other media nor nested grids.
     if settings.scheme != "delta-beam":
-        return OrdinateGrids(
-            medium, settings, capacity, medium.mixture, indirect=indirect, takes_others=True
-        )
+        return OrdinateGrids(medium, settings, capacity)
     assert around is None or isinstance(around, DeltaBeams)
     return DeltaBeams(
         medium,
         settings,
         capacity,
         medium.mixture,
-        indirect=indirect,
+        indirect=emission.indirect,
         takes_others=True,
         outer=around,
     )

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..scene.checks import F64
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .mitsuba_xml import add_number, add_point, add_rgb, plugin
+from .mitsuba_xml import add_number, add_rgb, add_xyz, plugin
 
 BALLS = 400
 """Balls for all media together."""
@@ -87,7 +87,7 @@ def _cross_section(points: F64, weight: F64) -> float:
 def _ball(number: int, point: F64, intensity: F64, radius: float) -> Element:
     # A ball is black, or it would scatter the light of others.
     shape = plugin("shape", "sphere", id=f"{MARK}_{number}")
-    add_point(shape, "center", (float(point[0]), float(point[1]), float(point[2])))
+    add_xyz(shape, "point", "center", (float(point[0]), float(point[1]), float(point[2])))
     add_number(shape, "radius", radius)
     black = plugin("bsdf", "diffuse")
     add_rgb(black, "reflectance", (0.0, 0.0, 0.0))

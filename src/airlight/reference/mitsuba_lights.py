@@ -20,11 +20,10 @@ from .mitsuba_xml import (
     add_lookat,
     add_matrix,
     add_number,
-    add_point,
     add_rgb,
     add_text,
     add_truth,
-    add_vector,
+    add_xyz,
     plugin,
 )
 
@@ -59,9 +58,9 @@ def _add(element: Element, name: str, value: Value, files: FileStore) -> None:
         case str():
             add_text(element, name, value)
         case Point():
-            add_point(element, name, value.at)
+            add_xyz(element, "point", name, value.at)
         case Vector():
-            add_vector(element, name, value.along)
+            add_xyz(element, "vector", name, value.along)
         case Colour():
             add_rgb(element, name, value.rgb)
         case LookAt():

@@ -51,16 +51,10 @@ def add_rgb(parent: Element, name: str, value: Rgb) -> None:
     SubElement(parent, "rgb", {"name": name, "value": numbers(value)})
 
 
-def add_point(parent: Element, name: str, value: Vec3) -> None:
-    """<point>, m."""
+def add_xyz(parent: Element, kind: str, name: str, value: Vec3) -> None:
+    """<point>, m, or <vector>: the `kind`."""
     x, y, z = (f"{float(v):.9g}" for v in value)
-    SubElement(parent, "point", {"name": name, "x": x, "y": y, "z": z})
-
-
-def add_vector(parent: Element, name: str, value: Vec3) -> None:
-    """<vector>."""
-    x, y, z = (f"{float(v):.9g}" for v in value)
-    SubElement(parent, "vector", {"name": name, "x": x, "y": y, "z": z})
+    SubElement(parent, kind, {"name": name, "x": x, "y": y, "z": z})
 
 
 def add_matrix(parent: Element, name: str, matrix: NDArray[np.float64]) -> None:

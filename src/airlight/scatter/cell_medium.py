@@ -25,7 +25,7 @@ class CellMedium(ComputePass):
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self._media = media
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", CellMediumParams),
             uniform("lattice", LatticeParams),
             *media.medium_slots,

@@ -62,7 +62,7 @@ class _Forward(ComputePass):
         own += (storage("near", "u32"),) * is_near
         is_listed = not (stores or is_near)
         own += STALE_CELL_SLOTS * is_listed
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", ForwardParams),
             uniform("lattice", LatticeParams),
             *CELL_LIGHT_SLOTS,

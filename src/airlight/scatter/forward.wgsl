@@ -102,12 +102,14 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     if (FOR_SURFACES || IS_SKY) {
         return forward_alone(light, i, p);
     }
+    // For marching also what media pass straight, and how deep in them the part lies.
     let own = incoming_in_media(light, p);
     let lit = lit_point(light, own.to_light, p);
     let depths = depths_towards(light, i, p, true);
     let depth = dot(depths.scattering, vec3f(1.0)) / 3.0;
     let straight = own.irradiance * exp(-depths.reduced - depths.forward);
     let seen = Part(straight * lit, vec3f(0.0), depth);
+    // The rest was deflected once: out of beams beside this one where it has spread, else out of this one.
     let is_slanted = light.kind == LIGHT_DIRECTIONAL && depths.deviation > 0.0;
     if (!is_slanted) {
         return Part(seen.straight, gained_at(light, p, lit, depths), depth);

@@ -17,7 +17,6 @@ from ..lattice.inject import flux_bound
 from ..lattice.irradiance import Irradiance
 from ..lattice.lattices import Level
 from ..lighting.kit import Kit
-from ..lighting.view import View
 from ..media.reduced import is_forward
 from ..scene.medium import Medium
 from ..scene.scene import Scene
@@ -199,10 +198,6 @@ class ForwardSolver(Solver):
         # Where no lattice brings irradiance, that of the beams is all there is.
         forward = self.beams.field
         return replace(fields, forward=forward, irradiance=fields.irradiance or forward)
-
-    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """They do not depend on the eye."""
-        return fields
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -57,7 +57,7 @@ class _Beams(ComputePass):
     file = "border_beams.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", BorderParams),
             uniform("lattice", LatticeParams),
             uniform("outer", LatticeParams),

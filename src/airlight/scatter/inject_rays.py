@@ -48,7 +48,7 @@ class InjectRays(ComputePass):
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
         self._media = media
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", RayPointParams),
             *MAP_SLOTS,
             *MAP_LIGHT_SLOTS,

@@ -95,7 +95,7 @@ class InjectSingle(ComputePass):
             storage("unscattered", "vec4f", "read_write"),
         )
         keep = _KEEP_ALONE if is_first else _KEEP
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", SingleParams),
             uniform("lattice", LatticeParams),
             *CELL_LIGHT_SLOTS,

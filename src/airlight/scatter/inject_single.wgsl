@@ -24,6 +24,7 @@ fn near_irradiance(light: LightData, p: vec3f, size: vec3f, sigma_t: vec3f, pass
     let distance = media_light_path(light, p).w;
     let radius = ball_radius(size) / 3.0;
     var sum = vec3f(0.0);
+    // Each ball has the mean of 1/r^2 over it, and is attenuated by as much less as it is nearer.
     for (var k = 0u; k < 27u; k++) {
         let third = vec3f(cell_at_index(vec3u(3u), k)) - 1.0;
         let at = p + world_from_lattice(lattice, third * size / 3.0);

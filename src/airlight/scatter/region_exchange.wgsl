@@ -78,6 +78,7 @@ fn add_cell(cell: u32, region: u32, channel: u32, units: f32) {
     let channel = group.y;
     atomicStore(&row[lane], 0);
     workgroupBarrier();
+    // In units in which all power of the region fits.
     let count = f32(starts[region + 1u] - starts[region]);
     let units = UNITS / max(count, 1.0);
     for (var k = starts[region] + lane; k < starts[region + 1u]; k += WX) {

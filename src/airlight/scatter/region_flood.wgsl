@@ -41,6 +41,7 @@ fn begun(cell: vec3u, own: u32) -> u32 {
         after[index] = begun(id, select(before[index], UNREACHED, params.turn == 0u));
         return;
     }
+    // The nearest beginning: its own, or a neighbour's through a face that is open both ways.
     var found = before[index];
     for (var hop = 0u; hop < 6u; hop++) {
         if (!open_both_ways(id, hop)) { continue; }

@@ -18,10 +18,12 @@ fn closed_faces(cell: vec3u) -> u32 {
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) lane: u32,
         @builtin(workgroup_id) group: vec3u) {
+    // The box's cells, and its middle.
     let part = cell_at_index(params.regions, group.x);
     let first = (part * params.count + params.regions - 1u) / params.regions;
     let size = ((part + 1u) * params.count + params.regions - 1u) / params.regions - first;
     let middle = (2u * part + 1u) * params.count / (2u * params.regions);
+    // Fewest closed faces, then nearest, then first: in one number, of which each lane finds its least.
     var key = UNREACHED;
     var count = 0u;
     for (var k = lane; k < size.x * size.y * size.z; k += WX) {
@@ -37,6 +39,7 @@ fn closed_faces(cell: vec3u) -> u32 {
     keys[lane] = key;
     counts[lane] = count;
     workgroupBarrier();
+    // The least of all lanes, whose last bits are the cell's number in the box.
     if (lane == 0u) {
         for (var i = 1u; i < WX; i++) {
             key = min(key, keys[i]);

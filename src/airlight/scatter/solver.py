@@ -16,7 +16,6 @@ from ..gpu.commands import Commands
 from ..gpu.memory import Buffer
 from ..lattice.irradiance import Irradiance
 from ..lighting.kit import Kit
-from ..lighting.view import View
 from ..media.absorbing import absorbing_volumes
 from ..scene.scene import Scene
 from .cascades import Cascade, cascades
@@ -183,10 +182,6 @@ class ScatterSolver(Solver):
             forward = self._beams.field
         air = self.air.field(self.kit.blockers.bound)
         return dataclasses.replace(fields, air=air, forward=forward)
-
-    def solve_view(self, commands: Commands, view: View, fields: Fields) -> Fields:
-        """The lattices do not depend on the eye."""
-        return fields
 
     @property
     def stats(self) -> dict[str, object]:

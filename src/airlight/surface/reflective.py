@@ -51,7 +51,7 @@ class ReflectiveParams(Struct):
 
 class _ReflectivePipeline(MeshPipeline):
     slots = (uniform("params", ReflectiveParams), *MESH_SLOTS)
-    targets: ClassVar[tuple[str, ...]] = ("rgba16float", "rgba16float")
+    targets: tuple[str, ...] = ("rgba16float", "rgba16float")
     depth_compare = "less-equal"  # as for cameras: of coincident surfaces the last drawn one
     maps = ("base_color", "metallic_roughness")
     file = "reflective.wgsl"

@@ -60,7 +60,7 @@ _UV: dict[str, Any] = {
 
 
 class _TriangleIds(MeshPipeline):
-    slots: ClassVar[tuple[Slot, ...]] = (uniform("params", TriangleIdParams), *MESH_SLOTS)
+    slots = (uniform("params", TriangleIdParams), *MESH_SLOTS)
     second_slots: ClassVar[tuple[Slot, ...]] = ()
     vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = (
         VERTEX_BUFFERS[0],

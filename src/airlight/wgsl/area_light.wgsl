@@ -31,6 +31,7 @@ fn outline_to(outline: Outline, corner: vec3f) -> Outline {
     let b = normalize(corner);
     let is_above = a.z > 0.0;
     let goes_on = b.z > 0.0;
+    // Where the edge crosses the horizon it is cut, and the cuts are joined at the end.
     let across = a * b.z - b * a.z;
     let cut = across * (sign(b.z - a.z) / max(length(across), 1e-20));
     o.down = select(o.down, cut, is_above && !goes_on);
@@ -70,6 +71,7 @@ fn segment_irradiance(a: vec3f, b: vec3f, n: vec3f, width: f32) -> vec2f {
     if (max(a_up, b_up) <= 0.0) {
         return vec2f(0.0);
     }
+    // The part of the line above the horizon, from its point nearest to the receiver.
     let along = normalize(b - a);
     let cut = (a * b_up - b * a_up) / select(1.0, b_up - a_up, min(a_up, b_up) < 0.0);
     let low = dot(select(a, cut, a_up < 0.0), along);
@@ -81,6 +83,7 @@ fn segment_irradiance(a: vec3f, b: vec3f, n: vec3f, width: f32) -> vec2f {
     let from_low = vec2f(h, low) * inverseSqrt(squared + low * low);
     let from_high = vec2f(h, high) * inverseSqrt(squared + high * high);
     let angle = atan2(h * (high - low), squared + high * low);
+    // Both integrals are sums of these (Heitz2017).
     let products = from_high * from_high.y - from_low * from_low.y;
     let cosines = vec2f(dot(nearest, n) / h, dot(along, n));
     let cylinder = 0.5 * dot(cosines, vec2f(angle + products.x, products.y));

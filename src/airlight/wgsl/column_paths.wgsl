@@ -38,6 +38,7 @@ fn path_column(grid: ColumnGrid, origin: vec3f, along: vec3f, reach: f32) -> f32
     let count = grid.grid_count;
     let steps = clamp(ceil(reach * length(along * count)), 1.0, MAX_COLUMN_STEPS);
     let dt = reach / steps;
+    // Half a texel within the grid's part of the texture, or filtering would take its neighbour's.
     let texel = 1.0 / vec3f(textureDimensions(densities));
     let first = grid.grid_first * texel;
     let begin = origin * count * texel;

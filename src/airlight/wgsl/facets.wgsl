@@ -160,9 +160,11 @@ fn depths_between(layer: u32, at: vec2u, near: u32, a: f32, b: f32) -> vec2f {
             continue;
         }
         let depth = depth_at(leaf_at(layer, vec2u(texel), near), at);
+        // Beyond the wall's own ends, or at one that is known, there is nothing to add.
         if (depth <= min(a, b) || depth >= max(a, b) || depth == found.x) {
             continue;
         }
+        // Two at most, in order from a on.
         let is_first = found.x >= NEVER || (depth < found.x) == (a < b);
         found = select(found, vec2f(depth, found.x), is_first);
         if (found.x != depth && found.y >= NEVER) {

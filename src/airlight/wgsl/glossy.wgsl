@@ -102,6 +102,7 @@ fn glossy_walk(
         var lost = 0.0;
         var seen = start;
         loop {
+            // The face that the ray crosses next; its own surface does not close it.
             let axis = next.axis;
             let coordinates = start + next.t * r;
             let own = glossy_own(n, towards, axis, dot(coordinates - surface, n));
@@ -125,6 +126,7 @@ fn glossy_walk(
                 break;
             }
         }
+        // What was stopped sees the cell before the face.
         let uvw = lattice_eased(lattice, glossy_raised(seen, lookup, n), vec3f(0.0));
         irradiance += lost * lattice_irradiance_at(lattice, uvw, r);
         if (!goes) {

@@ -12,6 +12,7 @@ struct AirRay {
 fn air_ray(place: vec3f, axis: vec4f, numbers: vec2f) -> AirRay {
     var out: AirRay;
     out.direction = lobe_direction(-axis.xyz, axis.w, numbers);
+    // Towards a lit patch instead, for the part of rays that are led there.
     var led_density = 0.0;
     var part = 0.0;
     if (has_guide()) {
@@ -25,6 +26,7 @@ fn air_ray(place: vec3f, axis: vec4f, numbers: vec2f) -> AirRay {
         }
         led_density = density_of_cones(&cones, choice.total, out.direction);
     }
+    // Either kind may have chosen the direction.
     let by_lobe = lobe_density(-dot(out.direction, axis.xyz), axis.w);
     out.density = (1.0 - part) * by_lobe + part * led_density;
     return out;

@@ -78,6 +78,7 @@ fn guide_choice(place: vec3f, facing: vec3f, number: f32, cones: ptr<function, P
     let count = u32(lit_patches[LIT_PATCHES].radius);
     (*cones).count = count;
     for (var k = 0u; k < count; k++) {
+        // What the point sees of the patch, stored for the densities of directions.
         let seen = patch_sight(k, place, facing);
         (*cones).along_sine2[k] = vec4f(seen.along, seen.sine2);
         (*cones).density[k] = seen.weight / (6.2831853 * seen.height);

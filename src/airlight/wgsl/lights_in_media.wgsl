@@ -1,6 +1,7 @@
 // Local lights as points in media see them: those without extent, and samples of those with one. The including pass
 // declares LightData, and with the media HAS_SIZED_LIGHTS (media/media_slots.py).
 //! use lights
+//! use medium
 //! use sized_light
 
 // A local light as media see it.
@@ -36,4 +37,15 @@ fn incoming_in_media(light: LightData, position: vec3f) -> Incoming {
         return Incoming(-normalize(away), light.color * sized_share(light, away), sized_reach(light, away));
     }
     return incoming(light, position);
+}
+
+// An interval of an eye ray as a local light sees it: the angles x0 to x1 from the ray's nearest point, t_near, which is
+// `h`, m, from the light. t = t_near + h tan(x) removes 1/r^2 (Kulla2012).
+struct SeenInterval { t_near: f32, h: f32, x0: f32, x1: f32 }
+
+fn seen_interval(light: LightData, origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> SeenInterval {
+    let geometry = ray_light_geometry(origin, direction, light.position);
+    let t_near = -geometry.y;
+    let h = max(softened(light, geometry.x), 1e-4 * max(abs(t0 - t_near), abs(t1 - t_near)) + 1e-9);
+    return SeenInterval(t_near, h, atan((t0 - t_near) / h), atan((t1 - t_near) / h));
 }

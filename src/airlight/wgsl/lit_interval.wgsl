@@ -22,6 +22,7 @@ fn prepare_lit_intervals(light: LightData, origin: vec3f, direction: vec3f) {
     parallel_sent = row_of_media(0).albedo * medium_sigma_t * phase;
     medium_has_shafts = has_shafts(0u, false) > 0.0;
     is_light_inside = MEDIA_COUNT == 1u && medium_density(0u, light.position) > 0.0;
+    // Where light enters the box is linear along the ray, face by face.
     let o = medium_coordinates(0u, origin);
     let d = (row_of_media(0).volume_from_world * vec4f(direction, 0.0)).xyz;
     let back = -(row_of_media(0).volume_from_world * vec4f(light.direction, 0.0)).xyz;
@@ -82,15 +83,14 @@ fn sent_by(light: LightData, index: u32, m: u32, p: vec3f, t: f32, seen: SeenLig
     return seen.gain * row_of_media(m).sigma_t * row_of_media(m).albedo * phase * exp(-depth);
 }
 
-// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla2012).
+// A local light at one node, an angle of `on`.
 fn local_node(
-    light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t_near: f32, h: f32,
-    x: f32,
+    light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, on: SeenInterval, x: f32,
 ) -> vec3f {
-    let t = t_near + h * tan(x);
+    let t = on.t_near + on.h * tan(x);
     let p = origin + t * direction;
     let away = p - light.position;
-    let reach = h / cos(x);
+    let reach = on.h / cos(x);
     let seen = seen_light(light, away, -direction, reach, -sin(x));
     return sent_by(light, index, m, p, t, seen);
 }
@@ -107,13 +107,9 @@ fn local_pieces(m: u32, angle: f32, length_m: f32) -> u32 {
 fn local_interval(
     light: LightData, index: u32, m: u32, origin: vec3f, direction: vec3f, t0: f32, t1: f32,
 ) -> vec3f {
-    let geometry = ray_light_geometry(origin, direction, light.position);
-    let t_near = -geometry.y;
-    let h = max(softened(light, geometry.x), 1e-4 * max(abs(t0 - t_near), abs(t1 - t_near)) + 1e-9);
-    let x0 = atan((t0 - t_near) / h);
-    let x1 = atan((t1 - t_near) / h);
-    let pieces = local_pieces(m, x1 - x0, t1 - t0);
-    let half = 0.5 * (x1 - x0) / f32(pieces);
+    let on = seen_interval(light, origin, direction, t0, t1);
+    let pieces = local_pieces(m, on.x1 - on.x0, t1 - t0);
+    let half = 0.5 * (on.x1 - on.x0) / f32(pieces);
     var sum = vec3f(0.0);
     var i = 0u;
     loop {
@@ -121,13 +117,13 @@ fn local_interval(
         let outer = (i & 1u) == 1u;
         let off = select(0.3399810435848563, 0.8611363115940526, outer) * half;
         let weight = select(0.6521451548625461, 0.3478548451374538, outer);
-        let x = x0 + f32(2u * (i >> 1u) + 1u) * half;
-        sum += weight * (local_node(light, index, m, origin, direction, t_near, h, x - off)
-            + local_node(light, index, m, origin, direction, t_near, h, x + off));
+        let x = on.x0 + f32(2u * (i >> 1u) + 1u) * half;
+        sum += weight * (local_node(light, index, m, origin, direction, on, x - off)
+            + local_node(light, index, m, origin, direction, on, x + off));
         i++;
         if (i >= 2u * pieces) { break; }
     }
-    return sum * half / h;
+    return sum * half / on.h;
 }
 
 // A directional light where the media are not one box: panels of Gauss-Legendre nodes in t.

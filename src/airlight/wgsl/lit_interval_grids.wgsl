@@ -73,10 +73,12 @@ fn grid_step_length(t: f32) -> f32 {
 
 // Advances by a step; the first has no length.
 fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
+    // From where the last one ended, with the optical depth up to there.
     let is_first = step_end < 0.0;
     step_depth = select(step_depth + (step_end - step_begin) * step_sigma, vec3f(0.0), is_first);
     step_begin = select(step_end, media_hull.x, is_first);
     step_end = step_begin + select(grid_step_length(step_begin), 0.0, is_first);
+    // The media at its middle stand for the whole step.
     let p = origin + 0.5 * (step_begin + step_end) * direction;
     step_sigma = vec3f(0.0);
     step_sent = vec3f(0.0);
@@ -94,6 +96,7 @@ fn next_step(light: LightData, index: u32, origin: vec3f, direction: vec3f) {
         step_density[step_media_count] = density;
         step_media_count++;
     }
+    // Towards the light from its end; its begin is where the last one ended.
     let end = origin + step_end * direction;
     let is_local = light.kind != LIGHT_DIRECTIONAL;
     let path = select(1.0, max(media_light_path(light, end).w, 1e-9), is_local);
@@ -122,37 +125,31 @@ fn sent_by(seen: SeenLight, t: f32) -> vec3f {
     return seen.gain * sum * exp(-step_depth - (t - step_begin) * step_sigma - towards);
 }
 
-// A local light at one node: X = atan(t/h) removes 1/r^2 (Kulla2012).
-fn local_node(
-    light: LightData, origin: vec3f, direction: vec3f, t_near: f32, h: f32, x: f32,
-) -> vec3f {
+// A local light at one node, an angle of `on`.
+fn local_node(light: LightData, origin: vec3f, direction: vec3f, on: SeenInterval, x: f32) -> vec3f {
     // Where the ray passes close by, the angle says little.
-    let t = clamp(t_near + h * tan(x), step_begin, step_end);
+    let t = clamp(on.t_near + on.h * tan(x), step_begin, step_end);
     let away = origin + t * direction - light.position;
-    let squared = h * h + (t - t_near) * (t - t_near);
+    let squared = on.h * on.h + (t - on.t_near) * (t - on.t_near);
     return sent_by(seen_light(light, away, -direction, sqrt(squared), -sin(x)), t);
 }
 
 // Two or more Gauss-Legendre nodes in the angle that the piece is seen under from the light.
 fn local_piece(light: LightData, origin: vec3f, direction: vec3f, a: f32, b: f32) -> vec3f {
-    let geometry = ray_light_geometry(origin, direction, light.position);
-    let t_near = -geometry.y;
-    let h = max(softened(light, geometry.x), 1e-4 * max(abs(a - t_near), abs(b - t_near)) + 1e-9);
-    let x0 = atan((a - t_near) / h);
-    let x1 = atan((b - t_near) / h);
-    let pieces = u32(clamp(ceil((x1 - x0) / 0.4), 1.0, 8.0));
-    let half = 0.5 * (x1 - x0) / f32(pieces);
+    let on = seen_interval(light, origin, direction, a, b);
+    let pieces = u32(clamp(ceil((on.x1 - on.x0) / 0.4), 1.0, 8.0));
+    let half = 0.5 * (on.x1 - on.x0) / f32(pieces);
     let off = 0.5773502691896258 * half;
     var sum = vec3f(0.0);
     var i = 0u;
     loop {
-        let x = x0 + f32(2u * i + 1u) * half;
-        sum += local_node(light, origin, direction, t_near, h, x - off)
-            + local_node(light, origin, direction, t_near, h, x + off);
+        let x = on.x0 + f32(2u * i + 1u) * half;
+        sum += local_node(light, origin, direction, on, x - off)
+            + local_node(light, origin, direction, on, x + off);
         i++;
         if (i >= pieces) { break; }
     }
-    return sum * half / h;
+    return sum * half / on.h;
 }
 
 // The lit interval t0..t1: radiance, W m^-2 sr^-1. Intervals come in order along the ray, or the ray is followed
@@ -163,6 +160,7 @@ fn lit_interval(
     if (t0 < step_begin) {
         step_end = -1.0;
     }
+    // Step by step: the lit part of each, until nothing more is lit, there, or seen.
     var sum = vec3f(0.0);
     loop {
         let a = max(t0, step_begin);

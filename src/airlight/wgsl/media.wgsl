@@ -171,6 +171,7 @@ fn media_optical_depth(origin: vec3f, direction: vec3f, t0: f32, t1: f32) -> vec
         if (visit.is_done) { break; }
         if (visit.is_skipped) { continue; }
         let m = visit.medium;
+        // The part of the interval inside; a grid's density is integrated along it.
         let span = medium_interval(m, origin, direction);
         let a = max(span.x, t0);
         let b = min(span.y, t1);

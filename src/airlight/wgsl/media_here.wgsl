@@ -91,11 +91,13 @@ fn densities_at(p: vec3f, t: f32) {
     places_count = 0u;
     emitted_here = vec3f(0.0);
     for (var k = 0u; k < ray_media(); k++) {
+        // Of many media those alone are listed that the point is in.
         let is_in = is_inside(k, t);
         media_density_here[k] = select(0.0, 1.0, is_in);
         if (HAS_MEDIA_TREE && !is_in) {
             continue;
         }
+        // Grids are sampled, and tell how far they are empty.
         if (GRID_COUNT > 0u && is_grid(ray_medium(k))) {
             media_density_here[k] = grid_density_on_ray(k, p, t);
         }

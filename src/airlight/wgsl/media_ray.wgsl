@@ -113,6 +113,7 @@ fn media_step_limit(t: f32, step: f32) -> f32 {
         let span = medium_intervals[k];
         let in_reach = span.x <= t && t < span.y;
         let m = ray_medium(k);
+        // In a grid a voxel, or all that is known to be empty.
         if (in_reach && row_of_media(m).kind == MEDIUM_GRID) {
             let voxel = max(row_of_media(m).voxel, (span.y - span.x) / MAX_COLUMN_STEPS);
             let free = empty_until[k] - t;
@@ -121,8 +122,10 @@ fn media_step_limit(t: f32, step: f32) -> f32 {
         } else {
             is_empty = is_empty && !in_reach;
         }
+        // No step goes across a border.
         if (span.x > t) { limit = min(limit, span.x - t); }
         if (in_reach) { limit = min(limit, span.y - t); }
     }
+    // Rounding must not make a step of nothing.
     return max(select(min(limit, step), limit, is_empty), 2e-7 * t + 1e-7);
 }

@@ -39,10 +39,7 @@ fn surface_pixel(texel: vec4u) -> vec2u {
 
 // The normal, but not of unit length.
 fn surface_normal(texel: vec4u) -> vec3f {
-    let square = unpack2x16snorm(texel.y);
-    let z = 1.0 - abs(square.x) - abs(square.y);
-    let folded = (1.0 - abs(square.yx)) * octahedron_sign(square);
-    return vec3f(select(square, folded, z < 0.0), z);
+    return octahedron_point(unpack2x16snorm(texel.y));
 }
 
 fn surface_light(texel: vec4u) -> vec3f {

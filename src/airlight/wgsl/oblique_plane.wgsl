@@ -117,6 +117,7 @@ fn oblique_plane(cell: vec3u) -> vec4f {
     var most = 0.0;
     var is_board = false;
     for (var axis = 0u; axis < 3u; axis++) {
+        // Of the surfaces that face both ways along an axis: larger and nearer ones win.
         let high = plane_of_side(cell, 2u * axis);
         let low = plane_of_side(cell, 2u * axis + 1u);
         let of_high = length(high.xyz) / (1.0 + abs(high.w));
@@ -130,6 +131,7 @@ fn oblique_plane(cell: vec3u) -> vec4f {
     if (most == 0.0) {
         return best;
     }
+    // In narrow gaps it counts less, as what lies before it may be beyond another wall.
     let size = length(best.xyz);
     let n = best.xyz / size;
     let counts = size * freedom(cell, n, best.w, is_board);

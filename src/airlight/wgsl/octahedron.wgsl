@@ -11,9 +11,14 @@ fn octahedron_encode(direction: vec3f) -> vec2f {
 }
 
 fn octahedron_decode(square: vec2f) -> vec3f {
+    return normalize(octahedron_point(square));
+}
+
+// On the octahedron itself: the direction, but not of unit length.
+fn octahedron_point(square: vec2f) -> vec3f {
     let z = 1.0 - abs(square.x) - abs(square.y);
     let folded = (1.0 - abs(square.yx)) * octahedron_sign(square);
-    return normalize(vec3f(select(square, folded, z < 0.0), z));
+    return vec3f(select(square, folded, z < 0.0), z);
 }
 
 fn octahedron_pack16(direction: vec3f) -> u32 {

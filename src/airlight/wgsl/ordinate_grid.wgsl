@@ -20,6 +20,7 @@ fn ordinate_grid_count(spanned: vec3f, cell: f32) -> vec3u {
 // Of at most `cells` cubes, over a box of `extent`, m.
 fn ordinate_grid(extent: vec3f, d: vec3f, cells: u32) -> OrdinateGrid {
     let frame = orthonormal_frame(d);
+    // Turned about the light such that the box's section across it is smallest.
     var best = frame;
     var least = 1e38;
     for (var k = 0u; k < GRID_ROLLS; k++) {
@@ -33,6 +34,7 @@ fn ordinate_grid(extent: vec3f, d: vec3f, cells: u32) -> OrdinateGrid {
             best = mat3x3f(x, y, d);
         }
     }
+    // Cubes that fill it, made larger until they are few enough.
     let spanned = vec3f(dot(abs(best[0]), extent), dot(abs(best[1]), extent),
         dot(abs(best[2]), extent));
     var cell = pow(spanned.x * spanned.y * spanned.z / f32(cells), 1.0 / 3.0);

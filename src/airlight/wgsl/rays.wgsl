@@ -61,12 +61,14 @@ fn ray_traced(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, is_any: b
         var is_done = false;
         var is_doubtful = false;
         loop {
+            // The node: the children that the ray meets are the next group, the last one waits on the stack.
             let found = ray_group(node, ray, t_min, hit.t);
             let opens = has_node && (found & 15u) != 0u;
             stack[depth] = group;
             depth += select(0u, 1u, opens && (group & 15u) != 0u);
             group = select(group, found, opens);
 
+            // A triangle of the leaf.
             let tried = ray_nearer(hit, ray, triangle, instance, select(3e38, t_min, left > 0u));
             if (RAYS_MEET_MASKS) {
                 is_doubtful = tried.is_doubtful;
@@ -88,6 +90,7 @@ fn ray_traced(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, is_any: b
             depth -= select(0u, 1u, pops);
             group = select(group, stack[depth], pops);
 
+            // What comes next of the group: a node, an instance to enter, or a leaf once the last one is tested.
             let is_empty = (group & 15u) == 0u;
             let child = ray_child(group);
             let is_leaf = child >= RAY_LEAF;

@@ -20,6 +20,7 @@ fn segment_light(sample: SampleData, normal: vec3f, at: Viewed, r: Reflector, in
     if (!HAS_GLOSS) {
         return r.diffuse * (irradiance / PI);
     }
+    // Fresnel towards the middle divides the light between coat and paint, as of other emitters.
     let f = fresnel(r.f0, saturate(dot(at.v, normalize(at.v + normalize(sample.middle - at.own)))));
     let matt = (vec3f(1.0) - f) * r.diffuse * (irradiance / PI);
     if (!is_glossy) {

@@ -37,6 +37,7 @@ fn sky_chosen(numbers: vec2f) -> SkyRay {
         along = (within - alias_row.x) / max(1.0 - alias_row.x, 1e-9);
         index = u32(alias_row.y);
     }
+    // Within the cell even in longitude and in height, which is even in solid angle.
     let column = f32(index % sky.width);
     let row = f32(index / sky.width);
     let phi = 2.0 * SKY_PI * (column + along) / f32(sky.width) - sky.rotation;

@@ -123,6 +123,7 @@ fn lattice_coordinates(lattice: LatticeParams, position: vec3f, n: vec3f) -> vec
     if (lattice.is_paper != 0u) {
         return upright;
     }
+    // Before its own plane if it is oblique to the cells, else before an oblique one beside it.
     var plane: PlaneBefore;
     let oblique = obliqueness(n, OBLIQUE);
     if (oblique > 0.0) {

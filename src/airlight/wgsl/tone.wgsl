@@ -70,12 +70,14 @@ fn aces(radiance: vec3f) -> vec3f {
 fn neutral(radiance: vec3f) -> vec3f {
     let start = 0.76;
     var c = max(radiance, vec3f(0.0));
+    // What a dielectric reflects of all light alike is taken off.
     let x = min(c.r, min(c.g, c.b));
     c -= select(0.04, x - 6.25 * x * x, x <= 0.08);
     let peak = max(c.r, max(c.g, c.b));
     if (peak <= start) {
         return c;
     }
+    // Peaks are compressed, and lose colour as they are.
     let room = 1.0 - start;
     let shown = 1.0 - room * room / (peak + room - start);
     let keep = 1.0 / (0.15 * (peak - shown) + 1.0);

@@ -129,6 +129,7 @@ fn visible_point(seen: vec2u, position: vec2f) -> VisiblePoint {
         uv_dx *= transform.xy;
         uv_dy *= transform.xy;
     }
+    // What the maps have there, and the place.
     var point: VisiblePoint;
     point.material = m;
     point.texel = maps_seen(m.maps, uv, uv_dx, uv_dy);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from ...gpu.compute import ComputePass
 from ...gpu.device import Gpu, open_gpu
 from ...gpu.layout import Struct, f32, mat4x4f, vec2u, vec3f
 from ...gpu.memory import Buffer
-from ...gpu.slots import Slot, storage, uniform
+from ...gpu.slots import storage, uniform
 from ...lighting.view import View
 from ...rays.rays import RAY_SLOTS, RayScene
 from ...scene.io import load
@@ -41,7 +41,7 @@ class RayBenchParams(Struct):
 class _RayBench(ComputePass):
     """A ray a pixel, of one of KINDS; from the last's hits to the next's origins."""
 
-    slots: ClassVar[tuple[Slot, ...]] = (
+    slots = (
         uniform("params", RayBenchParams),
         storage("starts", "vec4f", "read_write"),
         *RAY_SLOTS,

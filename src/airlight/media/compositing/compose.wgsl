@@ -1,3 +1,4 @@
+// What the eye gets of surfaces through media: both layers of their light times the transmittance of its ray.
 struct Composed {
     @location(0) direct: vec4f,
     @location(1) indirect: vec4f,

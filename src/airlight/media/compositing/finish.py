@@ -108,9 +108,9 @@ class Finish(FullscreenPass):
         # Images that are written, and reduced ones that they come from.
         self._media, self._has_sky, self._has_single = media, has_sky, has_sky or lists
         names = [*_TARGETS, *["single"] * self._has_single]
-        self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
+        self.targets = ("rgba32float",) * len(names)
         read = ["reduced", *["skylit"] * has_sky, *["shafts"] * self._has_single]
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             texture("depth", "2d", "depth"),
             *media.medium_slots,

@@ -27,7 +27,7 @@ class GuidedUpsample(FullscreenPass):
     file = "guided.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             uniform("march", MarchParams),
             texture("depth", "2d", "depth"),

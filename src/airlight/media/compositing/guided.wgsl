@@ -29,10 +29,12 @@ fn own_ray(direction: vec3f, reach: f32, is_asked: bool) -> OwnRay {
     var depth = vec3f(0.0);
     var glow = vec3f(0.0);
     var t = hull.x;
+    // Borders of media cut steps short, and grids want steps of their own.
     let most = 2u * march.max_steps + GRID_COUNT * u32(MAX_COLUMN_STEPS);
     for (var i = 0u; i < most && t < end; i++) {
         let dt = min(media_step_limit(t, longest), end - t);
         let p = rays.eye + (t + 0.5 * dt) * direction;
+        // What glows is asked for medium by medium; for the transmittance alone their sum will do.
         if (HAS_EMISSION) {
             densities_at(p, t + 0.5 * dt);
             let step = depth_here(t, dt);

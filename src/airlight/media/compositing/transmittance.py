@@ -20,7 +20,7 @@ class Transmittance(FullscreenPass):
     targets = ("rgba32float",)
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             texture("depth", "2d", "depth"),
             *media.medium_slots,

@@ -12,47 +12,25 @@ from ...gpu.memory import Texture
 from ...gpu.slots import texture, uniform
 from ..rays import RayParams, Rays
 
-_SLOTS = (
-    uniform("rays", RayParams),
-    texture("depth", "2d", "depth"),
-    texture("picked", "2d", "unfilterable-float"),
-    texture("reduced", "2d", "unfilterable-float"),
-)
-
 
 class Upsample(FullscreenPass):
-    """Full-size target <- reduced image, its rays and the depth of the full one."""
+    """Full-size target <- reduced image, its rays and the depth of the full one.
 
-    slots = _SLOTS
+    `is_added`: added to a full-size image.
+    """
+
     targets = ("rgba32float",)
 
-    def __init__(self, gpu: Gpu) -> None:
-        super().__init__(gpu, generated="fn base_at(pixel: vec2i) -> vec4f { return vec4f(0.0); }")
-
-    def encode(
-        self,
-        commands: Commands,
-        rays: Rays,
-        depth: Texture,
-        reduced: Texture,
-        target: Texture,
-    ) -> None:
-        """Fill `target` from `reduced`, the image of `rays`."""
-        self.draw(
-            commands, (target,), rays=rays.params, depth=depth, picked=rays.picked, reduced=reduced
+    def __init__(self, gpu: Gpu, *, is_added: bool = False) -> None:
+        self.slots = (
+            uniform("rays", RayParams),
+            texture("depth", "2d", "depth"),
+            texture("picked", "2d", "unfilterable-float"),
+            texture("reduced", "2d", "unfilterable-float"),
+            *(texture("base", "2d", "unfilterable-float"),) * is_added,
         )
-
-
-class UpsampleOnto(FullscreenPass):
-    """The same, added to a full-size image."""
-
-    slots = (*_SLOTS, texture("base", "2d", "unfilterable-float"))
-    targets = ("rgba32float",)
-    file = "upsample.wgsl"
-
-    def __init__(self, gpu: Gpu) -> None:
-        loaded = "fn base_at(pixel: vec2i) -> vec4f { return textureLoad(base, pixel, 0); }"
-        super().__init__(gpu, generated=loaded)
+        base = "textureLoad(base, pixel, 0)" if is_added else "vec4f(0.0)"
+        super().__init__(gpu, generated=f"fn base_at(pixel: vec2i) -> vec4f {{ return {base}; }}")
 
     def encode(
         self,
@@ -60,10 +38,10 @@ class UpsampleOnto(FullscreenPass):
         rays: Rays,
         depth: Texture,
         reduced: Texture,
-        base: Texture,
         target: Texture,
+        base: Texture | None = None,
     ) -> None:
-        """`target` = `base` + `reduced`."""
+        """Fill `target` from `reduced`, the image of `rays`; where it `is_added`, to `base`."""
         self.draw(
             commands,
             (target,),
@@ -71,5 +49,5 @@ class UpsampleOnto(FullscreenPass):
             depth=depth,
             picked=rays.picked,
             reduced=reduced,
-            base=base,
+            **({"base": base} if base else {}),
         )

@@ -2,7 +2,6 @@
 
 fields of solvers -> marched_light -> march; kernel: its variants by what fields there are;
                      kernel_wgsl: their WGSL
-cells           face visibility and walls of the lattice, packed
 forward_source  light near its beam, light by light
 half_space      light of an endless medium beyond the lattices
 """

@@ -20,6 +20,16 @@ _NO_LATTICES = "fn lattice_begin() {}\nfn lattice_obliqueness(n: vec3f) -> f32 {
 _NO_TWO_BANDS = "fn lattice_two_bands(p: vec3f, travel: vec3f) -> vec3f { return vec3f(0.0); }\n"
 
 
+def _over_media(term: str) -> str:
+    """`sum`: over the media at a point, of row m and mean cosines g, density times `term`."""
+    return (
+        "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
+        "        let k = medium_here(j);\n        let m = ray_medium(k);\n"
+        "        let g = row_of_media(m).g;\n"
+        f"        sum += media_density_here[k] * {term};\n    }}\n"
+    )
+
+
 def _targets_wgsl(variant: Variant) -> str:
     """The struct of them, made of radiance (a: how far the ray goes), the sky's, transmittance."""
     # The loop sums all; what has no target is left out by the compiler.
@@ -198,7 +208,6 @@ def _emission_wgsl(name: str) -> str:
 
     Media whose single scattering comes with a source of its own do not scatter it.
     """
-    # Samples of three channels, then what each medium scatters of them by its own g.
     # Two bands of each channel, and the third of the sky, seen along the ray.
     samples = "".join(
         f"    let {c} = lattice_blended({name}_{c}, {str(name == 'lattice').lower()});\n"
@@ -210,8 +219,8 @@ def _emission_wgsl(name: str) -> str:
         f"lattice_radiance({c} + vec4f({third.format(c[0])}), along, own.{name}_direct * g.{c[0]})"
         for c in ("red", "green", "blue")
     )
-    before = ""
     # The sky may have a third band, and leaves means for what the reduced medium scatters.
+    before = ""
     if name == "sky":
         samples += "    let third = sky_third_at(along);\n"
         samples += "    sky_means = max(vec3f(red.x, green.x, blue.x), vec3f(0.0));\n"
@@ -220,68 +229,49 @@ def _emission_wgsl(name: str) -> str:
         f"{before}fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         "    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }\n"
         f"    let along = lattice_axes * travel;\n{samples}"
-        "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
-        "        let k = medium_here(j);\n        let m = ray_medium(k);\n"
-        "        let g = row_of_media(m).g;\n"
-        f"        sum += media_density_here[k] * lit_scattering_of(m) * vec3f({channels});\n"
-        "    }\n"
-        f"    return own.{name}_scale * sum;\n}}\n"
+        + _over_media(f"lit_scattering_of(m) * vec3f({channels})")
+        + f"    return own.{name}_scale * sum;\n}}\n"
     )
 
 
-_SKY_REDUCED = """
+_SKY_REDUCED = f"""
 var<private> sky_means: vec3f;
 // What the reduced media would scatter of the sky's light at the same point.
-fn sky_reduced_here() -> vec3f {
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        sum += media_density_here[k] * reduced_sigma_s_of(ray_medium(k));
-    }
+fn sky_reduced_here() -> vec3f {{
+{_over_media("reduced_sigma_s_of(m)")}
     return own.sky_scale * select(vec3f(0.0), sum * sky_means, lattice_at[0].w > 0.0);
-}
+}}
 """
 
 
-_IN_SCATTERING_WGSL = """
+_IN_SCATTERING_WGSL = f"""
 //! use air_lobes
 // What media scatter towards the eye, as cells have it from their middles, turned to the ray's way.
-fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
-    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }
+fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {{
+    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}
     let seen = max(lattice_blended(lattice_mean, true).rgb, vec3f(0.0));
     let flow = lattice_blended(lobe_scattered_along, true);
     let to_eye = rays.eye - lattices[0].cell * march_step_share(p) * own.ahead - p;
     let given = to_eye / max(length(to_eye), 1e-6);
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        let m = ray_medium(k);
-        let turned = turned_lobe(flow, travel, given, row_of_media(m).g);
-        sum += media_density_here[k] * lit_scattering_of(m) * turned;
-    }
+{_over_media("lit_scattering_of(m) * turned_lobe(flow, travel, given, g)")}
     return own.lattice_scale * sum * seen;
-}
+}}
 """
 
-_LOBES_WGSL = """
+_TWO_LOBES = """lit_scattering_of(m) * (scattered_lobe(straight, along, travel, g)
+            + scattered_lobe(all - straight, scattered_along, travel, g))"""
+_LOBES_WGSL = f"""
 //! use air_lobes
 // What media scatter of unscattered light and of all other, each of which goes about one way.
-fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {
-    if (lattice_at[0].w <= 0.0) { return vec3f(0.0); }
+fn lattice_emission(p: vec3f, travel: vec3f) -> vec3f {{
+    if (lattice_at[0].w <= 0.0) {{ return vec3f(0.0); }}
     let all = lattice_blended(lattice_mean, true).rgb;
     let straight = lattice_blended(lobe_straight, true).rgb;
     let along = lattice_blended(lobe_along, true).rgb;
     let scattered_along = lattice_blended(lobe_scattered_along, true).rgb;
-    var sum = vec3f(0.0);
-    for (var j = 0u; j < media_here(); j++) {
-        let k = medium_here(j);
-        let m = ray_medium(k);
-        let found = scattered_lobe(straight, along, travel, row_of_media(m).g)
-            + scattered_lobe(all - straight, scattered_along, travel, row_of_media(m).g);
-        sum += media_density_here[k] * lit_scattering_of(m) * found;
-    }
+{_over_media(_TWO_LOBES)}
     return own.lattice_scale * sum;
-}
+}}
 """
 
 
@@ -292,9 +282,7 @@ def _isotropic_wgsl(name: str) -> str:
     return (
         f"fn {name}_emission(p: vec3f, travel: vec3f) -> vec3f {{\n"
         f"    let mean = lattice_blended({name}_mean, {str(name == 'lattice').lower()}).rgb;\n"
-        "    var sum = vec3f(0.0);\n    for (var j = 0u; j < media_here(); j++) {\n"
-        "        let k = medium_here(j);\n"
-        "        sum += media_density_here[k] * reduced_sigma_s_of(ray_medium(k));\n"
-        f"    }}\n    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
+        + _over_media("reduced_sigma_s_of(m)")
+        + f"    return own.{name}_scale * select(vec3f(0.0), sum * max(mean, vec3f(0.0)), "
         "lattice_at[0].w > 0.0);\n}\n"
     )

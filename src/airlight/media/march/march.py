@@ -52,9 +52,9 @@ class _March(FullscreenPass):
     file = "march.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia, variant: Variant) -> None:
-        self.slots = slots(media, variant)  # type: ignore[misc]
+        self.slots = slots(media, variant)
         names = target_names(variant)
-        self.targets = ("rgba32float",) * len(names)  # type: ignore[misc]
+        self.targets = ("rgba32float",) * len(names)
         gpu.require(_LIMIT, _BYTES * len(names), "marching")
         super().__init__(
             gpu, generated=media.medium_wgsl + generated(variant), firsts=firsts(variant)

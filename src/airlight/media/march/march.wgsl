@@ -58,7 +58,7 @@ fn light_behind(eye: vec3f, ray: EyeRay, t: f32, T: vec3f, T_reduced: vec3f) -> 
     let before = max(t - 0.5 * own.step, 0.0);
     let p = eye + before * ray.direction;
     densities_at(p, before);
-    let sources = emission_at(p, -ray.direction);       // enters the lattice
+    _ = emission_at(p, -ray.direction);     // enters the lattice, which the sky and two bands are read of
     let least = vec3f(1e-20);
     let once = T * log(max(T_reduced, least) / max(T, least));
     let sky = max(T_reduced - T - once, vec3f(0.0)) * skylit_at(p, -ray.direction);

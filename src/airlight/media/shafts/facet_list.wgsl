@@ -29,9 +29,11 @@ fn put_leaf(level: u32, node: vec2u, first: u32) -> u32 {
     let own = facet_of(tree.layer, level, node);
     let bits = leaf_sides(tree.layer, own);
     var at = first;
+    // Both ends of its column: the top, and the same at infinity. Where nothing casts a shadow there is no column.
     if (own.plane.x < NEVER) {
         at = put_top(put_top(at, own, bits & 15u, 0u), own, bits & 15u, LID);
     }
+    // Walls on the sides that it is in charge of, in two halves.
     for (var side = 0u; side < 4u; side++) {
         if ((bits >> (4u + side) & 1u) == 1u) {
             let halves = wall_triangles(
@@ -56,6 +58,7 @@ fn put_leaf(level: u32, node: vec2u, first: u32) -> u32 {
         draws[layer] = Draw(3u * min(at, arrayLength(&triangles)), 1u, 0u, 0u);
         at = 0u;
     }
+    // A leaf writes its triangles; any other square hands its children their places, in turn.
     if (is_whole(layer, tree.level, id.xy)) {
         at = put_leaf(tree.level, id.xy, at);
         return;

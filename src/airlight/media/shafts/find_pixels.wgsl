@@ -21,6 +21,7 @@
             most = max(most, texel.rgb);
         }
     }
+    // Between colours that differ too much none is right: the pixel is drawn by itself.
     if (is_redrawn(least, most, redrawn.contrast)) {
         list_pixel(vec2u(position.xy), vec3f(0.0), redrawn.group);
     }

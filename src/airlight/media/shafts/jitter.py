@@ -32,7 +32,7 @@ class _Jitter(ComputePass):
     file = "jitter.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             uniform("params", JitterParams),
             texture("picked", "2d", "unfilterable-float"),

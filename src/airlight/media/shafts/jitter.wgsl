@@ -53,6 +53,7 @@ fn step_radiance(
     light: LightData, index: u32, direction: vec3f, sample: vec2f,
 ) -> vec3f {
     let p = rays.eye + sample.x * direction;
+    // How much arrives at the sample, and by which angle it would be scattered to the eye.
     var gain = sample.y;
     var mu = -dot(light.direction, direction);
     var sharpness = 1.0;
@@ -64,6 +65,7 @@ fn step_radiance(
         mu = seen.mu;
         sharpness = seen.sharpness;
     }
+    // Shadow maps and media are asked only where anything arrives.
     if (gain <= 0.0) {
         return vec3f(0.0);
     }

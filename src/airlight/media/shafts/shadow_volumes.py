@@ -58,7 +58,7 @@ class _Lit(FullscreenPass):
     file = "shadow_volumes_lit.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia, lights: Lights) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             uniform("params", LitParams),
             *media.slots,
@@ -74,7 +74,7 @@ class _Dark(RasterPipeline):
     file = "shadow_volumes.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia, lights: Lights) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("rays", RayParams),
             uniform("params", VolumeParams),
             *TREE_SLOTS,

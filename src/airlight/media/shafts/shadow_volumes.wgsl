@@ -38,9 +38,11 @@ struct WallCorner {
 fn top_corner(own: Facet, kind: u32, k: u32) -> vec2u {
     let size = 1u << own.level;
     let low = own.node * size;
+    // A half of a top that no side divides.
     if (kind < 2u) {
         return low + corner_of(3u - select(k + kind, 0u, k == 0u)) * size;
     }
+    // Else a triangle of the fan around its middle: over a whole side, or over half of one.
     let is_half = kind >= 6u;
     let side = select(kind - 2u, (kind - 6u) >> 1u, is_half);
     let p = low + corner_of(side) * size;
@@ -102,9 +104,11 @@ fn wall_corner(own: Facet, part: u32, k: u32) -> WallCorner {
 // The plane of a triangle, the eye its origin. A face can be a hundredth of a pixel wide and reach
 // far beyond the image: interpolated values on it are not accurate enough.
 fn plane_of(own: Facet, kind: u32) -> vec4f {
+    // What lies at infinity cuts no ray.
     if (kind >= LID && kind < WALL) {
         return vec4f(0.0);
     }
+    // In the map's space a wall stands upright on a side of its square, and a top slopes as its facet does.
     let half = 0.5 * f32(tree.resolution);
     var ndc = vec4f(0.0, 0.0, 1.0, 0.0);
     if (kind >= WALL) {
@@ -116,6 +120,7 @@ fn plane_of(own: Facet, kind: u32) -> vec4f {
         let slope = own.plane.yz;
         ndc = vec4f(-half * slope.x, half * slope.y, 1.0, -own.plane.x - dot(slope, off));
     }
+    // In the world, from the eye: planes go backwards through the map's projection.
     let m = row_of_views(tree.layer).clip_from_world;
     let at_eye = m * vec4f(rays.eye, 1.0);
     return vec4f(dot(ndc, m[0]), dot(ndc, m[1]), dot(ndc, m[2]), dot(ndc, at_eye));

@@ -27,9 +27,7 @@ class _Shafts(ComputePass):
     file = "shafts.wgsl"
 
     def __init__(self, shadows: ShadowRays) -> None:
-        self.slots = shadows.slots(  # type: ignore[misc]
-            texture("picked", "2d", "unfilterable-float")
-        )
+        self.slots = shadows.slots(texture("picked", "2d", "unfilterable-float"))
         super().__init__(shadows.gpu, generated=shadows.wgsl)
 
 
@@ -49,7 +47,7 @@ class _RedrawPixels(ComputePass):
     file = "redraw_pixels.wgsl"
 
     def __init__(self, shadows: ShadowRays) -> None:
-        self.slots = shadows.slots(  # type: ignore[misc]
+        self.slots = shadows.slots(
             storage("found", "u32"),
             storage("chosen", "vec4u"),
             texture("depth", "2d", "depth"),

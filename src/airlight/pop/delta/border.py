@@ -33,7 +33,7 @@ class _Entering(ComputePass):
     target: Slot
 
     def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             uniform("outer", OuterParams),
             storage("density", "f32"),

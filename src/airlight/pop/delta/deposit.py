@@ -19,7 +19,7 @@ class Deposit(ComputePass):
     def __init__(self, medium: GridMedium, light: IncidentLight) -> None:
         mixture = light.mixture
         self._medium, self._light = medium, light
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             *light.slots,
             storage("density", "f32"),

@@ -41,7 +41,7 @@ class _OfCells(ComputePass):
     own_slots: tuple[Slot, ...]
 
     def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
-        self.slots = (*self.own_slots, *mixture.cell_slots)  # type: ignore[misc]
+        self.slots = (*self.own_slots, *mixture.cell_slots)
         super().__init__(gpu, generated=mixture.cell_wgsl)
 
 

@@ -35,7 +35,7 @@ class _OfBeams(ComputePass):
     own_slots: tuple[Slot, ...]
 
     def __init__(self, gpu: Gpu, mixture: Mixture, *, has_blocks: bool) -> None:
-        self.slots = (*self.own_slots, *mixture.beam_slots)  # type: ignore[misc]
+        self.slots = (*self.own_slots, *mixture.beam_slots)
         super().__init__(gpu, generated=mixture.beam_wgsl(has_blocks=has_blocks))
 
 

@@ -30,7 +30,7 @@ class Outgoing(ComputePass):
 
     def __init__(self, medium: GridMedium) -> None:
         mixture, self._medium = medium.mixture, medium
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             uniform("eye", EyeParams),
             storage("density", "f32"),

@@ -23,11 +23,13 @@ fn home_of(id: vec3u) -> vec3u {
     var home = inside;
     for (var axis = 0u; axis < 3u; axis++) {
         let side = id[axis] & 1u;
+        // Only a surface on the half cell's own side can lie before its middle.
         if (!is_walled(faces, axis, side)) {
             continue;
         }
         var below = inside;
         below[axis] -= 1u - side;
+        // That middle is a quarter of a cell off the cell's: nearer surfaces are before it.
         let position = wall_position(below, axis);
         if (select(position > 0.75, position < 0.25, side == 1u)) {
             home[axis] = select(home[axis] - 1u, home[axis] + 1u, side == 1u);

@@ -47,7 +47,7 @@ class _Blocks(ComputePass):
     file = "blocks.wgsl"
 
     def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             uniform("receiver", BlockParams),
             *mixture.cell_slots,
@@ -66,7 +66,7 @@ class _Irradiance(ComputePass):
     file = "irradiance.wgsl"
 
     def __init__(self, gpu: Gpu, others: int) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             uniform("exchange", InterMediumParams),
             table("media", MixedData),

@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 
 from ...gpu.commands import Commands
-from ...gpu.memory import Buffer
 from ...maths.ordinate_hops import switch_iteration
 from ...maths.ordinates import Ordinates
 from ...maths.transforms import F64
@@ -21,7 +20,6 @@ from ..light.incident import IncidentLight
 from ..light.table import LocalLight
 from ..light.visibility import Surfaces
 from ..medium.grid_medium import GridMedium
-from ..medium.mixture import Mixture
 from ..medium.placement import MediumParams
 from ..settings import PopSettings
 from .emission import GridEmission
@@ -39,18 +37,9 @@ class OrdinateGrids:
 
     has_mean = False
 
-    def __init__(
-        self,
-        medium: GridMedium,
-        settings: PopSettings,
-        capacity: int,
-        mixture: Mixture,
-        *,
-        indirect: Buffer | None = None,
-        takes_others: bool = False,
-    ) -> None:
-        """For at most `capacity` ordinates; `indirect` and `takes_others` are not used."""
-        self._medium, self._settings = medium, settings
+    def __init__(self, medium: GridMedium, settings: PopSettings, capacity: int) -> None:
+        """For at most `capacity` ordinates."""
+        self._medium, self._settings, mixture = medium, settings, medium.mixture
         # Light that reaches the cells unscattered, and where the residuum of the grids goes.
         self.light = IncidentLight(medium, mixture, settings, capacity)
         self.diffuse = Diffuse(medium.gpu, medium.placement, mixture)

@@ -30,7 +30,7 @@ class _Others(ComputePass):
     file = "paths_others.wgsl"
 
     def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             uniform("others", OtherPathParams),
             storage("ordinates", OrdinateData),

@@ -19,6 +19,7 @@
     if (end <= begin) {
         return;
     }
+    // The midpoint rule, as inside the grid.
     let steps = ceil((end - begin) / beyond.step);
     let dt = (end - begin) / steps;
     let stride = dt * back / beyond.extent;

@@ -17,6 +17,7 @@
     let inside = min(out, light.distance);
     let is_closed = others.is_closed == 1u || ordinates[id.y].position.w == BLOCK;
     let end = select(light.distance, inside, is_closed);
+    // Both parts apart: beyond the box what is scattered forwards spreads sideways, and comes from blocks.
     for (var m = 1u; m < MEDIA; m++) {
         let part = (m + 1u) * params.ordinate_count + id.y;
         passed[part * params.cells + id.x] = density_between(m, point, back, 0.0, inside);

@@ -45,7 +45,7 @@ class _Others(ComputePass):
     file = "density_others.wgsl"
 
     def __init__(self, gpu: Gpu, mixture: Mixture) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MediumParams),
             *mixture.cell_slots,
             *fine_slots(mixture.media - 1),

@@ -46,7 +46,7 @@ class _Merged(ComputePass):
     file = "merged.wgsl"
 
     def __init__(self, gpu: Gpu, media: GpuMedia) -> None:
-        self.slots = (  # type: ignore[misc]
+        self.slots = (
             uniform("params", MergedParams),
             image("voxels", "rgba16float", "3d"),
             *media.medium_slots,
