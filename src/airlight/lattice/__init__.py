@@ -7,7 +7,7 @@
    bodies, rooms        closed bodies, which side of them blocks, which hold the eye or a light
    surfels -> blockers  samples of all surfaces -> visibility and reflectance of cell faces, and the
                         oblique plane that a cell is near
-   inject, emission, point_lights   virtual point lights (lobes) -> fixed-point sums -> cells
+   inject, lobes, point_lights      virtual point lights (lobes) -> fixed-point sums -> cells
    skylight             the sky's direct light: an ambient cube per cell
    lookup -> irradiance cells -> filtered textures -> what surfaces read
    view_surfels         surfels from the views of camera and lights instead
