@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from airlight.errors import SceneError
 from airlight.scene import Camera
+from airlight.scene.camera import view_directions
 
 
 def test_up_is_normalised():
@@ -33,3 +35,10 @@ def test_looking_along_a_level_up_takes_the_vertical():
 def test_a_camera_that_sees_nothing_is_refused(values, expected):
     with pytest.raises(SceneError, match=expected):
         Camera(**values)
+
+
+def test_view_directions_span_the_field_of_view():
+    camera = Camera(position=(0, 0, 0), target=(0, 0, -1), fov_y_deg=90)
+    directions = view_directions(camera, 2, 2, aspect=1)
+    expected = np.array([(-1, 1, -2), (1, 1, -2), (-1, -1, -2), (1, -1, -2)]) / 6**0.5
+    np.testing.assert_allclose(directions, expected, atol=1e-12)

@@ -80,6 +80,7 @@ def around(scene: Scene, seconds: float, fps: float, *, plays: bool = False) -> 
     from ..scene.io.dense_part import air_beside
     from ..scene.io.ground import without_ground
     from ..scene.io.outline import outline
+    from ..scene.placing import shifted
     from .view.free_space import FreeSpace
 
     camera = scene.camera
@@ -98,7 +99,7 @@ def around(scene: Scene, seconds: float, fps: float, *, plays: bool = False) -> 
         points = outline(without_ground(scene))
         points = np.concatenate([points, air_beside(scene, points)])
         back = look * _step_back(camera, points, np.array(pivot))
-        camera = _moved(camera, -back)
+        camera = shifted(camera, -back)
     track = OrbitTrack(camera, seconds, pivot)
     tracks = (*(_playing(scene.animation) if plays else ()), track)
     return replace(scene, camera=camera, animation=Animation(tracks, end_s=seconds, fps=fps))
@@ -117,25 +118,18 @@ def _playing(animation: Animation | None) -> Iterator[Any]:
             yield track
 
 
-def _moved(camera: Camera, by: F64) -> Camera:
-    """The camera elsewhere, by (3,) metres, looking the same way."""
-    position, target = (np.add(p, by).tolist() for p in (camera.position, camera.target))
-    return replace(camera, position=tuple(position), target=tuple(target))
-
-
 def _step_back(camera: Camera, points: F64, pivot: F64) -> float:
     """How far back, metres, the eye has to be for all points (N, 3) to stay in a 4:3 image while
     they turn about the vertical through `pivot`; 0 where the image does not show all of them."""
-    forward = np.subtract(camera.target, camera.position)
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
+    from ..scene.camera import axes
+
+    right, up, forward = axes(camera)
     half = np.tan(np.radians(camera.fov_y_deg) / 2.0)
     # Turned points before a camera that rests are what an orbiting one sees.
     needed = []
     for angle in np.linspace(0.0, 2.0 * np.pi, _VIEWS, endpoint=False):
         offset = turned_about_y(points - pivot, np.degrees(angle)) + pivot - camera.position
-        x, y = offset @ right, offset @ np.cross(right, forward)
+        x, y = offset @ right, offset @ up
         outside = np.maximum(np.abs(x) * 0.75, np.abs(y)) / half - offset @ forward
         needed.append(float(outside.max(initial=-np.inf)))
     return max(needed) if needed[0] <= 0.0 < max(needed) else 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from ..app.compare.images import U8, shown
 from ..lattice.nested import shares
 from ..scene.builtin import atrium
-from ..scene.camera import Camera
+from ..scene.camera import Camera, view_directions
 from ..scene.checks import F32, F64
 from ..scene.image import Image
 from ..scene.scene import Scene
@@ -70,19 +70,7 @@ def coloured(image: Image, given: F64) -> F32:
 
 def surface_points(camera: Camera, depth: F32) -> F64:
     """World points (H, W, 3) of pixels, `depth` in metres along their rays; far where it is not."""
-    # The camera's frame.
     height, width = depth.shape
-    eye = np.array(camera.position)
-    forward = np.subtract(camera.target, eye)
-    forward /= np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
-    up = np.cross(right, forward)
-
-    # A ray through the middle of each pixel, as long as its depth.
-    half = np.tan(np.radians(camera.fov_y_deg) / 2.0)
-    x = ((np.arange(width) + 0.5) / width * 2.0 - 1.0) * half * width / height
-    y = (1.0 - (np.arange(height) + 0.5) / height * 2.0) * half
-    rays = forward + x[None, :, None] * right + y[:, None, None] * up
-    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
-    return np.asarray(eye + rays * np.minimum(depth, 1e6)[..., None], np.float64)
+    rays = view_directions(camera, width, height, width / height).reshape(height, width, 3)
+    points = np.array(camera.position) + rays * np.minimum(depth, 1e6)[..., None]
+    return np.asarray(points, np.float64)

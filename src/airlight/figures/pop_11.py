@@ -10,6 +10,7 @@ import numpy as np
 from ..maths.delta_beam import MediumGrid
 from ..maths.medium import ray_box_interval
 from ..maths.voxels import box_averaged, trilinear
+from ..scene.camera import view_directions
 from ..scene.checks import F32, F64
 from ..scene.image import Image
 from ..scene.scene import Scene
@@ -107,9 +108,10 @@ def marched(scene: Scene, medium: MediumGrid, emission: F64, size: tuple[int, in
     """In-scattered radiance per unit sigma_s (z, y, x, 3), marched front to back on the host."""
     # Rays in the box's own coordinates, from where they enter it.
     volume = scene.volumes[0]
-    origin, direction = _rays(scene, size)
+    camera, (width, height) = scene.camera, size
+    direction = view_directions(camera, width, height, width / height).reshape(height, width, 3)
     low = np.asarray(volume.bounds)[0]
-    start = np.broadcast_to(origin - low, direction.shape)
+    start = np.broadcast_to(np.array(camera.position) - low, direction.shape)
     t0, t1 = ray_box_interval(start, direction, np.zeros(3), medium.extent)
     t0 = np.maximum(t0, 0.0)
     dt = np.maximum(t1 - t0, 0.0) / _STEPS
@@ -127,19 +129,3 @@ def marched(scene: Scene, medium: MediumGrid, emission: F64, size: tuple[int, in
         total += passed * (1.0 - through) * medium.albedo * light
         passed = passed * through
     return total.astype(np.float32)
-
-
-def _rays(scene: Scene, size: tuple[int, int]) -> tuple[F64, F64]:
-    """The eye (3,) and directions (h, w, 3) through the pixels' centres."""
-    # The camera's frame, and rays through the middles of pixels.
-    camera, (width, height) = scene.camera, size
-    forward = np.subtract(camera.target, camera.position)
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
-    up = np.cross(right, forward)
-    tangent = np.tan(0.5 * np.radians(camera.fov_y_deg))
-    y = tangent * (1.0 - 2.0 * (np.arange(height) + 0.5) / height)
-    x = tangent * width / height * (2.0 * (np.arange(width) + 0.5) / width - 1.0)
-    d = forward + x[None, :, None] * right + y[:, None, None] * up
-    return np.array(camera.position), d / np.linalg.norm(d, axis=-1, keepdims=True)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import SceneError
 from . import checks
-from .checks import Vec3
+from .checks import F64, Vec3
 
 USUAL_PX = (1280, 720)
 MOST_ASPECT = 100.0
@@ -88,3 +89,26 @@ def film_of(aspect: float, usual: tuple[int, int] = USUAL_PX) -> tuple[int, int]
     width = (usual[0] * usual[1] * aspect) ** 0.5
     height = width / aspect
     return (2 * round(width / 2.0), 2 * round(height / 2.0))
+
+
+def axes(camera: Camera) -> tuple[F64, F64, F64]:
+    """(right, up, forward) of the image, unit vectors."""
+    forward = np.subtract(camera.target, camera.position)
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, camera.up)
+    right = right / np.linalg.norm(right)
+    return right, np.cross(right, forward), forward
+
+
+def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 / 9) -> F64:
+    """Unit directions (rows * columns, 3) through the middles of a camera's coarse pixels."""
+    right, up, forward = axes(camera)
+    # The plane one unit ahead, in the middles of pixels, so that no ray lies on the border of the
+    # view.
+    half = math.tan(math.radians(camera.fov_y_deg) / 2.0)
+    x = (2.0 * (np.arange(columns) + 0.5) / columns - 1.0) * half * aspect
+    y = (1.0 - 2.0 * (np.arange(rows) + 0.5) / rows) * half
+    px, py = (p.ravel()[:, None] for p in np.meshgrid(x, y))
+    rays = forward + px * right + py * up
+    unit: F64 = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    return unit

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..maths.sampling import lens_points
-from .camera import Camera
+from .camera import Camera, axes
+from .placing import shifted
 from .scene import Scene
 
 STILL_SAMPLES, LENS_SAMPLES = 8, 64
@@ -41,20 +40,13 @@ def through_lens(
     if camera.aperture_m <= 0.0:
         return camera, jitter_px
     # A point of the lens, and the pinhole camera there.
-    look = np.subtract(camera.target, camera.position)
-    distance = float(np.linalg.norm(look))
-    forward = look / distance
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
-    focus = distance if camera.focus_m is None else camera.focus_m
+    focus = camera.focus_m
+    if focus is None:
+        focus = float(np.linalg.norm(np.subtract(camera.target, camera.position)))
     # One point of the lens for each sample, in metres across the view.
     x, y = lens_points(sample) * (camera.aperture_m / 2.0)
-    offset = x * right + y * np.cross(right, forward)
+    right, up, _ = axes(camera)
+    moved = shifted(camera, x * right + y * up)
     # The plane in focus stays where it is on the image.
     px_per_m = height_px / (2.0 * focus * np.tan(np.radians(camera.fov_y_deg) / 2.0))
-    moved = replace(
-        camera,
-        position=tuple(np.add(camera.position, offset).tolist()),
-        target=tuple(np.add(camera.target, offset).tolist()),
-    )
     return moved, (jitter_px[0] + x * px_per_m, jitter_px[1] - y * px_per_m)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..maths.transforms import triple
 from .camera import Camera
 from .checks import F64, Vec3
 
@@ -22,9 +23,16 @@ def moved_camera(camera: Camera, matrix: F64) -> Camera:
 
 def camera_at(camera: Camera, position: Vec3) -> Camera:
     """The camera at another `position`, metres, with the direction in which it looks."""
-    by = np.eye(4)
-    by[:3, 3] = np.subtract(position, camera.position)
-    return moved_camera(camera, by)
+    return shifted(camera, np.subtract(position, camera.position))
+
+
+def shifted(camera: Camera, by: F64) -> Camera:
+    """The camera elsewhere, by (3,) metres, looking the same way."""
+    return replace(
+        camera,
+        position=triple(np.add(camera.position, by)),
+        target=triple(np.add(camera.target, by)),
+    )
 
 
 def moved_point(p: Vec3, matrix: F64) -> Vec3:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.app.view.controls import LEFT, RIGHT, CameraControls, axes, turned_direction
-from airlight.scene.camera import Camera
+from airlight.app.view.controls import LEFT, RIGHT, CameraControls, turned_direction
+from airlight.scene.camera import Camera, axes
 
 
 @pytest.fixture

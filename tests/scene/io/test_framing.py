@@ -10,7 +10,7 @@ import pytest
 from airlight.scene.camera import Camera
 from airlight.scene.io.defaults import with_default_camera
 from airlight.scene.io.dense_part import air_beside
-from airlight.scene.io.framing import find_room, framing_camera, view_directions
+from airlight.scene.io.framing import find_room, framing_camera
 from airlight.scene.io.obj import load_obj
 from airlight.scene.io.outline import outline
 from airlight.scene.io.probe import Probe
@@ -102,13 +102,6 @@ def test_the_teapot_is_no_room_and_the_living_room_is_one(shared_data):
 
 def test_nothing_to_frame():
     assert framing_camera(Probe.of(Scene())) == Camera()
-
-
-def test_view_directions_span_the_field_of_view():
-    camera = Camera(position=(0, 0, 0), target=(0, 0, -1), fov_y_deg=90)
-    directions = view_directions(camera, 2, 2, aspect=1)
-    expected = np.array([(-1, 1, -2), (1, 1, -2), (-1, -1, -2), (1, -1, -2)]) / 6**0.5
-    np.testing.assert_allclose(directions, expected, atol=1e-12)
 
 
 def scaled(corners: np.ndarray, scale: float, shift=(0.0, 0.0, 0.0)) -> Camera:

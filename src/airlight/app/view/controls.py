@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from ...maths.transforms import F64, triple
-from ...scene.camera import Camera
+from ...scene.camera import Camera, axes
 from ...scene.checks import Vec3
+from ...scene.placing import shifted
 from .free_space import FreeSpace
 
 LEFT, RIGHT, MIDDLE = 1, 2, 3
@@ -217,21 +218,7 @@ class CameraControls:
         self._keys.discard(_key(event))
 
     def _shift(self, by: F64) -> None:
-        camera = self.camera
-        self.camera = replace(
-            camera,
-            position=triple(np.add(camera.position, by)),
-            target=triple(np.add(camera.target, by)),
-        )
-
-
-def axes(camera: Camera) -> tuple[F64, F64, F64]:
-    """(right, up, forward) of the image, unit vectors."""
-    forward = np.subtract(camera.target, camera.position)
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right = right / np.linalg.norm(right)
-    return right, np.cross(right, forward), forward
+        self.camera = shifted(self.camera, by)
 
 
 def turned_direction(v: Any, up: Vec3, azimuth_deg: float, elevation_deg: float) -> F64:

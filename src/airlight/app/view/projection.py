@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...maths.transforms import F64
-from ...scene.camera import Camera
-from .controls import axes
+from ...scene.camera import Camera, axes
 
 
 @dataclass(frozen=True, eq=False)

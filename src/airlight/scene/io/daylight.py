@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..camera import Camera
+from ..camera import Camera, view_directions
 from ..checks import F32, F64, Rgb
 from ..environment import Environment
 from ..lights import DirectionalLight
 from ..sun_sky import MAP_HEIGHT
-from .framing import view_directions
 from .probe import Probe
 
 SUN_IRRADIANCE: Rgb = (30.0, 27.0, 22.0)

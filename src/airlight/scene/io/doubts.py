@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..camera import view_directions
 from ..scene import Scene
-from .framing import view_directions
 from .probe import Probe
 
 THICK = 6.0

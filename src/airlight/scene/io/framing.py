@@ -7,12 +7,11 @@ along it; of the few places tried, the one that sees furthest and most different
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..camera import Camera
+from ..camera import Camera, view_directions
 from ..checks import F64
 from .probe import Hits, Probe, sphere_directions
 from .viewpoint import AZIMUTH_DEG, BELOW_DEG, around, from_front, rounded_camera, towards_eye
@@ -221,23 +220,6 @@ def _interest(probe: Probe, camera: Camera, room: Room) -> float:
     window = 1.0 + 10.0 * min(float(is_out), 0.05)
     score: float = float(near.mean()) * 2.0**entropy * window * (0.1 if is_blocked else 1.0)
     return score
-
-
-def view_directions(camera: Camera, columns: int, rows: int, aspect: float = 16 / 9) -> F64:
-    """Unit directions (rows * columns, 3) through the middles of a camera's coarse pixels."""
-    forward = np.subtract(camera.target, camera.position)
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
-    # The plane one unit ahead, in the middles of pixels, so that no ray lies on the border of the
-    # view.
-    half = math.tan(math.radians(camera.fov_y_deg) / 2.0)
-    x = (2.0 * (np.arange(columns) + 0.5) / columns - 1.0) * half * aspect
-    y = (1.0 - 2.0 * (np.arange(rows) + 0.5) / rows) * half
-    px, py = (p.ravel()[:, None] for p in np.meshgrid(x, y))
-    rays = forward + px * right + py * np.cross(right, forward)
-    unit: F64 = rays / np.linalg.norm(rays, axis=1, keepdims=True)
-    return unit
 
 
 def _through_open_side(points: F64, room: Room) -> Camera:
