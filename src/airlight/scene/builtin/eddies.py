@@ -8,7 +8,7 @@ from typing import cast
 
 import numpy as np
 
-from ..checks import F32, Vec3
+from ..checks import F32, Bounds, Vec3
 from .noise import fractal_noise
 
 
@@ -87,3 +87,15 @@ def _fields(of: Eddies, seed: int) -> tuple[F32, F32]:
     x, y, z = of.largest
     texture = fractal_noise(of.cells, (2 * x, 2 * y, 2 * z), rng, octaves=3, gain=0.6)
     return cast(F32, curl / rms), texture
+
+
+def cell_centres(bounds: Bounds, shape: tuple[int, int, int]) -> F32:
+    """World points (cells, 3), metres, of a grid of `shape` in `bounds`, in its (z, y, x) order."""
+    z, y, x = (
+        np.float32(bounds[0][axis])
+        + (np.arange(shape[2 - axis], dtype=np.float32) + 0.5)
+        * np.float32((bounds[1][axis] - bounds[0][axis]) / shape[2 - axis])
+        for axis in (2, 1, 0)
+    )
+    zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
+    return np.stack([xx.ravel(), yy.ravel(), zz.ravel()], axis=-1)

@@ -18,7 +18,7 @@ from ..mesh import Mesh
 from ..scene import Scene
 from ..volume import Volume
 from . import stone
-from .eddies import Eddies
+from .eddies import Eddies, cell_centres
 from .noise import smoothstep
 from .patch import Finish, moved, placed_at
 from .profile import profile, revolved
@@ -85,7 +85,7 @@ def _burnt(time: float, seed: int) -> tuple[F32, F32]:
     Flames narrow as the gas speeds up, and end in tongues where the fuel is used up, sooner at
     their rims; what they leave is smoke, which widens and thins by the air that it takes in.
     """
-    points = _cell_centres()
+    points = cell_centres(BOUNDS, SHAPE)
     height = points[:, 1] - np.float32(BOUNDS[0][1])
     necked = BED_M * (1.0 - 0.35 * smoothstep(0.0, 0.7, height))
     # Only cells near the column are followed.
@@ -124,20 +124,6 @@ def _burnt(time: float, seed: int) -> tuple[F32, F32]:
     made = grids.reshape(2, *SHAPE)
     made.flags.writeable = False
     return made[0], made[1]
-
-
-def _cell_centres() -> F32:
-    """World points (cells, 3), metres, in the grids' (z, y, x) order."""
-    low, high = np.array(BOUNDS, np.float32)
-    count = np.array(SHAPE[::-1], np.float32)
-    z, y, x = (
-        low[axis]
-        + (np.arange(SHAPE[2 - axis], dtype=np.float32) + 0.5)
-        * ((high[axis] - low[axis]) / count[axis])
-        for axis in (2, 1, 0)
-    )
-    zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
-    return np.stack([xx.ravel(), yy.ravel(), zz.ravel()], axis=-1)
 
 
 def _hearth(seed: int) -> tuple[Mesh, ...]:

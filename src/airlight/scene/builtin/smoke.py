@@ -18,7 +18,7 @@ from ..mesh import Mesh
 from ..scene import Scene
 from ..volume import Volume
 from . import stone
-from .eddies import Eddies
+from .eddies import Eddies, cell_centres
 from .noise import smoothstep
 from .patch import Finish, placed_at
 from .profile import arc, profile, revolved
@@ -83,7 +83,7 @@ def plume_density(time: float, seed: int) -> F32:
     ride = np.array([0.11, RISE_M_S, -0.07], np.float32) * np.float32(time)
     moved = _finer(_carried(eddies, ride))
     # Cells near the plume, and where their air had left the bowl.
-    points = _cell_centres(SHAPE)
+    points = cell_centres(BOUNDS, SHAPE)
     height, radius, smoky = _plume(points, 2.9)
     points, height, radius = points[smoky], height[smoky], radius[smoky]
     start = points - moved.reshape(-1, 3)[smoky]
@@ -112,7 +112,7 @@ def _plume(points: F32, radii: float) -> tuple[F32, F32, NDArray[np.bool_]]:
 
 def _carried(eddies: F32, ride: F32) -> F32:
     """How far (z, y, x, 3), m, eddies have carried the air of each traced cell."""
-    points = _cell_centres(_TRACED)
+    points = cell_centres(BOUNDS, _TRACED)
     height, _, smoky = _plume(points, 3.2)
     begin, height = points[smoky] - ride, height[smoky]
     # Eddies grow stronger with height, up to 1.5 m.
@@ -157,18 +157,6 @@ def _diffused(density: F32) -> F32:
         before, after = (np.take(wide, range(s, s + SHAPE[axis]), axis) for s in (0, 2))
         density = (before + 2.0 * density + after) / np.float32(4.0)
     return density
-
-
-def _cell_centres(shape: tuple[int, int, int]) -> F32:
-    """World points (cells, 3), metres, of a grid of `shape`, in its (z, y, x) order."""
-    z, y, x = (
-        np.float32(BOUNDS[0][axis])
-        + (np.arange(shape[2 - axis], dtype=np.float32) + 0.5)
-        * np.float32((BOUNDS[1][axis] - BOUNDS[0][axis]) / shape[2 - axis])
-        for axis in (2, 1, 0)
-    )
-    zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
-    return np.stack([xx.ravel(), yy.ravel(), zz.ravel()], axis=-1)
 
 
 def court(seed: int) -> tuple[Mesh, ...]:
