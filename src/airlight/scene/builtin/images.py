@@ -1,4 +1,4 @@
-"""Float fields as 8-bit textures: colours, normals of a height field, roughness."""
+"""Float fields as 8-bit textures: colours, normals of a height field, roughness; and finishes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ...maths.colour import srgb_encode
 from ..checks import Rgb
-from ..material import Texture
+from ..material import Material, Texture
+from .patch import Finish
 
 U8 = NDArray[np.uint8]
 Field = NDArray[np.floating[Any]]
@@ -58,6 +59,30 @@ def roughness_texture(roughness: Field, source: str) -> Texture:
     pixels = np.full((*roughness.shape, 4), 255, np.uint8)
     pixels[..., 1] = np.clip(255.0 * roughness + 0.5, 0, 255)
     return Texture(pixels, is_srgb=False, source=source)
+
+
+def patterned(
+    name: str,
+    tile_m: float,
+    grey: Field,
+    tints: Field | Rgb,
+    height_m: Field,
+    roughness: Field | float,
+) -> Finish:
+    """An opaque finish of images that repeat every `tile_m` metres, with relief `height_m`."""
+    rough = (
+        None if isinstance(roughness, float) else roughness_texture(roughness, f"{name} roughness")
+    )
+    material = Material(
+        name=name,
+        base_color=(1.0, 1.0, 1.0),
+        base_color_texture=color_texture(grey, tints, name),
+        metallic_roughness_texture=rough,
+        normal_texture=normal_texture(height_m, tile_m, f"{name} normals"),
+        roughness=roughness if isinstance(roughness, float) else 1.0,
+        two_sided=False,
+    )
+    return Finish(material, tile_m)
 
 
 @cache

@@ -8,8 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..checks import Rgb
-from ..material import Material
-from .images import Field, color_texture, normal_texture, roughness_texture
+from .images import Field, patterned
 from .noise import fractal_noise, smoothstep
 from .patch import Finish
 
@@ -35,15 +34,7 @@ def limestone_blocks(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     warmth = 0.035 * shade[1][index] + 0.02 * stain
     tint = np.stack([0.60 * (1 + warmth), np.full_like(x, 0.525), 0.43 * (1 - warmth)], -1)
     height = 0.006 * face + 0.0007 * grain * face + 0.0012 * shade[2][index] * face
-    material = Material(
-        name="limestone blocks",
-        base_color_texture=color_texture(grey, tint, "limestone blocks"),
-        base_color=(1.0, 1.0, 1.0),
-        normal_texture=normal_texture(height, tile_m, "limestone blocks normals"),
-        roughness=0.9,
-        two_sided=False,
-    )
-    return Finish(material, tile_m)
+    return patterned("limestone blocks", tile_m, grey, tint, height, 0.9)
 
 
 def carved_limestone(rng: np.random.Generator, size_px: int = 512) -> Finish:
@@ -55,15 +46,7 @@ def carved_limestone(rng: np.random.Generator, size_px: int = 512) -> Finish:
     cloud = fractal_noise(shape, (3, 3), rng, octaves=4)
     vein = np.exp(-40.0 * np.abs(fractal_noise(shape, (2, 3), rng, octaves=5)))
     grey = 1.0 + 0.03 * grain + 0.05 * cloud - 0.12 * vein
-    material = Material(
-        name="carved limestone",
-        base_color=(1.0, 1.0, 1.0),
-        base_color_texture=color_texture(grey, (0.63, 0.565, 0.475), "carved limestone"),
-        normal_texture=normal_texture(0.0005 * grain, tile_m, "carved limestone normals"),
-        roughness=0.7,
-        two_sided=False,
-    )
-    return Finish(material, tile_m)
+    return patterned("carved limestone", tile_m, grey, (0.63, 0.565, 0.475), 0.0005 * grain, 0.7)
 
 
 def plaster(
@@ -75,15 +58,8 @@ def plaster(
     # Clouds of colour, and the marks of the trowel as relief.
     cloud = fractal_noise(shape, (3, 3), rng, octaves=5)
     trowel = fractal_noise(shape, (10, 5), rng, octaves=4)
-    material = Material(
-        name="plaster",
-        base_color=(1.0, 1.0, 1.0),
-        base_color_texture=color_texture(1.0 + 0.035 * cloud + 0.015 * trowel, color, "plaster"),
-        normal_texture=normal_texture(0.0012 * trowel, tile_m, "plaster normals"),
-        roughness=0.95,
-        two_sided=False,
-    )
-    return Finish(material, tile_m)
+    grey = 1.0 + 0.035 * cloud + 0.015 * trowel
+    return patterned("plaster", tile_m, grey, color, 0.0012 * trowel, 0.95)
 
 
 def paving(rng: np.random.Generator, size_px: int = 1024) -> Finish:
@@ -103,15 +79,7 @@ def paving(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     tint = np.stack([0.50 * (1 + warmth), np.full_like(x, 0.445), 0.375 * (1 - warmth)], -1)
     height = 0.005 * face + 0.0006 * grain * face + 0.0010 * shade[2][index] * face
     rough = 0.62 + 0.25 * (1.0 - face) + 0.05 * wear + 0.04 * grain
-    material = Material(
-        name="paving",
-        base_color=(1.0, 1.0, 1.0),
-        base_color_texture=color_texture(grey, tint, "paving"),
-        metallic_roughness_texture=roughness_texture(rough, "paving roughness"),
-        normal_texture=normal_texture(height, tile_m, "paving normals"),
-        two_sided=False,
-    )
-    return Finish(material, tile_m)
+    return patterned("paving", tile_m, grey, tint, height, rough)
 
 
 def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
@@ -132,15 +100,7 @@ def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
     pale, brown, rust = (np.array(c, np.float32) for c in _TILE_COLORS)
     tint = pale + dark[..., None] * (brown - pale) + red[..., None] * (rust - brown)
     rough = 0.38 + 0.05 * marble + 0.5 * (1.0 - face)
-    material = Material(
-        name="gallery tiles",
-        base_color=(1.0, 1.0, 1.0),
-        base_color_texture=color_texture(grey, tint, "gallery tiles"),
-        metallic_roughness_texture=roughness_texture(rough, "gallery tiles roughness"),
-        normal_texture=normal_texture(0.002 * face, tile_m, "gallery tiles normals"),
-        two_sided=False,
-    )
-    return Finish(material, tile_m)
+    return patterned("gallery tiles", tile_m, grey, tint, 0.002 * face, rough)
 
 
 _TILE_COLORS: tuple[Rgb, Rgb, Rgb] = ((0.56, 0.52, 0.45), (0.17, 0.15, 0.13), (0.33, 0.16, 0.10))
@@ -157,17 +117,9 @@ def terracotta(rng: np.random.Generator, size_px: int = 512) -> Finish:
     # Lime blooms in patches; marks and grain show as colour and as relief.
     clay, lime = np.array([0.46, 0.20, 0.11], np.float32), np.array([0.52, 0.38, 0.28], np.float32)
     grey = 1.0 + 0.06 * grain + 0.05 * marks
-    material = Material(
-        name="terracotta",
-        base_color=(1.0, 1.0, 1.0),
-        base_color_texture=color_texture(grey, clay + 0.7 * bloom * (lime - clay), "terracotta"),
-        normal_texture=normal_texture(
-            0.0006 * marks + 0.0003 * grain, tile_m, "terracotta normals"
-        ),
-        roughness=0.85,
-        two_sided=False,
-    )
-    return Finish(material, tile_m)
+    tint = clay + 0.7 * bloom * (lime - clay)
+    height = 0.0006 * marks + 0.0003 * grain
+    return patterned("terracotta", tile_m, grey, tint, height, 0.85)
 
 
 def _grid(size_px: int) -> tuple[Field, Field]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..checks import F32, Rgb
 from ..material import Material
-from .images import color_texture, normal_texture, roughness_texture
+from .images import color_texture, normal_texture, patterned, roughness_texture
 from .noise import fractal_noise, smoothstep
 from .patch import Finish
 
@@ -50,15 +50,7 @@ def boards(
 def timber(rng: np.random.Generator, color: Rgb = (0.50, 0.33, 0.18), size_px: int = 512) -> Finish:
     """Planed wood with its grain along u, for furniture."""
     grain = _grain(rng, size_px)
-    material = Material(
-        name="timber",
-        base_color=(1.0, 1.0, 1.0),
-        base_color_texture=color_texture(1.0 + 0.13 * grain, color, "timber"),
-        normal_texture=normal_texture(0.00008 * grain, 1.0, "timber normals"),
-        roughness=0.5,
-        two_sided=False,
-    )
-    return Finish(material, 1.0)
+    return patterned("timber", 1.0, 1.0 + 0.13 * grain, color, 0.00008 * grain, 0.5)
 
 
 def _grain(rng: np.random.Generator, size_px: int) -> F32:
