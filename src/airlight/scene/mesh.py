@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,11 @@ def smooth_normals(positions: F32, indices: NDArray[np.uint32]) -> F32:
         face = np.cross(b - a, c - a)
         for axis in range(3):
             np.add.at(sums[axis], corners.ravel(), np.repeat(face[:, axis], 3))
-    total = sums.T
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    unit = np.where(length > 0.0, total / np.maximum(length, 1e-300), (0.0, 1.0, 0.0))
-    return cast(F32, unit.astype(np.float32))
+    return cast(F32, unit_or_up(sums.T).astype(np.float32))
+
+
+def unit_or_up(vectors: NDArray[Any]) -> NDArray[Any]:
+    """Rows (n, 3) of length 1; those of length 0, which have no direction, become +Y."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    up = np.array((0.0, 1.0, 0.0), vectors.dtype)
+    return np.where(length > 0.0, vectors / np.maximum(length, np.finfo(length.dtype).tiny), up)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import F32, F64
+from ..mesh import unit_or_up
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ def morphed(vertices: Vertices, morph: Morph, weights: F64) -> Vertices:
     """The vertices with the targets' deltas added by `weights` (M,)."""
     normals, tangents = vertices.normals, vertices.tangents
     if normals is not None and morph.normals is not None:
-        normals = _unit(normals + _mixed(weights, morph.normals))
+        normals = unit_or_up(normals + _mixed(weights, morph.normals))
     # The side of the bitangent is no vector, and stays.
     if tangents is not None and morph.tangents is not None:
         moved = tangents[:, :3] + _mixed(weights, morph.tangents)
@@ -119,14 +120,8 @@ def _turned_normals(normals: F32, columns: tuple[F32, F32, F32], handed: F32) ->
         + np.cross(a, b) * normals[:, 2:]
     )
     # A mirroring matrix turns cofactors around, so its sign goes into the normal.
-    return _unit(turned * handed)
+    return unit_or_up(turned * handed)
 
 
 def _mixed(weights: F64, deltas: F32) -> F32:
     return np.tensordot(weights.astype(np.float32), deltas, axes=1)
-
-
-def _unit(vectors: F32) -> F32:
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    up = np.array((0.0, 1.0, 0.0), np.float32)
-    return cast(F32, np.where(length > 0.0, vectors / np.maximum(length, 1e-30), up))

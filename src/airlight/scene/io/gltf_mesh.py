@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError
 from ..checks import F32
-from ..mesh import Geometry
+from ..mesh import Geometry, unit_or_up
 from .gltf_buffers import Buffers
 from .gltf_frames import Surface
 from .gltf_json import Item
@@ -135,13 +135,7 @@ def _triangles(
 
 def _normals(attributes: Item, buffers: Buffers) -> F32 | None:
     normals = _optional(attributes, buffers, "NORMAL", 3)
-    if normals is None:
-        return None
-    # A normal of length 0 has no direction; up stands in, so that shading gets no NaN.
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    up = np.array((0.0, 1.0, 0.0), dtype=np.float32)
-    unit: F32 = np.where(length > 0.0, normals / np.maximum(length, 1e-30), up)
-    return unit
+    return None if normals is None else unit_or_up(normals)
 
 
 def read_surface(primitive: Item, buffers: Buffers, uv_sets: Iterable[int]) -> Surface:

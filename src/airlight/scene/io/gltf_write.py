@@ -23,7 +23,7 @@ from ..camera import Camera
 from ..checks import F32, F64
 from ..light_shapes import LightMeshes
 from ..lights import Light, PointLight
-from ..mesh import Geometry, Mesh
+from ..mesh import Geometry, Mesh, unit_or_up
 from ..scene import Scene
 from .files import opened
 from .gltf import WATTS_PER_LUMEN
@@ -212,9 +212,12 @@ class GlbDocument:
         is_index = not attribute
         packed = np.ascontiguousarray(array, "<u4" if is_index else "<f4")
         if attribute == "NORMAL":
-            packed = _unit(packed)
+            packed = unit_or_up(packed)
         if attribute == "TANGENT":
-            packed = np.concatenate([_unit(packed[:, :3], of_none=0.0), packed[:, 3:]], axis=1)
+            # Those of no length say that maps lie by coordinates, and stay.
+            length = np.linalg.norm(packed[:, :3], axis=1, keepdims=True)
+            unit = packed[:, :3] / np.where(length > 0.0, length, 1.0)
+            packed = np.concatenate([unit, packed[:, 3:]], axis=1, dtype=np.float32)
         width = 1 if is_index else packed.shape[1]
         item: Json = {
             "bufferView": self._view(packed.tobytes(), _INDICES if is_index else _VERTICES),
@@ -282,15 +285,8 @@ def _baked(geometry: Geometry, placed: F64) -> Geometry:
     return Geometry(
         (geometry.positions @ linear.T + placed[:3, 3]).astype(np.float32),
         np.ascontiguousarray(geometry.indices[:, ::-1]) if mirrors else geometry.indices,
-        normals=_unit(normals.astype(np.float32)),
+        normals=unit_or_up(normals.astype(np.float32)),
         uvs=geometry.uvs,
         colors=geometry.colors,
         tangents=tangents,
     )
-
-
-def _unit(vectors: F32, of_none: float = 1.0) -> F32:
-    """Of length 1, as glTF wants them; those of length 0 become +Y, `of_none` long."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    unit = np.where(length > 0.0, vectors / np.maximum(length, 1e-30), (0.0, of_none, 0.0))
-    return np.asarray(unit, np.float32)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...errors import SceneError
 from ...maths.colour import srgb_decode
 from ..material import DEFAULT_MATERIAL, Material
-from ..mesh import Geometry, Mesh
+from ..mesh import Geometry, Mesh, unit_or_up
 from ..scene import Scene
 from .files import in_utf8, read_bytes
 from .mtl import load_mtl
@@ -109,16 +109,10 @@ def _geometry(data: ObjData, corners: I64, normals: Floats) -> Geometry:
     return Geometry(
         positions=data.positions[rows[:, 0]].astype(np.float32),
         indices=indices,
-        normals=_unit(normals[rows[:, 2]]),
+        normals=unit_or_up(normals[rows[:, 2]]).astype(np.float32),
         uvs=uvs,
         colors=colors,
     )
-
-
-def _unit(normals: Floats) -> NDArray[np.float32]:
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    unit = np.where(length > 0.0, normals / np.maximum(length, 1e-300), (0.0, 1.0, 0.0))
-    return unit.astype(np.float32)
 
 
 def _materials(data: ObjData, path: Path, textures: TextureFiles) -> list[Material]:

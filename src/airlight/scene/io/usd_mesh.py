@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...errors import SceneError
 from .. import shapes
 from ..checks import F64
-from ..mesh import Geometry
+from ..mesh import Geometry, smooth_normals, unit_or_up
 from .normals import compact, creased_normals
 from .polygons import triangulated
 
@@ -200,16 +200,11 @@ class _Faces:
             # A subdivided surface is smooth; others have the edges of what bends much.
             scheme = self._mesh.GetSubdivisionSchemeAttr().Get(self._time)
             if scheme != UsdGeom.Tokens.none:
-                from ..mesh import smooth_normals
-
                 smooth = smooth_normals(self.positions.astype(np.float32), points.astype(np.uint32))
                 return smooth.astype(np.float64), points
             table, index = creased_normals(self.positions, points)
             return table, np.asarray(index, np.int64)
-        # Normals of no length are +Y.
-        length = np.linalg.norm(found, axis=1, keepdims=True)
-        up = np.array((0.0, 1.0, 0.0))
-        return np.where(length > 0.0, found / np.maximum(length, 1e-30), up), rows
+        return unit_or_up(found), rows
 
     def _primvar(
         self, name: str, width: int, points: I64, at: I64, face: I64
