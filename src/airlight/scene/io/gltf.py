@@ -97,7 +97,7 @@ class GltfFile:
         rig = self._rig(world, placed, has_camera=camera is not None)
         scene = Scene(
             meshes=tuple(mesh for mesh, _ in placed),
-            lights=self.lights(world),
+            lights=tuple(light for _, light in self.lights(world)),
             camera=camera or Camera(),
             name=self.document.file.stem,
             warnings=tuple(dict.fromkeys(self.warnings + self.materials.warnings)),
@@ -213,18 +213,9 @@ class GltfFile:
         return Rig(
             skeleton=skeleton(self.nodes, self.roots),
             parts=parts,
-            lights=self._hung_lights(rest),
+            lights=self.lights(rest),
             camera=self._hung_camera(rest) if has_camera else None,
             clips=read_clips(self.document, self.buffers, targets, self.warnings),
-        )
-
-    def _hung_lights(self, rest: dict[int, F64]) -> tuple[tuple[int, Light], ...]:
-        """(node, light in its space) in the order of `lights`."""
-        listed = self._listed_lights()
-        return tuple(
-            (k, light)
-            for k, matrix in rest.items()
-            if (light := self._light(self.nodes[k].item, listed, matrix)) is not None
         )
 
     def _hung_camera(self, rest: dict[int, F64]) -> tuple[int, Camera] | None:
@@ -234,14 +225,11 @@ class GltfFile:
                 return k, camera
         return None
 
-    def _listed_lights(self) -> list[Item]:
-        return self.document.at("extensions", "KHR_lights_punctual").items("lights")
-
-    def lights(self, world: dict[int, F64]) -> tuple[Light, ...]:
-        """The KHR_lights_punctual lights."""
-        listed = self._listed_lights()
+    def lights(self, world: dict[int, F64]) -> tuple[tuple[int, Light], ...]:
+        """(node, light) of the KHR_lights_punctual lights, placed by the nodes' matrices."""
+        listed = self.document.at("extensions", "KHR_lights_punctual").items("lights")
         return tuple(
-            light
+            (k, light)
             for k, matrix in world.items()
             if (light := self._light(self.nodes[k].item, listed, matrix)) is not None
         )
