@@ -11,6 +11,7 @@ from ...errors import SceneError
 from ..checks import F32, F64, Bounds, Rgb
 from .files import opened
 from .mitsuba_nodes import Node
+from .mitsuba_shapes import shape_matrix
 from .mitsuba_textures import Source, rgb_of
 from .volumes import read_volume
 
@@ -31,7 +32,7 @@ def extinction(node: Node, source: Source) -> tuple[F64 | F32, Bounds, F64 | Non
     if child is not None and child.kind == "constvolume" and node.kind == "heterogeneous":
         # It fills the unit cube where it stands, and what is outside of that is empty.
         values = np.full((2, 2, 2, 3), rgb_of(child.get("value", 1.0)), np.float32)
-        return values * np.float32(scale), GRID, _placement(child)
+        return values * np.float32(scale), GRID, shape_matrix(child)
     if "sigma_s" in node.values or "sigma_a" in node.values:
         sigma_s, sigma_a = (np.array(rgb_of(node.get(k, 0.0))) for k in ("sigma_s", "sigma_a"))
         return scale * (sigma_s + sigma_a), GRID, None
@@ -75,13 +76,7 @@ def _grid(node: Node, source: Source) -> tuple[F32, Bounds, F64]:
     grids = [read_volume(path, channels=c) for c in channels]
     values = np.stack([g.density for g in (grids if count >= 3 else grids * 3)], axis=-1)
     bounds = grids[0].bounds if node.get("use_grid_bbox", False) else GRID
-    return values, bounds, _placement(node)
-
-
-def _placement(node: Node) -> F64:
-    """A volume's matrix (4, 4)."""
-    matrix = node.get("to_world")
-    return np.eye(4) if matrix is None else np.asarray(matrix, np.float64)
+    return values, bounds, shape_matrix(node)
 
 
 def _channel_count(path: Path) -> int:

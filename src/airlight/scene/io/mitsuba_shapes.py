@@ -62,7 +62,7 @@ def _unit_shape(kind: str, is_turned: bool) -> Geometry:
 
 
 def shape_matrix(node: Node) -> F64:
-    """Where a shape says it stands."""
+    """Where a shape, or the grid of a volume, says it stands."""
     matrix = node.get("to_world")
     return np.eye(4) if matrix is None else np.asarray(matrix, dtype=np.float64)
 
