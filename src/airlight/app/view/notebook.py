@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import base64
-import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -50,7 +49,7 @@ def view(
     except ImportError:
         still = session.image(_STILL_SAMPLES)
         session.close()
-        return Still(still)
+        return still
     return live_widget(
         anywidget, session, size, None if loop_runs() else session.image(_STILL_SAMPLES)
     )
@@ -63,16 +62,6 @@ def loop_runs() -> bool:
     except RuntimeError:
         return False
     return True
-
-
-class Still:
-    """An image that a notebook shows."""
-
-    def __init__(self, image: Image) -> None:
-        self.image = image
-
-    def _repr_png_(self) -> bytes:
-        return png_bytes(self.image)
 
 
 def live_widget(
@@ -98,7 +87,7 @@ def live_widget(
             data, metadata = bundle if isinstance(bundle, tuple) else (bundle or {}, {})
             if still is None:
                 return data, metadata
-            image = base64.b64encode(png_bytes(still)).decode()
+            image = base64.b64encode(still._repr_png_()).decode()
             return {**data, "image/png": image}, metadata
 
     # The canvas draws, the page shows the panel, and the file is watched on the widget's loop.
@@ -119,12 +108,3 @@ def widget_files(js: str, css: str) -> tuple[str, str]:
         "\n".join([module, web_text("panel.js"), web_text("notebook.js")]),
         f"{css}\n{web_text('panel.css')}",
     )
-
-
-def png_bytes(image: Image) -> bytes:
-    """The tone-mapped image as a PNG file."""
-    from PIL import Image as Pillow
-
-    out = io.BytesIO()
-    Pillow.fromarray(image.display()).save(out, "PNG")
-    return out.getvalue()
