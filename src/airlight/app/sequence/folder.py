@@ -17,8 +17,8 @@ from typing import Any
 from ...errors import OutputError, SceneError
 from ...scene.io.files import read_text
 from ...scene.io.ledger import check_output, own_files
-from ...scene.io.writing import part_words, whole_file
-from ..outputs import json_text
+from ...scene.io.writing import part_words
+from ..outputs import json_text, write_json
 from .plan import Plan
 from .whole import is_whole
 
@@ -56,8 +56,7 @@ class FrameFolder:
     def note(self, **more: Any) -> None:
         """Keep something about the sequence in its `sequence.json`."""
         self.manifest |= more
-        with whole_file(self.path / MANIFEST) as part:
-            part.write_text(json_text(self.manifest) + "\n", encoding="utf-8")
+        write_json(self.manifest, self.path / MANIFEST)
 
     def file(self, plan: Plan, frame: int) -> Path:
         """Where a frame is, or will be."""
