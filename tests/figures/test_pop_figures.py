@@ -28,7 +28,6 @@ from airlight.figures.panels import Request
 from airlight.figures.polar import OURS, TRUTH, polar_plots
 from airlight.figures.pop_court import BRIGHTEST, courtyard
 from airlight.figures.pop_scenes import (
-    as_large_as,
     away,
     errors,
     milk,
@@ -159,13 +158,6 @@ def test_scenes_and_scores():
     assert told["relative_l2"] == pytest.approx(0.5)
     assert told["noise_floor_l2"] == pytest.approx(0.1)
     assert away(one, one) == 0.0
-
-
-def test_an_image_is_averaged_to_a_truth_of_half_its_size():
-    image = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
-    half = Image(np.zeros((2, 3, 3), np.float32), {"variance": np.zeros((2, 3, 3), np.float32)})
-    np.testing.assert_allclose(as_large_as(image, half)[0, 0], image[:2, :2].mean(axis=(0, 1)))
-    assert as_large_as(image, Image(image, {})) is image
 
 
 def test_light_that_changes_evenly_is_steady():

@@ -22,6 +22,7 @@ from ..scene.scene import Scene
 from ..scene.volume import Volume
 from .panels import TIMED_FRAMES, Request, mean_light, rendered, renderer
 from .pop_court import courtyard
+from .truths import averaged
 
 PLUME_M = 10.0  # Elek2014 Fig. 11
 PLUME_SCATTERING: Rgb = (2.9, 3.6, 4.2)
@@ -180,14 +181,6 @@ def differences(images: Mapping[str, Image], best: Image) -> list[Any]:
     return cells
 
 
-def as_large_as(image: F32, truth: Image) -> F32:
-    """The image, averaged over the pixels of a truth of half its size."""
-    height, width = truth.radiance.shape[:2]
-    if image.shape[:2] == (height, width):
-        return image
-    return np.asarray(image.reshape(height, 2, width, 2, 3).mean(axis=(1, 3)))
-
-
 def errors(image: F32, truth: Image | None) -> dict[str, float]:
     """Energy ratio, relative L2, and the L2 that the truth's own noise makes."""
     # Without a truth only the mean can be told.
@@ -196,7 +189,7 @@ def errors(image: F32, truth: Image | None) -> dict[str, float]:
     noise = float(np.sqrt(truth.layers["variance"].sum() / np.sum(truth.radiance**2)))
     return {
         "energy_ratio": mean_light(image) / max(mean_light(truth.radiance), 1e-30),
-        "relative_l2": away(as_large_as(image, truth), truth.radiance),
+        "relative_l2": away(averaged(image, truth.radiance), truth.radiance),
         "noise_floor_l2": noise,
     }
 
@@ -224,8 +217,8 @@ def scattered_errors(
         return errors(light, None)
 
     # Blocks of pixels that show the medium, without what lies behind it.
-    is_air = as_large_as(through, truth).min(axis=-1, keepdims=True) < _CLEAR
-    shown = as_large_as(behind, truth)
+    is_air = averaged(through, truth.radiance).min(axis=-1, keepdims=True) < _CLEAR
+    shown = averaged(behind, truth.radiance)
     seen = _in_blocks((truth.radiance - shown) * is_air)
     variance = np.divide(
         _in_blocks(truth.layers["variance"] * is_air), _BLOCK_PX**2, dtype=np.float32
@@ -237,7 +230,7 @@ def scattered_errors(
     kept = dazzling <= (_DAZZLING * np.quantile(peaks, _MOST) if peaks.size else 0.0)
 
     # Ours, masked as the truth is.
-    mine = _in_blocks(as_large_as(light, truth) * is_air)
+    mine = _in_blocks(averaged(light, truth.radiance) * is_air)
     return errors(mine * kept, Image(seen * kept, {"variance": variance * kept}))
 
 
