@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -251,10 +251,13 @@ def _size(ctx: click.Context, param: click.Parameter, text: str | None) -> tuple
 
 def _settings(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> dict[str, str]:
     """The last value of a key holds; dashes in a key count as underscores."""
-    found: dict[str, str] = {}
+    return {key.replace("-", "_"): value for key, value in pairs(texts, "key=value")}
+
+
+def pairs(texts: Iterable[str], form: str) -> Iterator[tuple[str, str]]:
+    """What stands on both sides of the first = of each text. `form`: how a message writes one."""
     for text in texts:
-        key, equals, value = text.partition("=")
-        if not equals or not key.strip():
-            raise click.BadParameter(f"'{text}' is not written as key=value")
-        found[key.strip().replace("-", "_")] = value.strip()
-    return found
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise click.BadParameter(f"'{text}' is not written as {form}")
+        yield name.strip(), value.strip()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import SettingsError
-from .options import Decorator, Number, together
+from .options import Decorator, Number, pairs, together
 
 if TYPE_CHECKING:
     from ..scene.scene import Scene
@@ -32,66 +32,69 @@ def model_options(*, stands: bool = False) -> Decorator:
     unless it is asked for none.
     """
     return together(
-        _placing_options(),
-        _grid_options(),
-        click.option(
-            "--variant",
-            metavar="NAME",
-            callback=_model,
-            expose_value=False,
-            help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+        *_file_options(),
+        _grouped(
+            "model",
+            "--sun",
+            metavar="WHERE",
+            read=_sky_text,
+            help="A clear sky with its sun instead of the scene's: ELEVATION,AZIMUTH in degrees, "
+            "or TIME@LATITUDE,LONGITUDE, such as 2026-06-21T17:30+02:00@48.1,11.6; a third number "
+            "is the turbidity.",
         ),
         click.option(
-            "--param",
-            "parameters",
-            multiple=True,
-            metavar="NAME=VALUE",
-            callback=_parameters,
+            "--ground/--no-ground",
+            default=None if stands else False,
+            callback=_ground,
             expose_value=False,
-            help="Of a Mitsuba file: what $NAME stands for, as Mitsuba's -D; may be repeated.",
-        ),
-        _sun_option(),
-        _ground_option(stands=stands),
-    )
-
-
-def _placing_options() -> Decorator:
-    return together(
-        click.option(
-            "--up",
-            type=click.Choice(["y", "z"]),
-            callback=_model,
-            expose_value=False,
-            help="Of a mesh file or grid: the axis that points upwards.  [default: y]",
-        ),
-        click.option(
-            "--scale",
-            type=Number(min=0.0, min_open=True, max=1e9),
-            metavar="METRES",
-            callback=_model,
-            expose_value=False,
-            help="Of a mesh file or grid: how long its unit is, .001 for millimetres; a grid's "
-            "coefficients stay per metre.  [default: 1]",
+            help="Whether a mesh file or grid that airlight lights stands on a ground.  "
+            f"[default: {'mesh files do' if stands else 'none does'}]",
         ),
     )
 
 
-def _grid_options() -> Decorator:
-    return together(
-        click.option(
-            "--grid",
-            metavar="NAME",
-            callback=_model,
-            expose_value=False,
-            help="Of a file with several grids: which; NAME[3] is its fourth time.",
-        ),
-        click.option(
-            "--channels",
-            type=click.Choice(["r", "g", "b", "a"]),
-            callback=_model,
-            expose_value=False,
-            help="Of a grid with several channels: which is the density.",
-        ),
+def _file_options() -> Iterator[Decorator]:
+    yield _grouped(
+        "model",
+        "--up",
+        type=click.Choice(["y", "z"]),
+        help="Of a mesh file or grid: the axis that points upwards.  [default: y]",
+    )
+    yield _grouped(
+        "model",
+        "--scale",
+        type=Number(min=0.0, min_open=True, max=1e9),
+        metavar="METRES",
+        help="Of a mesh file or grid: how long its unit is, .001 for millimetres; a grid's "
+        "coefficients stay per metre.  [default: 1]",
+    )
+    yield _grouped(
+        "model",
+        "--grid",
+        metavar="NAME",
+        help="Of a file with several grids: which; NAME[3] is its fourth time.",
+    )
+    yield _grouped(
+        "model",
+        "--channels",
+        type=click.Choice(["r", "g", "b", "a"]),
+        help="Of a grid with several channels: which is the density.",
+    )
+    yield _grouped(
+        "model",
+        "--variant",
+        metavar="NAME",
+        help="Of a glTF file: which of its material variants; `airlight info` lists them.",
+    )
+    yield _grouped(
+        "model",
+        "--param",
+        "parameters",
+        multiple=True,
+        metavar="NAME=VALUE",
+        # None of them is no option that a file could refuse.
+        read=lambda texts: dict(pairs(texts, "name=value")) or None,
+        help="Of a Mitsuba file: what $NAME stands for, as Mitsuba's -D; may be repeated.",
     )
 
 
@@ -106,58 +109,32 @@ def check_model(file: str, model: Mapping[str, Any]) -> None:
         raise SettingsError(f"--{next(iter(lit))} is for scenes, and this is an image", where=file)
 
 
-def _sun_option() -> Decorator:
-    return click.option(
-        "--sun",
-        metavar="WHERE",
-        callback=_sun,
-        expose_value=False,
-        help="A clear sky with its sun instead of the scene's: ELEVATION,AZIMUTH in degrees, or "
-        "TIME@LATITUDE,LONGITUDE, such as 2026-06-21T17:30+02:00@48.1,11.6; a third number is the "
-        "turbidity.",
-    )
-
-
-def _ground_option(*, stands: bool) -> Decorator:
-    return click.option(
-        "--ground/--no-ground",
-        default=None if stands else False,
-        callback=_ground,
-        expose_value=False,
-        help="Whether a mesh file or grid that airlight lights stands on a ground.  "
-        f"[default: {'mesh files do' if stands else 'none does'}]",
-    )
-
-
 def camera_options() -> Decorator:
     """--aperture, --focus and --shutter; the command gets `camera`, {field: value}, what of them
     was given."""
     return together(
-        click.option(
+        _grouped(
+            "camera",
             "--aperture",
             "aperture_m",
             type=Number(min=0.0, max=1e6),
             metavar="METRES",
-            callback=_camera,
-            expose_value=False,
             help="Diameter of the camera's lens, .05 for a large one.  [default: the scene's]",
         ),
-        click.option(
+        _grouped(
+            "camera",
             "--focus",
             "focus_m",
             type=Number(min=1e-6, max=1e9),
             metavar="METRES",
-            callback=_camera,
-            expose_value=False,
             help="How far ahead things are sharp.  [default: the scene's, or its target]",
         ),
-        click.option(
+        _grouped(
+            "camera",
             "--shutter",
             "shutter_s",
             type=Number(min=0.0, max=1e6),
             metavar="SECONDS",
-            callback=_camera,
-            expose_value=False,
             help="How long a frame's shutter is open while things move.  [default: the scene's]",
         ),
     )
@@ -185,27 +162,18 @@ def with_exposure(scene: Scene, exposure: float | str | None) -> Scene:
     return replace(scene, camera=replace(scene.camera, exposure_stops=stops))
 
 
-def _camera(ctx: click.Context, param: click.Parameter, value: float | None) -> None:
-    camera: dict[str, Any] = ctx.params.setdefault("camera", {})
-    if value is not None:
-        camera[str(param.name)] = value
+def _grouped(
+    group: str, *names: str, read: Callable[[Any], Any] = lambda value: value, **how: Any
+) -> Decorator:
+    """An option whose value, if one is given, the command gets among those of `group`."""
 
+    def keep(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+        kept: dict[str, Any] = ctx.params.setdefault(group, {})
+        found = None if value is None else read(value)
+        if found is not None:
+            kept[str(param.name)] = found
 
-def _model(ctx: click.Context, param: click.Parameter, value: Any) -> None:
-    model: dict[str, Any] = ctx.params.setdefault("model", {})
-    if value is not None:
-        model[str(param.name)] = value
-
-
-def _parameters(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> None:
-    """The last value of a name holds. None of them is no option that a file could refuse."""
-    found: dict[str, str] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not equals or not name.strip():
-            raise click.BadParameter(f"'{text}' is not written as name=value")
-        found[name.strip()] = value.strip()
-    _model(ctx, param, found or None)
+    return click.option(*names, callback=keep, expose_value=False, **how)
 
 
 def _ground(ctx: click.Context, param: click.Parameter, value: bool | None) -> None:
@@ -213,9 +181,9 @@ def _ground(ctx: click.Context, param: click.Parameter, value: bool | None) -> N
     ctx.params.setdefault("model", {})["ground"] = value
 
 
-def _sun(ctx: click.Context, param: click.Parameter, value: str | None) -> None:
-    if value is not None:
-        from ..scene.sun_sky import sky_of_text
+def _sky_text(text: str) -> str:
+    """The text, refused before anything is loaded where it is no sky."""
+    from ..scene.sun_sky import sky_of_text
 
-        sky_of_text(value)  # refused before anything is loaded
-    _model(ctx, param, value)
+    sky_of_text(text)
+    return text
