@@ -13,7 +13,7 @@ from airlight.lattice.placement import fitted
 from airlight.rendering import render
 from airlight.scatter.map_blockers import MapBlockers
 from airlight.scene.builtin import haze_box
-from airlight.scene.builtin.patch import Finish, placed_at
+from airlight.scene.builtin.patch import Finish
 from airlight.scene.builtin.solids import box
 from airlight.scene.camera import Camera
 from airlight.scene.material import Material
@@ -26,9 +26,8 @@ LOW, HIGH = np.array([-2.0, -1.0, -1.0]), np.array([2.0, 1.0, 1.0])
 def blocks() -> Scene:
     """Two closed boxes; nothing of them is hidden from outside but what they hide themselves."""
     grey = Finish(Material(base_color=(0.7, 0.5, 0.3), specular=0.0, two_sided=False))
-    here = [placed_at(0.0, 0.0, 0.0)]
     boxes = box((-1.5, -1.0, -0.7), (-0.5, 0.4, 0.6)), box((0.4, -0.6, -1.0), (1.6, 0.9, 0.1))
-    meshes = [mesh for body in boxes for mesh in grey.meshes(body, here, "block")]
+    meshes = [mesh for body in boxes for mesh in grey.meshes(body, "block")]
     return Scene(meshes=tuple(meshes), camera=Camera((4.0, 2.0, 4.0), (0.0, 0.0, 0.0)))
 
 

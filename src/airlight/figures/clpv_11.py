@@ -10,11 +10,10 @@ from typing import Any
 
 from ..app.compare.images import shown
 from ..scene.builtin import room
-from ..scene.builtin.patch import Finish, placed_at
+from ..scene.builtin.patch import lambert
 from ..scene.builtin.solids import box, shell
 from ..scene.camera import Camera
 from ..scene.lights import SpotLight
-from ..scene.material import Material
 from ..scene.scene import Scene
 from .clpv_6 import scores
 from .clpv_11_boxes import boxes_row
@@ -99,9 +98,8 @@ def two_rooms(wall_m: float | None) -> Scene:
         slabs.append(box((-0.5 * wall_m, 0.0, -z), (0.5 * wall_m, y, z)))
 
     # All of one white finish, lit on one side alone.
-    white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))
-    here = [placed_at(0.0, 0.0, 0.0)]
-    meshes = tuple(mesh for slab in slabs for mesh in white.meshes(slab, here, "slab"))
+    white = lambert("white", (0.7,) * 3)
+    meshes = tuple(mesh for slab in slabs for mesh in white.meshes(slab, "slab"))
     spot = SpotLight((-1.6, 2.8, 0.0), (0.0, -1.0, 0.0), (30.0, 30.0, 30.0), 40.0, 60.0)
     camera = Camera((2.8, 1.6, 1.2), (0.2, 1.4, -0.3), fov_y_deg=60.0, exposure_stops=None)
     return Scene(name="two-rooms", meshes=meshes, lights=(spot,), camera=camera)

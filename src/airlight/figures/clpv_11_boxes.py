@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from ..app.compare.images import shown
 from ..maths.colour import luminance
-from ..scene.builtin.patch import Finish, placed_at
+from ..scene.builtin.patch import lambert
 from ..scene.builtin.solids import box
 from ..scene.camera import Camera
 from ..scene.checks import F32
 from ..scene.lights import SpotLight
-from ..scene.material import Material
 from ..scene.scene import Scene
 from .cascades import surface_points
 from .panels import Request, exposure_of, rendered
@@ -94,12 +93,11 @@ def three_boxes(count: int = len(BOXES_Z_M)) -> Scene:
     The eye stands before the row: the first box hides the others, but not their shadows.
     """
     # White solids: the floor, the lit wall, and boxes on the floor.
-    white = Finish(Material(name="white", base_color=(0.7,) * 3, specular=0.0, two_sided=False))
+    white = lambert("white", (0.7,) * 3)
     (x, z), y = _HALF_M, _HIGH_M
     solids = [box((-4.2, -0.2, -4.0), (4.0, 0.0, 4.0)), box((-4.2, 0.0, -4.0), (-4.0, 3.0, 4.0))]
     solids += [box((-x, 0.0, at - z), (x, y, at + z)) for at in BOXES_Z_M[:count]]
-    here = [placed_at(0.0, 0.0, 0.0)]
-    meshes = tuple(mesh for solid in solids for mesh in white.meshes(solid, here, "box"))
+    meshes = tuple(mesh for solid in solids for mesh in white.meshes(solid, "box"))
 
     # The spot lights the wall alone; the boxes see its reflection.
     spot = SpotLight((-2.2, 1.4, -2.2), (-1.0, -0.45, 0.0), (60.0,) * 3, 15.0, 22.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..app.compare.images import shown
 from ..scene.builtin import cornell
-from ..scene.builtin.patch import Finish, placed_at
+from ..scene.builtin.patch import Finish
 from ..scene.builtin.solids import rectangle
 from ..scene.material import Material
 from ..scene.scene import Scene
@@ -53,6 +53,6 @@ def with_polished_floor(roughness: float) -> Scene:
     box = cornell()
     stone = Material(name="stone", base_color=(0.45, 0.45, 0.45), roughness=roughness, metallic=0.6)
     sheet_ = rectangle((-2.7, _ABOVE_M, -2.7), (5.4, 0.0, 0.0), (0.0, 0.0, 5.4))
-    floor = Finish(stone).meshes(sheet_, [placed_at(0.0, 0.0, 0.0)], "polished floor")
+    floor = Finish(stone).meshes(sheet_, "polished floor")
     scene = dataclasses.replace(box, name="cornell-polished", meshes=(*box.meshes, *floor))
     return from_here(scene, (-0.6, 2.6, 8.2), (0.0, 1.3, 0.0), fov_y_deg=36.0)

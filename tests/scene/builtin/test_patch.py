@@ -47,7 +47,7 @@ def test_move_merge_and_paint() -> None:
     both = merged([turned, turned])
     assert len(both.indices) == 8 and both.indices.max() == 2 * len(turned.positions) - 1
     places = [placed_at(0, 0, 0), placed_at(1, 0, 0)]
-    one, two = Finish(Material(), tile_m=2.0).meshes(both, places, "pair")
+    one, two = Finish(Material(), tile_m=2.0).meshes(both, "pair", places)
     assert one.geometry is two.geometry
     assert np.allclose(one.geometry.uvs, both.uvs / 2.0)
     assert two.world_bounds[0][0] == pytest.approx(one.world_bounds[0][0] + 1.0)

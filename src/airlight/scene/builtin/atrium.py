@@ -115,13 +115,13 @@ def _shell(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
     blocks = stone.limestone_blocks(rng)
     tiles = stone.diamond_tiles(rng)
     return (
-        *blocks.meshes(atrium_shell.outer_walls(), [here], "outer walls"),
-        *blocks.meshes(arcade.arch_wall(), _both(bay_places), "arcade wall"),
-        *stone.paving(rng).meshes(atrium_shell.court_floor(), [here], "court floor"),
-        *tiles.meshes(atrium_shell.gallery_floor(0.0), [here, above], "gallery floor"),
-        *carved.meshes(atrium_shell.skirting(), [here, above], "skirting"),
-        *carved.meshes(atrium_shell.string_course(), [here], "string course"),
-        *carved.meshes(atrium_shell.cornice(), [here], "cornice"),
+        *blocks.meshes(atrium_shell.outer_walls(), "outer walls"),
+        *blocks.meshes(arcade.arch_wall(), "arcade wall", _both(bay_places)),
+        *stone.paving(rng).meshes(atrium_shell.court_floor(), "court floor"),
+        *tiles.meshes(atrium_shell.gallery_floor(0.0), "gallery floor", [here, above]),
+        *carved.meshes(atrium_shell.skirting(), "skirting", [here, above]),
+        *carved.meshes(atrium_shell.string_course(), "string course"),
+        *carved.meshes(atrium_shell.cornice(), "cornice"),
     )
 
 
@@ -142,12 +142,12 @@ def _arcades(rng: np.random.Generator, carved: Finish) -> tuple[Mesh, ...]:
     bays, between, ends = _both(bay_places), _both(column_places), _both(corner_places)
     bay_vault = arcade.groin_vault(BAY_M / 2.0, half_z)
     return (
-        *carved.meshes(merged([arcade.archivolt(), arcade.blind_arch()]), bays, "archivolts"),
-        *lime.meshes(bay_vault, [bay @ behind for bay in bays], "vault"),
-        *lime.meshes(arcade.groin_vault(half_z, half_z), corners, "corner vault"),
-        *carved.meshes(_rib_and_pilaster(0.19), between, "rib"),
-        *carved.meshes(_rib_and_pilaster(0.40), ends, "corner rib"),
-        *carved.meshes(arcade.balustrade(), bay_places(STOREY_M), "balustrade"),
+        *carved.meshes(merged([arcade.archivolt(), arcade.blind_arch()]), "archivolts", bays),
+        *lime.meshes(bay_vault, "vault", [bay @ behind for bay in bays]),
+        *lime.meshes(arcade.groin_vault(half_z, half_z), "corner vault", corners),
+        *carved.meshes(_rib_and_pilaster(0.19), "rib", between),
+        *carved.meshes(_rib_and_pilaster(0.40), "corner rib", ends),
+        *carved.meshes(arcade.balustrade(), "balustrade", bay_places(STOREY_M)),
     )
 
 
@@ -159,9 +159,9 @@ def _columns(carved: Finish) -> tuple[Mesh, ...]:
     # A corner has one pier, though both arcades that meet there count it.
     piers = [place for floor in _FLOORS for place in corner_places(floor)[:4]]
     return (
-        *carved.meshes(columns.column(columns.SPRING_M, 0.26), column_places(0.0), "column"),
-        *carved.meshes(upper, column_places(STOREY_M), "upper column"),
-        *carved.meshes(columns.pier(0.45, STOREY_M), piers, "pier"),
+        *carved.meshes(columns.column(columns.SPRING_M, 0.26), "column", column_places(0.0)),
+        *carved.meshes(upper, "upper column", column_places(STOREY_M)),
+        *carved.meshes(columns.pier(0.45, STOREY_M), "pier", piers),
     )
 
 
@@ -181,10 +181,10 @@ def _drapes(rng: np.random.Generator) -> tuple[Mesh, ...]:
     for k, color in enumerate(colors):
         cloth = fabric.drape(1.85, 5.3, rng)
         places = [bays[bay] @ hung for n, bay in enumerate(_DRAPED) if n % len(colors) == k]
-        meshes += cloths[color].meshes(cloth, places, f"{color} drape")
+        meshes += cloths[color].meshes(cloth, f"{color} drape", places)
     # One rod for each drape.
     rods = [bays[bay] @ hung for bay in _DRAPED]
-    return (*meshes, *BRONZE.meshes(curtain_rod(1.95, 0.46), rods, "rod"))
+    return (*meshes, *BRONZE.meshes(curtain_rod(1.95, 0.46), "rod", rods))
 
 
 _DRAPED = (1, 3, 4, 6, 14, 12, 11, 9)
@@ -199,10 +199,10 @@ def _plants(rng: np.random.Generator) -> tuple[Mesh, ...]:
     leaves = foliage.frond_finish(rng)
     bushes = (foliage.fronds(rng), foliage.fronds(rng, count=28, length_m=1.35))
     return (
-        *stone.terracotta(rng).meshes(foliage.pot(), places, "pot"),
-        *foliage.SOIL.meshes(foliage.soil(), places, "soil"),
-        *leaves.meshes(bushes[0], lifted[::2], "plant"),
-        *leaves.meshes(bushes[1], lifted[1::2], "plant"),
+        *stone.terracotta(rng).meshes(foliage.pot(), "pot", places),
+        *foliage.SOIL.meshes(foliage.soil(), "soil", places),
+        *leaves.meshes(bushes[0], "plant", lifted[::2]),
+        *leaves.meshes(bushes[1], "plant", lifted[1::2]),
     )
 
 
@@ -214,7 +214,7 @@ def _props(carved: Finish) -> tuple[Mesh, ...]:
         placed_at(-INNER_X_M, 2.9, 0.0, 90.0),
     ]
     return (
-        *carved.meshes(basin, middle, "fountain"),
-        *WATER.meshes(water, middle, "water"),
-        *carved.meshes(lion_shield(), shields, "lion shield"),
+        *carved.meshes(basin, "fountain", middle),
+        *WATER.meshes(water, "water", middle),
+        *carved.meshes(lion_shield(), "lion shield", shields),
     )

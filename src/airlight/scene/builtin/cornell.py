@@ -12,7 +12,7 @@ from ..material import Material
 from ..medium import Medium, extinction_and_albedo
 from ..mesh import Mesh
 from ..scene import Scene
-from .patch import Finish, merged, placed_at
+from .patch import Finish, lambert, merged, placed_at
 from .solids import box, rectangle
 
 WIDTH_M, HEIGHT_M, DEPTH_M = 5.56, 5.488, 5.592
@@ -69,12 +69,6 @@ def haze_box(*, light: str = "spot", sigma_s: float = 0.12, g: float = 0.0) -> S
     return replace(cornell(light=light), name="haze-box", medium=medium)
 
 
-def _lambert(name: str, color: Rgb) -> Finish:
-    return Finish(
-        Material(name=name, base_color=color, roughness=1.0, specular=0.0, two_sided=False)
-    )
-
-
 def _walls() -> tuple[Mesh, ...]:
     """Five slabs that meet without overlapping faces; each is closed."""
     x, y, z, t = WIDTH_M / 2.0, HEIGHT_M, DEPTH_M / 2.0, WALL_M
@@ -88,23 +82,22 @@ def _walls() -> tuple[Mesh, ...]:
     )
     left = box((-x - t, -t, -z), (-x, y + t, z))
     right = box((x, -t, -z), (x + t, y + t, z))
-    here = [placed_at(0.0, 0.0, 0.0)]
     return (
-        *_lambert("white", WHITE).meshes(slabs, here, "walls"),
-        *_lambert("red", RED).meshes(left, here, "left wall"),
-        *_lambert("green", GREEN).meshes(right, here, "right wall"),
+        *lambert("white", WHITE).meshes(slabs, "walls"),
+        *lambert("red", RED).meshes(left, "left wall"),
+        *lambert("green", GREEN).meshes(right, "right wall"),
     )
 
 
 def _blocks() -> tuple[Mesh, ...]:
     """The short block at the right and the tall one at the left, as measured."""
     # Both blocks are 1.66 m wide and turned by the measured angles.
-    white = _lambert("white", WHITE)
+    white = lambert("white", WHITE)
     short = box((-0.83, 0.0, -0.83), (0.83, 1.65, 0.83))
     tall = box((-0.83, 0.0, -0.83), (0.83, 3.30, 0.83))
     return (
-        *white.meshes(short, [placed_at(0.93, 0.0, 1.11, -16.6)], "short block"),
-        *white.meshes(tall, [placed_at(-0.90, 0.0, -0.72, 17.2)], "tall block"),
+        *white.meshes(short, "short block", [placed_at(0.93, 0.0, 1.11, -16.6)]),
+        *white.meshes(tall, "tall block", [placed_at(-0.90, 0.0, -0.72, 17.2)]),
     )
 
 
@@ -126,4 +119,4 @@ def _panel(*, glows: bool) -> Mesh:
         emission=emission,
         two_sided=False,
     )
-    return Finish(material).meshes(sheet, [placed_at(0.0, 0.0, 0.0)], "lamp panel")[0]
+    return Finish(material).meshes(sheet, "lamp panel")[0]

@@ -6,11 +6,10 @@ from typing import Any
 
 from ..camera import Camera
 from ..lights import SpotLight
-from ..material import Material
 from ..medium import Medium, extinction_and_albedo
 from ..mesh import Mesh
 from ..scene import Scene
-from .patch import Finish, placed_at
+from .patch import lambert, placed_at
 from .solids import box, shell
 
 HALL_M = (8.0, 4.0, 6.0)
@@ -85,17 +84,13 @@ def _walls(reflectance: float) -> tuple[Mesh, ...]:
     """Six slabs around the hall."""
     x, y, z = HALL_M[0] / 2.0, HALL_M[1], HALL_M[2] / 2.0
     slabs = shell((-x, 0.0, -z), (x, y, z), _SHELL_M)
-    grey = _lambert("grey", reflectance)
-    here = [placed_at(0.0, 0.0, 0.0)]
-    return tuple(mesh for slab in slabs for mesh in grey.meshes(slab, here, "wall"))
+    grey = lambert("grey", (reflectance,) * 3)
+    return tuple(mesh for slab in slabs for mesh in grey.meshes(slab, "wall"))
 
 
 def _board(turned_deg: float) -> Mesh:
     """2.4 x 2.4 m, thinner than a tenth of a cell, upright on the floor across the hall."""
     body = box((-0.5 * BOARD_M, 0.0, -1.2), (0.5 * BOARD_M, 2.4, 1.2))
-    return _lambert("board", 0.8).meshes(body, [placed_at(0.0, 0.0, 0.0, turned_deg)], "board")[0]
-
-
-def _lambert(name: str, reflectance: float) -> Finish:
-    color = (reflectance,) * 3
-    return Finish(Material(name=name, base_color=color, specular=0.0, two_sided=False))
+    return lambert("board", (0.8,) * 3).meshes(
+        body, "board", [placed_at(0.0, 0.0, 0.0, turned_deg)]
+    )[0]

@@ -141,14 +141,12 @@ def _hearth(seed: int) -> tuple[Mesh, ...]:
         turn = np.radians(angle)
         x, z = 0.62 * np.cos(turn), 0.62 * np.sin(turn)
         stones.append(moved(block, placed_at(float(x), 0.0, float(z), float(-angle))))
-    meshes = [sooty.meshes(one, [placed_at(0, 0, 0)], f"stone {k}") for k, one in enumerate(stones)]
+    meshes = [sooty.meshes(one, f"stone {k}") for k, one in enumerate(stones)]
     bark = Material(name="charred bark", base_color=(0.06, 0.045, 0.035), roughness=0.9)
     # A log is turned about its axis, with flat ends.
     log = revolved(profile([(0.0, 0.0), (0.055, 0.0), (0.06, 0.4), (0.05, 0.75), (0.0, 0.75)]), 14)
     leaning = [moved(log, _leaning(72.0 * k + 20.0)) for k in range(5)]
-    meshes += [
-        Finish(bark).meshes(one, [placed_at(0, 0, 0)], f"log {k}") for k, one in enumerate(leaning)
-    ]
+    meshes += [Finish(bark).meshes(one, f"log {k}") for k, one in enumerate(leaning)]
     return tuple(mesh for group in meshes for mesh in group)
 
 

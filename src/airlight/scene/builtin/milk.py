@@ -13,7 +13,7 @@ from ..mesh import Geometry
 from ..scene import Scene
 from ..volume import Volume
 from . import stone
-from .patch import f32, lattice_normals, patch, placed_at
+from .patch import f32, lattice_normals, patch
 from .sky import clear_sky
 from .solids import box
 
@@ -42,7 +42,7 @@ def milk() -> Scene:
     slab = box((-3.0, -0.1, -3.0), (3.0, 0.0, 3.0))
     return Scene(
         name="milk",
-        meshes=stone.paving(rng, size_px=512).meshes(slab, [placed_at(0.0, 0.0, 0.0)], "floor"),
+        meshes=stone.paving(rng, size_px=512).meshes(slab, "floor"),
         lights=(DirectionalLight(SUN_TRAVEL, (30.0, 27.0, 22.0)),),
         environment=clear_sky(SUN_TRAVEL),
         camera=Camera((0.0, 1.05, 2.5), (0.0, 0.45, 0.0), fov_y_deg=38.0, exposure_stops=-2.9),

@@ -12,23 +12,9 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import F32, F64
+from ..checks import F32, F64, Rgb
 from ..material import Material
 from ..mesh import Geometry, Mesh
-
-
-@dataclass(frozen=True, eq=False)
-class Finish:
-    """A material, and the length in metres that one repeat of its images covers."""
-
-    material: Material
-    tile_m: float = 1.0
-
-    def meshes(self, geometry: Geometry, places: Iterable[F64], name: str) -> tuple[Mesh, ...]:
-        """One mesh per place (world_from_object), all sharing `geometry` with uv in repeats."""
-        assert geometry.uvs is not None
-        painted = replace(geometry, uvs=geometry.uvs / np.float32(self.tile_m))
-        return tuple(Mesh(painted, self.material, place, name) for place in places)
 
 
 def placed_at(x: float, y: float, z: float, turn_deg: float = 0.0, scale: float = 1.0) -> F64:
@@ -38,6 +24,30 @@ def placed_at(x: float, y: float, z: float, turn_deg: float = 0.0, scale: float 
     matrix[:3, :3] = scale * np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     matrix[:3, 3] = x, y, z
     return matrix
+
+
+_HERE = placed_at(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Finish:
+    """A material, and the length in metres that one repeat of its images covers."""
+
+    material: Material
+    tile_m: float = 1.0
+
+    def meshes(
+        self, geometry: Geometry, name: str, places: Iterable[F64] = (_HERE,)
+    ) -> tuple[Mesh, ...]:
+        """One mesh per place (world_from_object), all sharing `geometry` with uv in repeats."""
+        assert geometry.uvs is not None
+        painted = replace(geometry, uvs=geometry.uvs / np.float32(self.tile_m))
+        return tuple(Mesh(painted, self.material, place, name) for place in places)
+
+
+def lambert(name: str, color: Rgb) -> Finish:
+    """Perfectly matt, seen from its front."""
+    return Finish(Material(name=name, base_color=color, specular=0.0, two_sided=False))
 
 
 def moved(geometry: Geometry, world_from_object: F64) -> Geometry:

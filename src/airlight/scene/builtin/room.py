@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
 
 from ..camera import Camera
-from ..checks import F64, Rgb, Vec3
+from ..checks import Rgb, Vec3
 from ..lights import DirectionalLight
 from ..material import Material
 from ..medium import Medium, extinction_and_albedo
-from ..mesh import Geometry, Mesh
+from ..mesh import Mesh
 from ..scene import Scene
 from . import fabric, foliage, furniture, room_shell, stone, wood
 from .patch import Finish, placed_at
@@ -23,8 +22,6 @@ from .solids import rounded_box
 SUN_TRAVEL: Vec3 = (0.76, -0.40, -0.27)
 SUN_IRRADIANCE: Rgb = (30.0, 26.0, 20.0)
 WALL_COLOR: Rgb = (0.58, 0.17, 0.085)
-
-_HERE = placed_at(0.0, 0.0, 0.0)
 
 
 def room(*, seed: int = 3) -> Scene:
@@ -58,12 +55,6 @@ def foggy_room(*, sigma_s: float = 0.12, g: float = 0.0, seed: int = 3) -> Scene
     return replace(room(seed=seed), name="foggy-room", medium=medium)
 
 
-def _put(
-    finish: Finish, geometry: Geometry, name: str, places: Iterable[F64] = (_HERE,)
-) -> tuple[Mesh, ...]:
-    return finish.meshes(geometry, places, name)
-
-
 def _paint(name: str, color: Rgb, roughness: float = 0.6) -> Finish:
     return Finish(Material(name=name, base_color=color, roughness=roughness, two_sided=False))
 
@@ -72,10 +63,10 @@ def _shell(rng: np.random.Generator) -> tuple[Mesh, ...]:
     white = stone.plaster(rng, (0.74, 0.72, 0.68))
     red = stone.plaster(rng, WALL_COLOR)
     return (
-        *_put(wood.boards(rng, (0.52, 0.34, 0.20)), room_shell.floor_slab(), "floor"),
-        *_put(white, room_shell.plain_walls(), "walls"),
-        *_put(red, room_shell.colored_wall(), "coloured wall"),
-        *_put(_paint("white paint", (0.72, 0.71, 0.68)), room_shell.skirting(), "skirting"),
+        *wood.boards(rng, (0.52, 0.34, 0.20)).meshes(room_shell.floor_slab(), "floor"),
+        *white.meshes(room_shell.plain_walls(), "walls"),
+        *red.meshes(room_shell.colored_wall(), "coloured wall"),
+        *_paint("white paint", (0.72, 0.71, 0.68)).meshes(room_shell.skirting(), "skirting"),
     )
 
 
@@ -88,11 +79,11 @@ def _sitting(rng: np.random.Generator, timber: Finish) -> tuple[Mesh, ...]:
     hung = [placed_at(-0.75, 1.65, room_shell.LOW_M[2])]
     rug = rounded_box((-0.95, 0.0, -0.70), (0.95, 0.012, 0.70), 0.005)
     return (
-        *_put(cloths["slate"], upholstery, "sofa", at),
-        *_put(timber, feet, "sofa feet", at),
-        *_put(cloths["wool"], rug, "rug", [placed_at(-0.75, 0.0, -0.35)]),
-        *_put(timber, frame, "picture frame", hung),
-        *_put(_paint("canvas", (0.12, 0.22, 0.34), 0.8), canvas, "picture", hung),
+        *cloths["slate"].meshes(upholstery, "sofa", at),
+        *timber.meshes(feet, "sofa feet", at),
+        *cloths["wool"].meshes(rug, "rug", [placed_at(-0.75, 0.0, -0.35)]),
+        *timber.meshes(frame, "picture frame", hung),
+        *_paint("canvas", (0.12, 0.22, 0.34), 0.8).meshes(canvas, "picture", hung),
     )
 
 
@@ -109,10 +100,10 @@ def _dining(timber: Finish) -> tuple[Mesh, ...]:
         Material(name="steel", base_color=(0.56, 0.57, 0.58), roughness=0.35, metallic=1.0)
     )
     return (
-        *_put(timber, furniture.table(), "table", [at]),
-        *_put(timber, furniture.chair(), "chair", seats),
-        *_put(glaze, furniture.vase(), "vase", [at @ placed_at(0.1, 0.74, 0.05)]),
-        *_put(metal, furniture.lamp_shade(), "lamp", [placed_at(-1.15, 2.7, 1.55)]),
+        *timber.meshes(furniture.table(), "table", [at]),
+        *timber.meshes(furniture.chair(), "chair", seats),
+        *glaze.meshes(furniture.vase(), "vase", [at @ placed_at(0.1, 0.74, 0.05)]),
+        *metal.meshes(furniture.lamp_shade(), "lamp", [placed_at(-1.15, 2.7, 1.55)]),
     )
 
 
@@ -123,9 +114,9 @@ def _reading(rng: np.random.Generator, timber: Finish) -> tuple[Mesh, ...]:
     bound = [
         mesh
         for (name, color), pile in zip(_BINDINGS.items(), piles, strict=False)
-        for mesh in _put(_paint(name, color, 0.7), pile, "books", at)
+        for mesh in _paint(name, color, 0.7).meshes(pile, "books", at)
     ]
-    return (*_put(timber, furniture.shelf(), "shelf", at), *bound)
+    return (*timber.meshes(furniture.shelf(), "shelf", at), *bound)
 
 
 _BINDINGS: dict[str, Rgb] = {
@@ -149,9 +140,9 @@ def _window(rng: np.random.Generator) -> tuple[Mesh, ...]:
         Material(name="bronze", base_color=(0.45, 0.29, 0.13), roughness=0.4, metallic=1.0)
     )
     return (
-        *_put(_paint("white paint", (0.72, 0.71, 0.68)), room_shell.window_frame(), "window"),
-        *_put(linen, cloth, "curtain", sides),
-        *_put(bronze, rail, "curtain rod", [placed_at(x, top + 0.02, (near + far) / 2, 90.0)]),
+        *_paint("white paint", (0.72, 0.71, 0.68)).meshes(room_shell.window_frame(), "window"),
+        *linen.meshes(cloth, "curtain", sides),
+        *bronze.meshes(rail, "curtain rod", [placed_at(x, top + 0.02, (near + far) / 2, 90.0)]),
     )
 
 
@@ -160,7 +151,7 @@ def _plant(rng: np.random.Generator) -> tuple[Mesh, ...]:
     at = [placed_at(-2.15, 0.0, -1.60, 30.0, 0.62)]
     leaves = foliage.fronds(rng, count=22)
     return (
-        *_put(stone.terracotta(rng), foliage.pot(), "pot", at),
-        *_put(foliage.SOIL, foliage.soil(), "soil", at),
-        *_put(foliage.frond_finish(rng), leaves, "plant", [at[0] @ placed_at(0, 0.62, 0)]),
+        *stone.terracotta(rng).meshes(foliage.pot(), "pot", at),
+        *foliage.SOIL.meshes(foliage.soil(), "soil", at),
+        *foliage.frond_finish(rng).meshes(leaves, "plant", [at[0] @ placed_at(0, 0.62, 0)]),
     )

@@ -20,7 +20,7 @@ from ..volume import Volume
 from . import stone
 from .eddies import Eddies, cell_centres
 from .noise import smoothstep
-from .patch import Finish, placed_at
+from .patch import Finish
 from .profile import arc, profile, revolved
 from .sky import clear_sky
 from .solids import box
@@ -167,10 +167,9 @@ def court(seed: int) -> tuple[Mesh, ...]:
     blocks = stone.limestone_blocks(rng, size_px=512)
     # The wall is darkened by a factor, with the stone's own image.
     sooty = replace(blocks, material=replace(blocks.material, base_color=(0.3, 0.3, 0.3)))
-    here = [placed_at(0.0, 0.0, 0.0)]
     return (
-        *stone.paving(rng, size_px=512).meshes(slab, here, "floor"),
-        *sooty.meshes(wall, here, "wall"),
+        *stone.paving(rng, size_px=512).meshes(slab, "floor"),
+        *sooty.meshes(wall, "wall"),
     )
 
 
@@ -181,4 +180,4 @@ def _bowl() -> tuple[Mesh, ...]:
     color: Rgb = (0.35, 0.20, 0.10)
     bronze = Material(name="bronze", base_color=color, roughness=0.45, metallic=1.0)
     geometry = revolved(profile(shape), 40)
-    return Finish(bronze).meshes(geometry, [placed_at(0.0, 0.0, 0.0)], "bowl")
+    return Finish(bronze).meshes(geometry, "bowl")

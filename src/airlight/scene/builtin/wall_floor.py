@@ -7,9 +7,8 @@ import numpy as np
 from ..camera import Camera
 from ..checks import number
 from ..lights import DirectionalLight
-from ..material import Material
 from ..scene import Scene
-from .patch import Finish, placed_at
+from .patch import lambert
 from .solids import rectangle
 
 ALBEDO = 0.8
@@ -25,15 +24,14 @@ def wall_floor(*, cells: int = 12, cell_m: float = 0.25) -> Scene:
     """
     side = number(cells, "cells", low=1) * number(cell_m, "cell_m", low=1e-6)
     # Pure Lambert, as form factors assume.
-    material = Material(name="grey", base_color=(ALBEDO,) * 3, specular=0.0, two_sided=False)
-    here = [placed_at(0.0, 0.0, 0.0)]
+    grey = lambert("grey", (ALBEDO,) * 3)
     wall = rectangle((-side / 2, side, 0.0), (side, 0.0, 0.0), (0.0, -side, 0.0))
     floor = rectangle((-side / 2, 0.0, 0.0), (side, 0.0, 0.0), (0.0, 0.0, side))
     return Scene(
         name="wall-floor",
         meshes=(
-            *Finish(material).meshes(wall, here, "wall"),
-            *Finish(material).meshes(floor, here, "floor"),
+            *grey.meshes(wall, "wall"),
+            *grey.meshes(floor, "floor"),
         ),
         lights=(DirectionalLight((0.0, 0.0, -1.0), (np.pi, np.pi, np.pi)),),
         camera=Camera((0.0, 0.9 * side, 2.6 * side), (0.0, 0.3 * side, 0.3 * side), fov_y_deg=40),
