@@ -24,11 +24,10 @@ from airlight.figures import (
     pop_cube,
     registry,
 )
-from airlight.figures.panels import Request
+from airlight.figures.panels import Request, away
 from airlight.figures.polar import OURS, TRUTH, polar_plots
 from airlight.figures.pop_court import BRIGHTEST, courtyard
 from airlight.figures.pop_scenes import (
-    away,
     errors,
     milk,
     plume,

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 from ..app.compare.images import shown
-from ..scene.builtin import room
 from ..scene.builtin.patch import lambert
 from ..scene.builtin.solids import box, shell
 from ..scene.camera import Camera
@@ -17,7 +16,8 @@ from ..scene.lights import SpotLight
 from ..scene.scene import Scene
 from .clpv_6 import scores
 from .clpv_11_boxes import boxes_row
-from .panels import Drawn, Request, exposure_of, from_here, mean_light, rendered, sheet
+from .leaks import shelf
+from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
 from .truths import smoothed, told_of, truth_of
 
 WALLS_M = (0.02, 0.1, 0.25)
@@ -38,8 +38,7 @@ def draw(request: Request) -> Drawn:
 
 
 def _shelf(request: Request, told: dict[str, Any]) -> list[Any]:
-    # The room from before its shelf.
-    scene = from_here(room(), (-0.2, 1.3, -0.6), (2.4, 1.0, -1.3))
+    scene = shelf()
     truth = truth_of(request, scene)
     first = rendered(request, scene)
     stops = exposure_of(scene, first.radiance)

@@ -9,13 +9,11 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-import numpy as np
-
 from ..maths.colour import luminance
 from ..scene.builtin import atrium, cornell
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
+from .panels import Drawn, Request, away, exposed, exposure_of, mean_light, rendered, sheet
 
 RESOLUTIONS = (8, 16, 32, 64)
 ITERATIONS = (1, 4, 8, 16)
@@ -56,13 +54,12 @@ def _told(scene: Scene, images: dict[int, Image]) -> dict[str, Any]:
     told = {}
     for value, image in images.items():
         light = luminance(image.layers["indirect"])
-        off = float(np.linalg.norm(light - last)) / max(float(np.linalg.norm(last)), 1e-30)
         lattice = image.stats["lattice"]
         told[str(value)] = {
             "lattice": lattice,
             "spacing_m": float((high - low).max() / (max(lattice) - 2)),
             "iterations": image.stats["iterations"],
             "mean_indirect": mean_light(image.layers["indirect"]),
-            "from_the_last": off,
+            "from_the_last": away(light, last),
         }
     return told

@@ -14,7 +14,7 @@ from ..scene.builtin import atrium, cornell
 from ..scene.checks import F32
 from ..scene.image import Image
 from .imperfect import LIGHTS, indirect_of
-from .panels import Drawn, Request, exposure_of, in_clay, mean_light, rendered, sheet
+from .panels import Drawn, Request, away, exposure_of, in_clay, mean_light, rendered, sheet
 from .truths import averaged, noise_l2, smoothed, told_of, traced
 
 SCHEMES = {"ours": "centroid", "the paper's scheme": "paper"}
@@ -81,11 +81,9 @@ def _row(label: str, image: Image, scale: float, smooth: F32, stops: float) -> R
 
 def scores(indirect: F32, truth: F32) -> dict[str, float]:
     """Errors of the light, and its energy over the truth's, at the truth's size."""
-    # At the truth's size, over the size of its light.
     indirect = averaged(indirect, truth)
-    size = max(float(np.linalg.norm(truth)), 1e-30)
     return {
-        "relative_l2": float(np.linalg.norm(indirect - truth)) / size,
+        "relative_l2": away(indirect, truth),
         "relmse": relmse(indirect, truth, scene_epsilon(truth)),
         "energy_ratio": mean_light(indirect) / max(mean_light(truth), 1e-30),
     }

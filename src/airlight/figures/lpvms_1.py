@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposed, exposure_of, mean_light, rendered, sheet
+from .panels import Drawn, Request, away, exposed, exposure_of, mean_light, rendered, sheet
 
 TECHNIQUES = {
     "multiple scattering": "lpv-scatter",
@@ -60,9 +58,8 @@ def _shafts(request: Request, scene: Scene, numbers: dict[str, Any]) -> dict[str
         image = rendered(request, scene, settings, technique="single", timed=True)
         images[scheme] = image
         lit, exact = (i.layers["single_scatter"] for i in (image, images["minmax"]))
-        largest = float(np.linalg.norm(exact))
         numbers["shafts"][scheme] = {
             "frame_ms": image.stats["frame_ms"],
-            "off_minmax": float(np.linalg.norm(lit - exact)) / max(largest, 1e-30),
+            "off_minmax": away(lit, exact),
         }
     return images

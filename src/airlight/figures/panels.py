@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..app.compare.images import U8, contact_sheet, shown
 from ..maths.colour import luminance
@@ -132,6 +133,11 @@ def milliseconds(value: float) -> str:
 def mean_light(radiance: F32) -> float:
     """The mean luminance, W m^-2 sr^-1."""
     return float(np.mean(luminance(radiance)))
+
+
+def away(image: NDArray[Any], other: NDArray[Any]) -> float:
+    """Relative L2 of an image from another."""
+    return float(np.linalg.norm(image - other) / max(float(np.linalg.norm(other)), 1e-30))
 
 
 def exposure_of(scene: Scene, radiance: F32) -> float:

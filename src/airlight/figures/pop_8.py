@@ -10,8 +10,18 @@ import numpy as np
 
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposed, exposure_of, mean_light, milliseconds, renderer, sheet
-from .pop_scenes import away, drawn, milk, turned
+from .panels import (
+    Drawn,
+    Request,
+    away,
+    exposed,
+    exposure_of,
+    mean_light,
+    milliseconds,
+    renderer,
+    sheet,
+)
+from .pop_scenes import drawn, milk, turned
 
 GRID, ORDINATES, FULL, SWITCHED, SHARED = 16, 64, 100, 20, 20
 CASES = (("map 1, front", 0.0, (1.5, 2.0, 7.0)), ("map 2, back", 150.0, (-2.0, 1.0, -7.0)))

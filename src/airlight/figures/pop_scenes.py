@@ -20,7 +20,7 @@ from ..scene.checks import F32, Rgb, Vec3
 from ..scene.image import Image
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .panels import TIMED_FRAMES, Request, mean_light, rendered, renderer
+from .panels import TIMED_FRAMES, Request, away, mean_light, rendered, renderer
 from .pop_court import courtyard
 from .truths import averaged
 
@@ -252,8 +252,3 @@ def _in_blocks(image: F32) -> F32:
     cut = image[: height * n, : width * n]
     means = cut.reshape(height, n, width, n, -1).mean(axis=(1, 3))
     return np.asarray(means, dtype=np.float32)
-
-
-def away(image: F32, other: F32) -> float:
-    """Relative L2 of an image from another."""
-    return float(np.linalg.norm(image - other) / max(float(np.linalg.norm(other)), 1e-30))

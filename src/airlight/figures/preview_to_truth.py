@@ -20,7 +20,7 @@ from ..scene.builtin import cornell, room
 from ..scene.checks import F32
 from ..scene.image import Image
 from ..scene.scene import Scene
-from .panels import Drawn, Request, exposed, exposure_of, renderer, sheet
+from .panels import Drawn, Request, away, exposed, exposure_of, renderer, sheet
 
 SAMPLES = (1, 4, 16, 64, 256)
 ASKED = (0.1, 0.05)
@@ -131,8 +131,7 @@ def _off(radiance: F32, truth: F32) -> float:
     # Clamped, so that a few bright pixels do not rule the error.
     most = np.percentile(truth, CLAMPED)
     clamped = np.minimum(truth, most).astype(np.float64)
-    away = np.linalg.norm(np.minimum(radiance, most) - clamped)
-    return float(away / max(float(np.linalg.norm(clamped)), 1e-30))
+    return away(np.minimum(radiance, most), clamped)
 
 
 def _race(curve: Sequence[dict[str, Any]], asked: float) -> dict[str, float | None]:
