@@ -120,7 +120,6 @@ class Presenter:
         Without a `place` the image fills it. `compared`: another presenter, and the share of the
         width right of which its image is seen.
         """
-        # The image fills the surface; another presenter brings an image with its own tone.
         place = place or Place((0.0, 0.0), tuple(view.size[:2]))
         other = (compared[0]._tone.shown, compared[1]) if compared else None
         self._show.draw(commands, view, place, self._tone.shown, other)
@@ -132,7 +131,6 @@ class Presenter:
 
 def _chosen(images: dict[str, Texture], view: View, layer: str) -> list[Texture]:
     """The textures whose sum is shown; the image where a technique has no such layer."""
-    # Layers of the G-buffer, one of the technique's, or the sum of its radiance.
     g = view.gbuffer
     own = {"albedo": g.albedo, "normal": g.normal}
     if layer == "depth":

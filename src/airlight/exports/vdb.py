@@ -157,7 +157,6 @@ def _children(
 
 def _node(children: list[NDArray[np.int64]], side: int) -> bytes:
     """An inner node without tiles: its masks, and no values."""
-    # Bits of existing children, and none of tiles.
     mask = np.zeros((side,) * 3, bool)
     mask[tuple(np.array(children).T)] = True
     bits = np.packbits(mask.ravel(), bitorder="little").tobytes()

@@ -27,7 +27,6 @@ _SHELL_M = 0.2
 
 def draw(request: Request) -> Drawn:
     """A shelf of 22 mm boards, a dark room behind a wall of three thicknesses, a hidden box."""
-    # Thin boards, a wall, and a box that no view sees.
     told: dict[str, Any] = {}
     leaks: dict[str, Any] = {}
     shadows: dict[str, Any] = {}

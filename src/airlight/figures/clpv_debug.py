@@ -81,7 +81,6 @@ def read_lattice(technique: Technique) -> SolvedLattice:
 
 def _square(lattice: SolvedLattice, across: str, index: int, brightest: float) -> U8:
     """A slice in the middle of a square ground, so that all three are drawn to one scale."""
-    # On a square as large as the longest side.
     image = slice_image(lattice, across, index, brightest=brightest, cell_px=CELL_PX)
     side = max(lattice.openness.shape[:3]) * CELL_PX
     square = np.full((side, side, 3), 22, dtype=np.uint8)

@@ -143,7 +143,6 @@ def _missing(names: list[str]) -> str:
 
 def _data_url(path: Path) -> str:
     """The image as JPEG, no wider than _WIDEST_PX. Raises SceneError."""
-    # JPEG in RGB, no wider than the page shows it.
     try:
         with PIL.Image.open(io.BytesIO(read_bytes(path))) as opened:
             image = opened.convert("RGB")

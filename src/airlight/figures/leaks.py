@@ -57,14 +57,12 @@ def shelf() -> Scene:
 
 def dark_places(truth: F32) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """(H, W): where the reference's indirect light is dark, but something is there."""
-    # Below a share of the mean, but not the background.
     light = luminance(truth)
     return np.asarray((light > 0.0) & (light < DARK_SHARE * light.mean()))
 
 
 def leaked(indirect: F32, truth: F32) -> F64:
     """(H, W) luminance, W m^-2 sr^-1, beyond the reference's on places that it has dark."""
-    # Only on dark places, and only light well beyond the truth's.
     light, true = luminance(indirect), luminance(truth)
     has_leaked = dark_places(truth) & (light > EXCESS * true)
     return np.where(has_leaked, light - true, 0.0)
@@ -77,7 +75,6 @@ def leaked_share(indirect: F32, truth: F32) -> float:
 
 def leak_image(indirect: F32, truth: F32, stops: float) -> U8:
     """The reference toned down to grey, what leaked in red over it; (H, W, 3)."""
-    # The truth faint and grey, leaks in red on the same exposure.
     grey = 0.25 * luminance(displayed(truth, stops))
     leak = leaked(indirect, truth)
     red = luminance(displayed(np.repeat(leak[..., None], 3, -1).astype(np.float32), stops))

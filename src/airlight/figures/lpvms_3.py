@@ -66,7 +66,6 @@ def draw(request: Request) -> Drawn:
 
 def _transfer() -> F64:
     """(1, 3, 3, 3, 4): what goes to each neighbour of a cell, from light of all directions."""
-    # Light of all directions: what each hop takes of it.
     table = lattice26.hops()
     made = np.zeros((1, 3, 3, 3, 4))
     x, y, z = (1 + table.offsets).T

@@ -105,7 +105,6 @@ def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:
 
 def _table(device: str, sizes: Sequence[str], ours: Mapping[str, tuple[float, ...]]) -> U8:
     """The table as an image."""
-    # Ours and the paper's, size by size.
     lines: list[tuple[str, ...]] = [
         ("Stage, ms", *(f"here {size}" for size in sizes), *(f"GTX480 {side}^3" for side in SIDES))
     ]

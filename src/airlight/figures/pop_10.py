@@ -26,7 +26,6 @@ _VIEW_M = 60.0  # so far away that rays are parallel, nearly
 
 def ball(g: float) -> Scene:
     """The ball alone, a lamp of 1 W/sr at its middle, seen from far away."""
-    # The ball fills the image, seen from so far that rays are nearly parallel.
     box = ((-RADIUS_M,) * 3, (RADIUS_M,) * 3)
     made = Volume(SIGMA_S, shape="sphere", bounds=box, g=(g,) * 3, source="ball")
     angle = 2.0 * np.degrees(np.arctan(1.05 * RADIUS_M / _VIEW_M))

@@ -126,7 +126,6 @@ def drawn(request: Request, scene: Scene, settings: Mapping[str, Any] | None = N
 
 def moving_ms(request: Request, scene: Scene, settings: Mapping[str, Any] | None = None) -> float:
     """The median of frames of `pop` under a turning map; were it still, nothing would be solved."""
-    # The map turns from frame to frame; frames after the first are timed.
     asked = {**(settings or {}), **(QUICK_POP if request.quick else {})}
     start = scene.environment.rotation_deg if scene.environment else 0.0
     with renderer(request, scene, asked, technique="pop") as made:

@@ -136,7 +136,6 @@ def _off(radiance: F32, truth: F32) -> float:
 
 def _race(curve: Sequence[dict[str, Any]], asked: float) -> dict[str, float | None]:
     """When each is so near first; None where it is not."""
-    # Both curves at the same error.
     ours = reached([row["cpu_s"] for row in curve], [row["relative_l2"] for row in curve], asked)
     theirs = reached(
         [row["mitsuba_cpu_s"] for row in curve],

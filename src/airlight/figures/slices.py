@@ -137,7 +137,6 @@ def _places(cell_px: int) -> tuple[F64, F64]:
 
 def walls(sides: F64, cell_px: int) -> F64:
     """Cover (rows cell_px, columns cell_px) in [0, 1] of lines along closed sides."""
-    # A line along each closed side, as bright as it is closed.
     right, up = _places(cell_px)
     edge = 0.5 * cell_px - 2.0 * _LINE_PX
     near = np.stack([right < -edge, right > edge, up < -edge, up > edge]).astype(np.float64)

@@ -19,7 +19,6 @@ def table_image(lines: Sequence[Sequence[str]], columns: Sequence[int]) -> U8:
 
     `columns`: how wide each is, in units of COLUMN_PX.
     """
-    # Columns by their widths, lines below each other.
     starts = MARGIN_PX + COLUMN_PX * np.cumsum([0, *columns])
     size = (int(starts[-1]), 2 * MARGIN_PX + LINE_PX * len(lines))
     image = PIL.Image.new("RGB", size, PAPER)

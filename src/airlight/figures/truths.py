@@ -46,7 +46,6 @@ def truth_of(request: Request, scene: Scene) -> Reference | None:
 
 def noise_l2(truth: Reference, layer: str) -> float:
     """The relative L2 that a perfect image of a layer would score because the truth is noisy."""
-    # The root of the variances' sum over the size of the light.
     light, variance = (truth.image.layers[layer + end] for end in ("", "_variance"))
     each = variance if variance.ndim == light.ndim else variance[..., None]
     noise = float(np.sqrt(np.broadcast_to(each, light.shape).sum()))

@@ -74,7 +74,6 @@ class Medium:
 
 def mean_cosine(value: Any) -> Rgb:
     """g per channel, each in (-1, 1)."""
-    # One number for all channels.
     grey = isinstance(value, (int, float)) and not isinstance(value, bool)
     g = checks.vec3([value] * 3 if grey else value, "g")
     if not all(-1.0 < c < 1.0 for c in g):

@@ -56,7 +56,6 @@ def make_settings(cls: type[S], values: Mapping[str, Any], *, where: object = ""
     Raises SettingsError for an unknown name (naming the nearest), a wrong type or range; warns of a
     choice that is no longer there.
     """
-    # Each value by its field, which says its kind and range.
     fields = {f.name: f for f in dataclasses.fields(cast(Any, cls))}
     checked: dict[str, Any] = {}
     for name, value in values.items():

@@ -205,5 +205,4 @@ def _cache(reference: Reference, path: Path) -> str:
 
 def scene_hash(scene: Scene, size: tuple[int, int]) -> str:
     """A name for what the reference of `scene` at `size` depends on: values, not files or ids."""
-    # The format and the size are part of the name.
     return fingerprint((FORMAT, size, scene), without=NOT_CONTENT)

@@ -243,7 +243,6 @@ def _aim(light: Light, seen: Projection) -> F64 | None:
 
 def _arms(light: Light, seen: Projection, at: F64) -> Iterator[Mark]:
     """The arrows of a light that is somewhere, and the line along which it shines."""
-    # Arrows with a dot at their ends.
     for (_, colour), end in zip(_AXES, _arm_ends(light, seen), strict=False):
         if end is not None and np.hypot(*(end - at)) > _REACH_PX:
             yield Mark("line", (_pair(at), _pair(end)), colour, 2.0)

@@ -79,7 +79,6 @@ def _kind(field: dataclasses.Field[Any]) -> Kind:
 
 def checked(settings: type, values: Mapping[str, Any], name: str, value: Any) -> dict[str, Any]:
     """`values` with `name` set; what equals its default is left out. Raises SettingsError."""
-    # All values are checked together, and defaults that were not chosen left out.
     made: Any = make_settings(settings, {**values, name: value})
     defaults = {c.name: c.default for c in controls(settings)}
     every = {key: getattr(made, key) for key in (*values, name)}

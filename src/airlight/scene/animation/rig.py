@@ -41,7 +41,6 @@ class Skeleton:
 
         Node by node down the tree: there are few, and each needs its parent's.
         """
-        # Curves of this moment, by node and path.
         moved = {} if clip is None else {k: c.at(time_s) for k, c in clip.channels.items()}
         world = np.tile(np.eye(4), (len(self.translation), 1, 1))
         for node, parent in self.order:

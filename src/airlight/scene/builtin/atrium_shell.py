@@ -65,7 +65,6 @@ def outer_walls() -> Geometry:
 
 def skirting() -> Geometry:
     """A plinth along the foot of the outer walls' inner side, of one storey."""
-    # A plinth with a rounded top.
     points: Points = [(0.05, 0.0), (0.05, 0.42), *arc((0.0, 0.44), 0.05, -20.0, 70.0, 3), (0, 0.5)]
     return around_rectangle(profile(points), INNER_X_M, INNER_Z_M, inwards=True)
 

@@ -91,7 +91,6 @@ def _walls() -> tuple[Mesh, ...]:
 
 def _blocks() -> tuple[Mesh, ...]:
     """The short block at the right and the tall one at the left, as measured."""
-    # Both blocks are 1.66 m wide and turned by the measured angles.
     white = lambert("white", WHITE)
     short = box((-0.83, 0.0, -0.83), (0.83, 1.65, 0.83))
     tall = box((-0.83, 0.0, -0.83), (0.83, 3.30, 0.83))

@@ -59,7 +59,6 @@ def on_one_grid(
 
     Unless it `grows`, the density keeps its box.
     """
-    # The density's box with what the other needs beyond it, and both on its voxels.
     own = GridBox(density.density.shape, density.bounds, density.world_from_volume)
     others = GridBox(other.values.shape[:3], other.bounds, other.world_from_volume)
     box = own.holding(others) if grows else own

@@ -184,7 +184,6 @@ def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
 
 def _unread(mesh: Any) -> Iterator[str]:
     """What a PLY file holds that is not used."""
-    # What each element has beside the names that are read.
     elements = mesh.metadata.get("_ply_raw", {})
     for element, known in (("vertex", _VERTEX_NAMES), ("face", _INDEX_NAMES)):
         unknown = [name for name in _names(_ply_data(mesh, element)) if name not in known]

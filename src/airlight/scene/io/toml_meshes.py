@@ -143,7 +143,7 @@ def _coloured(scene: Scene, values: Mapping[str, Any]) -> Scene:
     if not factors:
         return scene
     # Materials once each, so that meshes go on sharing them.
-    made: dict[int, Material] = {}  # one new material for each old one, so that sharing stays
+    made: dict[int, Material] = {}
     meshes = []
     for mesh in scene.meshes:
         key = id(mesh.material)

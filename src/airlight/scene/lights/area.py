@@ -271,6 +271,5 @@ def world_from_unit(light: AreaLight) -> F64:
 
 def ball(position: Vec3, intensity: Rgb, radius: float) -> AreaLight:
     """The sphere, not seen, that gives an intensity, W sr^-1: radiance times its cross section."""
-    # A sphere's intensity is its radiance times the area of its disk.
     r, g, b = (c / (math.pi * radius**2) for c in intensity)
     return AreaLight(position, (r, g, b), "sphere", radius=radius, visible=False)

@@ -132,7 +132,6 @@ class LightType:
 
     def moved(self, matrix: F64) -> Self:
         """The light through a (4, 4) matrix; its strength stays."""
-        # Positions and directions move; strengths and sizes stay.
         by_meaning = {"point": moved_point, "direction": moved_vector}
         changes: dict[str, Any] = {
             key.name: by_meaning[key.stands_for](getattr(self, key.name), matrix)

@@ -44,7 +44,6 @@ class PointLight(LightType):
 
     def emitters(self, notes: list[str]) -> Sequence[Emitter]:
         """Mitsuba's own, or the ball that the light comes from."""
-        # A radius makes it a ball that is not seen.
         if self.radius > 0.0:
             return ball(self.position, self.intensity, self.radius).emitters(notes)
         return [point_emitter(self.position, self.intensity)]

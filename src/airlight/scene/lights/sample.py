@@ -93,7 +93,6 @@ class LightSample(LightType):
 
         That is pi times the intensity; what sends to all sides is a point of the same power.
         """
-        # What sends to one side only is a spot, anything else a point of the same power.
         if self.even == 0.0:
             return SpotLight(self.position, self.direction, self.intensity, 0.0, 89.0)
         r, g, b = (power / (4.0 * math.pi) for power in self.power)
