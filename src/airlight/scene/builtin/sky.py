@@ -6,6 +6,7 @@ from typing import cast
 
 import numpy as np
 
+from ...maths.latlong import latlong_texel_directions
 from ..checks import F32, F64, Vec3
 from ..environment import Environment
 from ..sun_sky import MAP_HEIGHT
@@ -27,13 +28,8 @@ def clear_sky(sun_travel: Vec3, *, height_px: int = MAP_HEIGHT, scale: float = 1
     below the horizon lies pale ground. Luminance: CIE S 011, equations 1 to 4, its glow around
     the sun rolled off below seven times the zenith: the sun itself is a light, not an image.
     """
-    # Directions of the map's texels, as `Environment` has them.
-    v = (np.arange(height_px) + 0.5) / height_px * np.pi
-    u = (np.arange(2 * height_px) + 0.5) / (2 * height_px) * 2.0 * np.pi
-    cos_zenith = np.cos(v)[:, None] * np.ones_like(u)
-    towards = np.stack(
-        [np.sin(v)[:, None] * np.sin(u), cos_zenith, -np.sin(v)[:, None] * np.cos(u)], axis=-1
-    )
+    towards = latlong_texel_directions(height_px, 2 * height_px)
+    cos_zenith = towards[..., 1]
     # Luminance by CIE S 011, colour from deep blue at the zenith to pale near the horizon and the
     # sun.
     sun = -np.array(sun_travel) / np.linalg.norm(sun_travel)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...maths.latlong import latlong_texel_directions
 from ..camera import Camera, view_directions
 from ..checks import F32, F64, Rgb
 from ..environment import Environment
@@ -40,14 +41,8 @@ def clear_sky(towards_sun: F64, height: int = MAP_HEIGHT) -> F32:
     Blue above, pale at the horizon, a warm glow around (but not of) the sun, which is a
     light of its own. The colours are chosen by eye, not measured.
     """
-    # The direction of each texel's middle: y up, -Z at the map's left and right edges.
-    v, u = np.meshgrid(
-        (np.arange(height) + 0.5) / height,
-        (np.arange(2 * height) + 0.5) / (2 * height),
-        indexing="ij",
-    )
-    sine, y = np.sin(np.pi * v), np.cos(np.pi * v)
-    direction = np.stack([sine * np.sin(2 * np.pi * u), y, -sine * np.cos(2 * np.pi * u)], axis=2)
+    direction = latlong_texel_directions(height, 2 * height)
+    y = direction[..., 1]
     # Paler towards the horizon, with a glow about the sun.
     paleness = np.exp(-np.maximum(y, 0.0) * 3.5)[..., None]
     sky = _ZENITH + (_HORIZON - _ZENITH) * paleness

@@ -8,6 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.transforms import box_corners, transformed
 from ..animation.density import VolumeTrack
 from ..checks import F32, F64
 from ..scene import Scene
@@ -83,10 +84,7 @@ def _corners(volume: Volume) -> F64:
         first = np.min([part[0] for part in parts], axis=0)
         last = np.max([part[1] for part in parts], axis=0)
         low, high = low + first * (high - low), low + last * (high - low)
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
-    matrix = volume.world_from_volume
-    placed: F64 = corners @ matrix[:3, :3].T + matrix[:3, 3]
-    return placed
+    return transformed(box_corners(low, high), volume.world_from_volume)
 
 
 def _part(grid: F32) -> tuple[F64, F64]:

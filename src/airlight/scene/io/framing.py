@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...maths.transforms import box_corners
 from ..camera import Camera, view_directions
 from ..checks import F64
 from .probe import Hits, Probe, sphere_directions
@@ -60,7 +61,7 @@ def framing_camera(probe: Probe, points: F64 | None = None) -> Camera:
 def framing_box(low: F64, high: F64, *, is_on_ground: bool = False) -> Camera:
     """A camera that shows the air in the box low..high (3,), metres, from outside: from below, or
     from above where it stands on a ground."""
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, 8).T
+    corners = box_corners(low, high)
     if is_on_ground:
         return from_front(corners)
     return around(towards_eye(BELOW_DEG, AZIMUTH_DEG), corners)

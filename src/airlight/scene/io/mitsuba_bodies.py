@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
-from ...maths.transforms import triple
+from ...maths.transforms import box_corners, triple
 from ..checks import F32, F64, Bounds
 from ..enclosed import FEWEST, Body
 from .mitsuba_nodes import Node
@@ -127,8 +127,7 @@ def shares_of_grid(
     low, high = (np.array(corner) for corner in bounds)
     # A cube around the grid, as it mostly is, bounds nothing of it.
     if region.kind == "cube":
-        ends = np.meshgrid(*zip(low, high, strict=True), indexing="ij")
-        corners = np.stack(ends, axis=-1).reshape(-1, 3)
+        corners = box_corners(low, high)
         cube = np.linalg.inv(region.world_from_shape) @ world_from_grid
         if np.abs(corners @ cube[:3, :3].T + cube[:3, 3]).max() <= 1.0 + _HAIR:
             return None, 1

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from ...maths.colour import srgb_decode
+from ...maths.latlong import latlong_texel_directions
 from ...maths.transforms import triple
 from ..checks import F32, F64
 from ..environment import Environment
@@ -155,11 +156,7 @@ def _turned_map(pixels: F32, turn: F64) -> F32:
     # Backwards: for each texel of the turned map, the direction that it shows, and where the old
     # map has that.
     height, width = pixels.shape[:2]
-    u, v = (np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height
-    theta, phi = np.meshgrid(np.pi * v, 2 * np.pi * u, indexing="ij")
-    world = np.stack(
-        [np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)], axis=-1
-    )
+    world = latlong_texel_directions(height, width)
     x, y, z = np.moveaxis(world @ np.linalg.inv(turn).T, -1, 0)
     # Bilinear: columns go round, rows end at the poles.
     column = np.arctan2(x, -z) / (2 * np.pi) % 1.0 * width - 0.5
