@@ -1,5 +1,8 @@
 """The command line: one module or folder per command, each with a click command `command`.
 
+    words -> cli -> a command: options, checked -> scene_argument: a Scene -> what it renders,
+    solves or counts -> outputs; progress and warnings on stderr
+
 cli       finds the commands, turns errors into messages and exit codes
 render    a scene in, an image out            sequence/   frames, videos, clusters
 turntable a model turns once around           watching    render again at every save

@@ -1,5 +1,8 @@
 """Solved light for other programs: light fields as plain arrays with a header.
 
+    renderer -> solved -> LightField -> light_field_file (.npz, folder) or vdb
+                              -> irradiance of surfaces, by lookup
+
 solved             a renderer's lattices and volumes, read back -> light field
 light_field        the arrays, and the irradiance that they give surfaces
 lookup             where surfaces are looked up in them, in NumPy

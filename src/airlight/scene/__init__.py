@@ -1,5 +1,8 @@
 """Scenes: frozen values that say what is to be rendered; no GPU.
 
+    io, builtin -> Scene (camera, lights, meshes, media, environment) -> at(time) by animation
+      -> shown: as techniques take it -> an Image
+
 scene        all of it in one value           camera, environment
 sun_sky      a clear sky and its sun            studio     a backdrop without an edge
 mesh         triangles and their transforms   material   how they reflect, texels of their textures

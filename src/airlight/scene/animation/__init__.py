@@ -1,5 +1,7 @@
 """Moving scenes: a scene as a function of time, `scene.at(time_s)`.
 
+   keyframes, a file's nodes, files of grids -> tracks -> animation -> Scene.at(time_s): a Scene
+
    animation    the tracks of a scene, their span and rate
    curve        a value by keyframes
    tracks       cameras, lights, meshes and environments by keyframes

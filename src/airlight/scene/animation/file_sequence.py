@@ -121,6 +121,7 @@ class FileSequence:
         if read.is_empty:
             # A frame with nothing in it may be of any size, as sparse files have no other for it.
             return _nothing(self.shape, self.bounds, read.channels)
+        # Where each file says where it is, boxes may differ, but not the way in which voxels lie.
         if self.bounds is not None:
             if read.bounds is None:
                 raise SceneError(
@@ -135,6 +136,7 @@ class FileSequence:
                     remedy="Write all files with one transform.",
                 )
             return read
+        # Without places of their own all have one box, and so as many cells.
         if read.density.shape != self.shape:
             have, want = (" x ".join(map(str, s)) for s in (read.density.shape, self.shape))
             raise SceneError(

@@ -16,7 +16,8 @@
 A module for each: atrium (arcade, atrium_shell, columns, relief, rod), room (room_shell,
 furniture), wall_floor, failures (the three that are bad), smoke and fire (eddies), and those of
 their own name. They stand on parts of three kinds: textures (stone, wood, fabric, foliage, sky;
-images: as 8 bits), shapes (patch, solids, profile and what is made of them) and noise.
+images: as 8 bits, and finishes of them), shapes (patch, solids, profile and what is made of them)
+and noise.
 """
 
 from __future__ import annotations

@@ -104,12 +104,14 @@ def joined(regions: Sequence[Region], source: Source) -> list[tuple[int, Region]
     a body together are one. A note tells of those that stay open."""
     is_open = [region.kind == "mesh" and region.body.holes > 0 for region in regions]
     members = [index for index, it_is in enumerate(is_open) if it_is]
+    # Files often have a body's sides as meshes of their own, which bound a medium together.
     if len(members) > 1:
         parts = tuple(part for index in members for part in regions[index].parts)
         whole = _mesh_region(regions[members[0]].node, parts)
         if whole.body.holes == 0:
             rest = [(index, region) for index, region in enumerate(regions) if not is_open[index]]
             return [*rest, (members[0], whole)]
+    # Those that leave a hole even so are closed by lids.
     for index in members:
         source.note(
             f"{regions[index].node}: it is open, and its medium ends at lids across its holes "

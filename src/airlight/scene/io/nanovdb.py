@@ -187,6 +187,7 @@ def _dense(record: _Record, buffer: bytes, file_bytes: int) -> SparseGrid:
             f"holds values of NanoVDB's type {record.kind}, only 32-bit floats are read",
             remedy="Save the grid unquantised.",
         )
+    # The size is checked before anything is made: a damaged head could ask for any.
     first, end = np.array(record.low), np.array(record.high) + 1
     if (end <= first).any():
         nothing = np.zeros((1, 1, 1), np.float32)

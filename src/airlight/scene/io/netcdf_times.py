@@ -42,6 +42,7 @@ def at_one_time(
         raise SceneError(f"has no '{variable.name}[{number}]': it has {have}")
     if axis is None:
         return variable, 0, ()
+    # Beside another grid it is that one's time, or the two would show different moments.
     if number is None and shown is not None and count > 1:
         number = shown
         if shown >= count:

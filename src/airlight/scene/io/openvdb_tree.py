@@ -212,6 +212,7 @@ def read_tree(stream: VdbStream, kind: str, compression: int, end: int) -> tuple
         mask = stream.mask(_LEAF_VALUES)
         block = values.read(mask).reshape(8, 8, 8, *values.shape)
         _put(dense, np.array(corner) - low, block)
+    # A grid ends where its descriptor says; more means that masks or lengths are damaged.
     if stream.at > end:
         raise VdbError("its leaves go on beyond the grid's end")
     x, y, z = low.tolist()

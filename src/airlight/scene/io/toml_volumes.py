@@ -50,11 +50,13 @@ def placed_volume(
     matrix = world_from_mesh(values, label)
     turn = {"up": values.pop("up", "y")}
     values = {name: value for name, value in values.items() if name not in _PLACING}
+    # A shape is complete here: it has no file to be read and no times.
     if "shape" in values:
         of_files = [name for name in _OF_FILES if name in values]
         for name in (*of_files, *(f"{n}_grid" for n in grids)):
             raise SceneError(f"{label}: {name} belongs to a file, not to a shape")
         return *shape_volume(values, matrix, upright_from_file(turn), label, folder), None
+    # The first file with anything in it stands for all: it says where the volume lies.
     is_file = "file" in values
     written = values.pop("file" if is_file else "sequence")
     files = (
@@ -72,6 +74,7 @@ def placed_volume(
         grid = grown or grid
         if grids:
             values, grid = _with_coefficients(values, given, files[first], grid, grids)
+    # Into the world: upright first, as the file has its axes, then where the table places it.
     sequence = file_sequence(values, files, times, grid, glowing, grids)
     upright, told = upright_from_grid(turn, files[0])
     values, warnings = _in_its_box(values, grid, matrix @ upright, upright)

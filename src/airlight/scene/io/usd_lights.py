@@ -68,6 +68,7 @@ def usd_light(prim: Any, world: F64, time: Any) -> Light | None:
         )
     if not prim.IsA(UsdLux.SphereLight):
         return None
+    # A sphere is a spot where its shaping cuts it to a cone, a point where it is told to be one.
     sphere = UsdLux.SphereLight(prim)
     radius = sphere.GetRadiusAttr().Get(time) * (wide * high * deep) ** (1.0 / 3.0)
     # From afar a sphere has the intensity pi r^2 times its radiance, 1 / (4 pi r^2) of a whole.

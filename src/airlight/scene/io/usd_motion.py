@@ -108,11 +108,13 @@ class UsdMotion:
             return _ROOT
         if path in self._nodes:
             return self._nodes[path]
+        # A prim that resets the stack of transforms stands in the stage, not in its parent.
         own = UsdGeom.Xformable(prim) if prim.IsA(UsdGeom.Xformable) else None
         is_apart = own is not None and own.GetResetXformStack()
         parent = _ROOT if is_apart else self._node(prim.GetParent())
         number = self._add(parent, _local(own, self._time))
         self._nodes[path] = number
+        # Matrices are taken apart: a rig turns, scales and shifts, and cannot shear.
         if self._has_samples(own, path):
             codes = self._codes(own)
             matrices = np.array([_local(own, code) for code in codes])

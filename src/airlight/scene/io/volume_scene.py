@@ -148,12 +148,14 @@ def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[s
     # A number behind the name asks for one time, of what lies beside the density, too.
     if is_one and name_and_number(name, [])[1] is not None and name not in grid_names(file):
         return scene
+    # What lies beside the density changes with it.
     beside = keys_of(volume, file)
     glowing = beside.get("emission_grid", beside.get("temperature_grid"))
     colours = {"albedo": beside["albedo_grid"]} if "albedo_grid" in beside else {}
     files, times = frames_of(series.files, name, colours, glowing)
     if len(files) == 1:
         return scene
+    # Files that say where they are may each lie elsewhere; of others all have the first one's box.
     has_own_box = not any(NOWHERE in text for text in grid.warnings)
     sequence = FileSequence(
         files,
@@ -168,6 +170,7 @@ def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[s
         turn=grid.world_from_volume,
         times=times,
     )
+    # Nobody asked for a sequence: it is told, and how to see the rest of it.
     what = "its times" if is_one else f"{len(files):,} grids"
     text = f"{series.name}: {what} follow each other {series.fps:g} a second"
     text += " (airlight sequence, --time)"

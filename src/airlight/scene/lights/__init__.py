@@ -1,5 +1,8 @@
 """Lights, a module for each type. Directions are travel directions: away from the light.
 
+    files, Python, viewer -> keys, checked -> a light -> row (shaders), emitters (Mitsuba),
+    punctual (glTF)
+
 light_type   what a type of light says of itself, which is all that others ask
 light_key    its fields: check, unit, meaning, whether keyframes and the viewer change them
 emitters     what a type gives for Mitsuba, written by `reference.mitsuba_lights`
