@@ -14,7 +14,6 @@ import numpy as np
 from ..animation import Animation
 from ..animation.animation import DEFAULT_FPS
 from ..animation.density import VolumeTrack
-from ..animation.file_sequence import FileSequence
 from ..checks import F32, F64, Bounds
 from ..emission import Emission
 from ..scene import Scene
@@ -141,6 +140,7 @@ def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[s
     `grid`: the one that the scene shows at rest.
     """
     from .grid_times import frames_of
+    from .toml_animation import file_sequence
 
     (volume,) = scene.volumes
     file = Path(volume.source)
@@ -155,21 +155,13 @@ def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[s
     files, times = frames_of(series.files, name, colours, glowing)
     if len(files) == 1:
         return scene
-    # Files that say where they are may each lie elsewhere; of others all have the first one's box.
-    has_own_box = not any(NOWHERE in text for text in grid.warnings)
-    sequence = FileSequence(
-        files,
-        grid.density.shape,
-        series.fps,
-        series.start_s,
-        grid=name,
-        channels=keys.get("channels", DENSITY),
-        emission_grid=glowing,
-        colours=tuple(colours.items()),
-        bounds=grid.bounds if has_own_box else None,
-        turn=grid.world_from_volume,
-        times=times,
-    )
+    asked = {
+        "sequence_fps": series.fps,
+        "sequence_start_s": series.start_s,
+        "grid": name,
+        "channels": keys.get("channels", DENSITY),
+    }
+    sequence = file_sequence(asked, files, times, grid, glowing, colours)
     # Nobody asked for a sequence: it is told, and how to see the rest of it.
     what = "its times" if is_one else f"{len(files):,} grids"
     text = f"{series.name}: {what} follow each other {series.fps:g} a second"
