@@ -13,6 +13,7 @@ from ..gpu.memory import Texture
 from ..gpu.slots import texture, uniform
 
 MOST_LAYERS = 4
+NEAR_M = 0.01
 # How layers become one image: radiance adds up, the others are shown as they are.
 RADIANCE, RAW, NORMAL, DEPTH = range(4)
 _SLOTS = tuple(f"layer{i}" for i in range(MOST_LAYERS))
@@ -42,8 +43,8 @@ class _Combine(FullscreenPass):
 class Combine:
     """The mean so far is `image`: radiance W m^-2 sr^-1, or a debug view's values in [0, 1]."""
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int], near_m: float = 0.01) -> None:
-        self.gpu, self._near, self._pass = gpu, near_m, _Combine(gpu)
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self.gpu, self._pass = gpu, _Combine(gpu)
         self._make_means(size)
 
     def _make_means(self, size: tuple[int, int]) -> None:
@@ -87,7 +88,7 @@ class Combine:
             weights=[float(i < len(layers)) for i in range(MOST_LAYERS)],
             weight=1.0 / (index + 1),
             kind=kind,
-            near=self._near,
+            near=NEAR_M,
             reach=reach_m,
         )
         self._pass.draw(

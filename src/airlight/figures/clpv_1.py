@@ -48,7 +48,7 @@ def draw(request: Request) -> Drawn:
     return Drawn(sheet(request, "Indirect light in the atrium", rows), numbers)
 
 
-def in_haze(scene: Scene, sigma_s: float = 0.03) -> Scene:
-    """The scene full of white haze that scatters `sigma_s` per metre, as builtin:atrium-fog."""
-    sigma_t, albedo = extinction_and_albedo(sigma_s, 0.0)
+def in_haze(scene: Scene) -> Scene:
+    """The scene full of white haze as builtin:atrium-fog."""
+    sigma_t, albedo = extinction_and_albedo(0.03, 0.0)
     return dataclasses.replace(scene, medium=Medium(sigma_t, albedo=albedo))

@@ -44,13 +44,13 @@ class VirtualLights:
     area: F64
 
 
-def indirect_of(request: Request, scene: Scene, seed: int = 1) -> F32:
+def indirect_of(request: Request, scene: Scene) -> F32:
     """One bounce (H, W, 3), W m^-2 sr^-1, of a scene with directional and spot lights alone.
 
     Raises SettingsError, DeviceError.
     """
     # Virtual lights where the lights' views see surfaces, and the pixels that they light.
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     lights = virtual_lights(request, scene, rng)
     image = _seen(request, scene)
     points = surface_points(scene.camera, image.layers["depth"]).reshape(-1, 3)  # 1e6 m: nothing

@@ -60,11 +60,10 @@ def plume(g: float = 0.9) -> Scene:
     return Scene(name="plume", camera=camera, volumes=(made,), environment=courtyard())
 
 
-def white_plume(g: float, density: float = 1.0) -> Scene:
-    """The same smoke without absorption; `density` thins it."""
+def white_plume(g: float) -> Scene:
+    """The same smoke without absorption."""
     scene = plume(g)
-    sigma = density * np.array(PLUME_SCATTERING)
-    made = dataclasses.replace(scene.volumes[0], sigma_t=triple(sigma), albedo=(1.0,) * 3)
+    made = dataclasses.replace(scene.volumes[0], sigma_t=PLUME_SCATTERING, albedo=(1.0,) * 3)
     return dataclasses.replace(scene, volumes=(made,), name="white plume")
 
 

@@ -144,13 +144,13 @@ def _impost(top: float) -> Points:
     return [(0.0, top - 0.20), *cyma, (0.08, top - 0.11), (0.08, top), (0.0, top + 0.001)]
 
 
-def baluster(segments: int = 8) -> Geometry:
+def baluster() -> Geometry:
     """A vase-shaped baluster between the rails of a balustrade, 0.62 m high from y = 0.12."""
     # From the foot over the belly to the neck, and a cap under the rail.
     points: Points = [(0.06, 0.12), (0.06, 0.17), (0.04, 0.20)]
     points += [(0.062, 0.27), (0.074, 0.34), (0.066, 0.42), (0.042, 0.52), (0.032, 0.60)]
     points += [(0.048, 0.645), (0.034, 0.67), (0.058, 0.69), (0.058, 0.74)]
-    return revolved(profile(points, crease_deg=60.0), segments)
+    return revolved(profile(points, crease_deg=60.0), 8)
 
 
 def fountain() -> tuple[Geometry, Geometry]:

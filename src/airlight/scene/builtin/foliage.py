@@ -104,19 +104,19 @@ def _upwards(elevation: F64, radial: F64) -> F64:
     return upper
 
 
-def pot(segments: int = 28) -> Geometry:
+def pot() -> Geometry:
     """A terracotta pot, 0.8 m wide and 0.75 m high, with a rolled rim; the soil is `soil`."""
     # From the axis out along the bottom, up the belly, and over the rolled rim inside.
     shape: Points = [(0.0, 0.0), (0.24, 0.0), (0.26, 0.03)]
     shape += [(0.30, 0.16), (0.345, 0.32), (0.37, 0.46), (0.372, 0.55), (0.35, 0.63)]
     shape += arc((0.36, 0.69), 0.04, -70.0, 160.0, 8)
     shape += [(0.315, 0.66), (0.32, 0.60)]
-    return revolved(profile(shape), segments)
+    return revolved(profile(shape), 28)
 
 
-def soil(segments: int = 24) -> Geometry:
+def soil() -> Geometry:
     """The earth in a `pot`, slightly heaped."""
-    return revolved(profile([(0.325, 0.61), (0.2, 0.635), (0.0, 0.645)]), segments)
+    return revolved(profile([(0.325, 0.61), (0.2, 0.635), (0.0, 0.645)]), 24)
 
 
 SOIL = Finish(Material(name="soil", base_color=(0.07, 0.05, 0.035), roughness=1.0), 1.0)
