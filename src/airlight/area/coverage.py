@@ -21,7 +21,6 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..scene.checks import F64
 from ..surface.gbuffer import GBuffer
-from ..surface.hits import PIXELS
 from .emitter import Emitter
 from .shapes import MOST_CORNERS, Shape
 
@@ -54,7 +53,7 @@ class _CoveragePass(FullscreenPass):
     file = "coverage.wgsl"
     slots = (
         uniform("params", CoverageParams),
-        PIXELS.slot,
+        texture("depth", "2d", "depth"),
         texture("emission", "2d", "unfilterable-float"),
         storage("outlines", OutlineData),
         storage("corners", "vec4f"),
@@ -67,7 +66,7 @@ class Coverage:
     def __init__(self, gpu: Gpu, most: int) -> None:
         """`most`: how many emitters there are."""
         self.gpu = gpu
-        self._pass = _CoveragePass(gpu, generated=PIXELS.wgsl)
+        self._pass = _CoveragePass(gpu)
         self._outlines = Buffer(gpu, "outlines", OutlineData.dtype.itemsize * most)
         self._corners = Buffer(gpu, "outline corners", 16 * MOST_CORNERS * most)
         self._drawn: Texture | None = None

@@ -1,6 +1,5 @@
 // The light of a pixel with glowing polygons by the exact part of it that they cover, in place of what one sample hit.
-//! needs fn surface_depth(pixel: vec2u) -> f32
-//! needs fn surface_point(position: vec2f, d: f32) -> vec3f
+//! use pixel_point
 
 const MOST_CORNERS = 12u;
 const OWN_PLANE = 1e-3;     // of a polygon's radius
@@ -30,8 +29,8 @@ fn edge_cover(a: vec2f, b: vec2f) -> f32 {
 @fragment fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
     let glow = textureLoad(emission, pixel, 0);
-    let d = surface_depth(pixel);
-    let p = surface_point(position.xy, d);
+    let d = textureLoad(depth, pixel, 0);
+    let p = pixel_point(position.xy, d);
     // The sample within the pixel as it is without jitter.
     let own = position.xy - params.jitter - floor(position.xy);
     // Each polygon is added by its cover, whatever the sample hit.

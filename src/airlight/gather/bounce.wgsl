@@ -7,14 +7,14 @@
     if (id.x >= params.reduced.x || id.y >= params.reduced.y * params.rays) {
         return;
     }
-    let place = textureLoad(places, id.xy, 0);
+    let start = textureLoad(starts, id.xy, 0);
     let n = textureLoad(normals, id.xy, 0).xyz;
     var found = no_ray();
-    if (place.w > 0.0) {
+    if (start.w > 0.0) {
         // Texels of one ray lie below those of the ray before it.
         let ray = params.first_ray + id.y / params.reduced.y;
         let y = id.y % params.reduced.y;
-        let origin = place.xyz + params.raised * n;
+        let origin = start.xyz + params.raised * n;
         let numbers = later_numbers(id.x, y, ray, params.segment);
         var direction = cosine_direction(n, numbers);
         // A part of the second number chooses whether a patch leads the ray.

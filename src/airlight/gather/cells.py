@@ -119,7 +119,7 @@ class _CellAir(ComputePass):
 
 
 class CellPoints:
-    """The middles of cells that send rays, as `points.Points` has those of an image.
+    """The middles of cells that send rays: `starts`, as `points.Points` has those of an image.
 
     `normals`: in place of a surface's the direction to the eye, with the mean of the three
     `cosines`, by which the media of the cell scatter.
@@ -129,7 +129,7 @@ class CellPoints:
         """For so many `rows` of cells, of all lattices together, in `media`."""
         # Cells are points of an image, so that their rays are traced like those of pixels.
         self.reduced = (_WIDTH, rows)
-        self.places = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
+        self.starts = Texture(gpu, "cell places", self.reduced, "rgba32float", written=True)
         self.normals, self.cosines = (
             Texture(gpu, f"cell {name}", self.reduced, "rgba16float", written=True)
             for name in ("axes", "mean cosines")
@@ -182,7 +182,7 @@ class CellPoints:
                 seen=self._seen,
                 lattice_walls=walls,
                 **self._media.medium_bound,
-                places=self.places,
+                places=self.starts,
                 axes=self.normals,
                 cosines=self.cosines,
             )
@@ -252,7 +252,7 @@ class CellSums:
                 points_of_cells=self._points_of_cells,
                 paths=paths,
                 lit_patches=patches,
-                places=points.places,
+                places=points.starts,
                 axes=points.normals,
                 cosines=points.cosines,
                 solved=air.mean.mean,

@@ -28,12 +28,12 @@ struct Path {
 
 fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
     let at = vec2u(texel.x, texel.y % sky.reduced.y);
-    let place = textureLoad(places, at, 0);
+    let start = textureLoad(starts, at, 0);
     var path = Path(vec3f(0.0), 0.0, vec3f(1.0), 1.0);
     if (hit.w > 0.0) {
-        let inverse_m = 1.0 / max(distance(hit.xyz, place.xyz), 1e-6);
+        let inverse_m = 1.0 / max(distance(hit.xyz, start.xyz), 1e-6);
         path.inverse_m = mix(air.inverse_m, inverse_m, dot(air.passed, vec3f(1.0 / 3.0)));
-    } else if (place.w > 0.0) {
+    } else if (start.w > 0.0) {
         // Where a ray left the scene, its direction.
         let seen = sky_along(hit.xyz);
         let n = textureLoad(normals, at, 0).xyz;
@@ -46,9 +46,9 @@ fn first_found(texel: vec2u, hit: vec4f, air: Air) -> Path {
 // What the light of lights counts that a ray from a point has found, where other rays are guided to it.
 fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     let at = vec2u(texel.x, texel.y % sky.reduced.y);
-    let place = textureLoad(places, at, 0);
+    let start = textureLoad(starts, at, 0);
     let n = textureLoad(normals, at, 0).xyz;
-    let origin = ray_start(place, n);
+    let origin = start.xyz;
     let direction = normalize(hit.xyz - origin);
     let guide = guide_density(origin, n, direction);
     let share = sky_share(dot(direction, n), guide.density, sky.rays, params.guided);

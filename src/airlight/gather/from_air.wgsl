@@ -9,13 +9,13 @@
     }
     // Texels of one ray lie below those of the ray before it.
     let at = vec2u(id.x, id.y % params.reduced.y);
-    let place = textureLoad(places, at, 0);
+    let start = textureLoad(starts, at, 0);
     var found = no_ray();
-    if (place.w > 0.0) {
+    if (start.w > 0.0) {
         let ray = params.first_ray + id.y / params.reduced.y;
         let axis = textureLoad(normals, at, 0);
         // Light travels against the ray that finds it.
-        found = gather_hit(place.xyz, air_ray(place.xyz, axis, ray_numbers(at.x, at.y, ray)).direction);
+        found = gather_hit(start.xyz, air_ray(start.xyz, axis, ray_numbers(at.x, at.y, ray)).direction);
     }
     store_hit(id.xy, found);
 }

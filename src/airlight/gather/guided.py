@@ -43,7 +43,7 @@ class _GuidedSums(ComputePass):
     def __init__(self, gpu: Gpu, *, has_air: bool) -> None:
         self.slots = (
             uniform("params", GuidedParams),
-            texture("places", "2d", "unfilterable-float"),
+            texture("starts", "2d", "unfilterable-float"),
             texture("normals", "2d", "unfilterable-float"),
             texture("hit_positions", "2d", "unfilterable-float"),
             texture("direct_light", "2d", "unfilterable-float"),
@@ -77,7 +77,7 @@ class GuidedRays:
             commands,
             self._points.reduced,
             params=GuidedParams(reduced=self._points.reduced, rays=self._rays, guided=self.count),
-            places=self._points.places,
+            starts=self._points.starts,
             normals=self._points.normals,
             hit_positions=self.hits.positions,
             direct_light=light,

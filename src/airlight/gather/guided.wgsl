@@ -8,12 +8,12 @@
         return;
     }
     let at = vec2u(id.x, id.y % params.reduced.y);
-    let place = textureLoad(places, at, 0);
+    let start = textureLoad(starts, at, 0);
     let n = textureLoad(normals, at, 0).xyz;
     var found = no_ray();
-    if (place.w > 0.0) {
+    if (start.w > 0.0) {
         // A patch by what it sends, then a direction within the cone of its sphere.
-        let origin = ray_start(place, n);
+        let origin = start.xyz;
         let numbers = ray_numbers(at.x, at.y, params.first_ray + id.y / params.reduced.y);
         var cones: PatchCones;
         let choice = guide_choice(origin, n, numbers.x, &cones);

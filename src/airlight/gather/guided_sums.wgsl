@@ -9,16 +9,16 @@
     if (any(id.xy >= params.reduced)) {
         return;
     }
-    let place = textureLoad(places, id.xy, 0);
+    let start = textureLoad(starts, id.xy, 0);
     let n = textureLoad(normals, id.xy, 0).xyz;
-    let origin = ray_start(place, n);
+    let origin = start.xyz;
     var sum = vec3f(0.0);
     var flux = vec3f(0.0);
     // Of each ray's light the share that rays by the cosine leave to it.
     for (var k = 0u; k < params.guided; k++) {
         let texel = vec2u(id.x, id.y + k * params.reduced.y);
         let hit = textureLoad(hit_positions, texel, 0);
-        if (place.w > 0.0 && hit.w > 0.0) {
+        if (start.w > 0.0 && hit.w > 0.0) {
             let direction = normalize(hit.xyz - origin);
             let density = guide_density(origin, n, direction).density;
             let share = sky_share(dot(direction, n), density, params.rays, params.guided);

@@ -1,5 +1,6 @@
 // A ray from each listed pixel, mirrored at a microfacet that the eye sees; writes the surface that it meets.
 //! use pixel_point
+//! use ray_start
 //! use gather
 //! use gather_hit
 //! use packed_pixel
@@ -35,7 +36,7 @@
             var direction = frame * mirrored;
             let flat = flat_normal(vec2i(pixel), p, n);
             direction -= 2.0 * min(dot(direction, flat), 0.0) * flat;
-            start = vec4f(ray_start(vec4f(p, length(away)), n), packed_glow_share(medium_glow_share(alpha)));
+            start = vec4f(ray_start(p, n, params.eye, params.texel), packed_glow_share(medium_glow_share(alpha)));
             hit = gather_hit(start.xyz, direction);
         }
     }

@@ -1,6 +1,7 @@
 // What a pixel mirrors: what its ray found and those of pixels around, each as far as the pixel's own lobe reaches there.
 // Source: Stachowiak2015 (rays of neighbours, weighted by the BRDF of the pixel that takes them).
 //! use pixel_point
+//! use ray_start
 //! use gather
 //! use ggx_sampling
 //! use specular_cosine
@@ -39,7 +40,7 @@ fn ray_weight(own: Asking, pixel: vec2u, ray: vec4f) -> f32 {
     let alpha = max(facing.w * facing.w, 0.002);
     let away = params.eye - p;
     let v = normalize(away);
-    let origin = ray_start(vec4f(p, length(away)), n);
+    let origin = ray_start(p, n, params.eye, params.texel);
     // How likely it went there, and how much its light is for this pixel.
     let sent = select(ray.xyz, normalize(ray.xyz - origin), ray.w == MET);
     let density = mirrored_density(saturate(dot(n, normalize(sent + v))), max(dot(n, v), 1e-4), alpha);
@@ -63,7 +64,7 @@ fn ray_weight(own: Asking, pixel: vec2u, ray: vec4f) -> f32 {
         let r = reflector(base.rgb, base.a, facing.w, textureLoad(emission, id.xy, 0).a);
         let away = params.eye - p;
         let n = normalize(facing.xyz);
-        let own = Asking(ray_start(vec4f(p, length(away)), n), n, normalize(away), r.alpha,
+        let own = Asking(ray_start(p, n, params.eye, params.texel), n, normalize(away), r.alpha,
             4.0 * params.texel * length(away));
         // Rays of the pixels around it, by how likely its own would have been those; a sharp mirror takes its own alone.
         var whole = 0.0;

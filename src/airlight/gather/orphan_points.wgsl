@@ -18,6 +18,7 @@ override HAS_OCCLUSION: bool = false;
         found = gather_point(pixel, textureLoad(depth, pixel, 0));
     }
     textureStore(places, texel, found.place);
+    textureStore(starts, texel, found.start);
     textureStore(normals, texel, found.facing);
     textureStore(planes, texel, found.plane);
 }

@@ -61,7 +61,7 @@ fn air_of(row: u32) -> Air { return Air(air[row].rgb, air[row].a, air[row + 1u].
 _SLOTS = (
     uniform("params", FoldParams),
     uniform("sky", SkyParams),
-    texture("places", "2d", "unfilterable-float"),
+    texture("starts", "2d", "unfilterable-float"),
     texture("normals", "2d", "unfilterable-float"),
     texture("hit_positions", "2d", "unfilterable-float"),
     texture("hit_normals", "2d", "unfilterable-float"),
@@ -136,7 +136,7 @@ class Paths:
                 counts=segment.counts,
             ),
             sky=self._cells.params(self._points, rays, 0),
-            places=self._points.places,
+            starts=self._points.starts,
             normals=self._points.normals,
             hit_positions=hits.positions,
             hit_normals=hits.normal,

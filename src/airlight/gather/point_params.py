@@ -19,7 +19,7 @@ class PointParams(Struct):
     rays = u32("of a point")
     step = u32("pixels of a block from one that is tried to the next")
     most = u32("orphan points of the image")
-    pad = u32()
+    pixel = f32("m, how wide a pixel is one metre away")
 
 
 CHOOSING_SLOTS = (
@@ -28,6 +28,7 @@ CHOOSING_SLOTS = (
     texture("normal", "2d", "unfilterable-float"),
     texture("near_field", "2d", "uint"),
     image("places", "rgba32float"),
+    image("starts", "rgba32float"),
     image("normals", "rgba16float"),
     image("planes", "rgba16float"),
 )

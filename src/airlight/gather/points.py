@@ -28,6 +28,7 @@ class Points:
     """The gather points of an image: of its blocks of pixels, and below those of orphan pixels.
 
     places   xyz world, m; w distance to the eye, m, 0 where there is no surface
+    starts   where their rays start, with w as of the places
     normals  of the shaded surface, about which rays are sent; w: the share of the hemisphere that
              near occluders leave
     planes   normals of the surface without relief, by which neighbours share light
@@ -42,7 +43,10 @@ class Points:
         self.blocks = (width, height)
         self.orphans = Orphans(gpu, self.blocks, self.scale, is_occluded=is_occluded)
         self.reduced = (width, height + self.orphans.rows)
-        self.places = Texture(gpu, "gather places", self.reduced, "rgba32float", written=True)
+        self.places, self.starts = (
+            Texture(gpu, f"gather {name}", self.reduced, "rgba32float", written=True)
+            for name in ("places", "starts")
+        )
         self.normals = Texture(gpu, "gather normals", self.reduced, "rgba16float", written=True)
         self.planes = Texture(gpu, "gather planes", self.reduced, "rgba16float", written=True)
         self._pass = _Points(gpu, constants={"HAS_OCCLUSION": float(is_occluded)})
@@ -69,7 +73,7 @@ class Points:
             rays=rays,
             step=orphan_step(self.scale),
             most=self.orphans.most,
-            pad=0,
+            pixel=pixel_m(view.world_from_clip, self.size[1]),
         )
 
     def encode(self, commands: Commands, view: View) -> None:
@@ -81,6 +85,7 @@ class Points:
             "normal": view.gbuffer.normal,
             "near_field": view.occlusion.near,
             "places": self.places,
+            "starts": self.starts,
             "normals": self.normals,
             "planes": self.planes,
         }

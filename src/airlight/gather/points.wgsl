@@ -28,6 +28,7 @@ override HAS_OCCLUSION: bool = false;
         if (k >= count || found.place.w > 0.0) { break; }
     }
     textureStore(places, id.xy, found.place);
+    textureStore(starts, id.xy, found.start);
     textureStore(normals, id.xy, found.facing);
     textureStore(planes, id.xy, found.plane);
 }

@@ -77,7 +77,7 @@ class PathSegments:
         # Media attenuate what they find.
         if self._air is not None and guided.air is not None:
             self._pass_air(
-                commands, sized, (sized.points.places, hits), segment, fields, guided.air
+                commands, sized, (sized.points.starts, hits), segment, fields, guided.air
             )
         # The same light as that of which rays by the cosine leave a part.
         count = self.settings.gather_bounces if self._bounces else 1
@@ -121,7 +121,7 @@ class PathSegments:
                 self.trace.encode(commands, sized.points, (before, hits), segment, guide)
             # What media along the segment scatter into it, and how much light they let by.
             if self._air is not None and sized.paths.air is not None:
-                both = (sized.points.places if index == 0 else before.positions, hits)
+                both = (sized.points.starts if index == 0 else before.positions, hits)
                 self._pass_air(commands, sized, both, segment, fields, sized.paths.air)
             with commands.stage("gather lighting"):
                 told = self._told(count - 1 - index, count)

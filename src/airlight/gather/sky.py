@@ -35,7 +35,7 @@ class _SkyRays(ComputePass):
     def __init__(self, gpu: Gpu, media: GpuMedia | None, constants: dict[str, float]) -> None:
         self.slots = (
             uniform("sky", SkyParams),
-            texture("places", "2d", "unfilterable-float"),
+            texture("starts", "2d", "unfilterable-float"),
             texture("normals", "2d", "unfilterable-float"),
             *RAY_SLOTS,
             *(media.medium_slots if media else ()),
@@ -70,7 +70,7 @@ class SkyRays:
             commands,
             points.reduced,
             sky=self._cells.params(points, rays, sample),
-            places=points.places,
+            starts=points.starts,
             normals=points.normals,
             **self._scene.bound,
             **(self._media.medium_bound if self._media else {}),

@@ -11,12 +11,12 @@ const FARTHEST = 1e30;      // m
     if (any(id.xy >= sky.reduced)) {
         return;
     }
-    let place = textureLoad(places, id.xy, 0);
+    let start = textureLoad(starts, id.xy, 0);
     let n = textureLoad(normals, id.xy, 0).xyz;
-    if (place.w <= 0.0) {
+    if (start.w <= 0.0) {
         return;
     }
-    let origin = ray_start(place, n);
+    let origin = start.xyz;
     var sum = vec3f(0.0);
     var flux = vec3f(0.0);
     var squares = 0.0;

@@ -49,7 +49,7 @@ class Segment:
 class _Trace(ComputePass):
     slots = (
         uniform("params", TraceParams),
-        texture("places", "2d", "unfilterable-float"),
+        texture("starts", "2d", "unfilterable-float"),
         texture("normals", "2d", "unfilterable-float"),
         *RAY_SLOTS,
         storage("albedo_rows", AlbedoData),
@@ -161,5 +161,5 @@ class Trace:
 def _start(of: AnyPoints | Hits) -> dict[str, Texture]:
     """Where rays start, and the normals there."""
     if isinstance(of, Hits):
-        return {"places": of.positions, "normals": of.normal}
-    return {"places": of.places, "normals": of.normals}
+        return {"starts": of.positions, "normals": of.normal}
+    return {"starts": of.starts, "normals": of.normals}

@@ -7,14 +7,14 @@
         return;
     }
     let at = vec2u(id.x, id.y % params.reduced.y);
-    let place = textureLoad(places, at, 0);
+    let start = textureLoad(starts, at, 0);
     let n = textureLoad(normals, at, 0).xyz;
     var found = no_ray();
-    if (place.w > 0.0) {
+    if (start.w > 0.0) {
         // By the cosine about the normal, so that irradiance is pi times a mean of radiance.
         let ray = params.first_ray + id.y / params.reduced.y;
         let direction = cosine_direction(n, ray_numbers(at.x, at.y, ray));
-        found = gather_hit(ray_start(place, n), direction);
+        found = gather_hit(start.xyz, direction);
     }
     store_hit(id.xy, found);
 }

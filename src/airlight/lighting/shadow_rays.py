@@ -20,7 +20,6 @@ from ..surface.geometry import GpuScene
 from ..surface.hits import PIXELS, Points
 
 _REACH = 2.5  # times as far as the map's own filter: samples that must agree
-_RAISED = 2e-4  # of the distance to the eye: where rays start above surfaces that pixels show
 _RAISED_M = 2e-5  # of the scene's diagonal: where they start above surfaces that rays met
 
 
@@ -76,7 +75,7 @@ class ShadowRays:
             # The transmittance of translucent surfaces is in maps of their own.
             "RAYS_MEET_TRANSLUCENT": 0.0,
             "SHADOW_REACH": _REACH,
-            "SHADOW_RAISED": _RAISED if points is PIXELS else 0.0,
+            "ARE_PIXELS": float(points is PIXELS),
         }
 
 

@@ -6,6 +6,7 @@
 //! use surface_reflection
 //! needs fn light_transmittance(index: u32, p: vec3f) -> vec3f
 //! needs fn panes_passed(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> vec3f
+//! needs fn looking_point(p: vec3f) -> vec3f
 //! needs fn arriving_share(lit: f32, p: vec3f, n: vec3f, in: Incoming) -> f32
 
 override HAS_DIRECTIONAL: bool = true;
@@ -61,6 +62,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
     if (!HAS_DIRECTIONAL && !HAS_LOCAL) {
         return sum;
     }
+    let from_here = looking_point(p);
     // CPU adapters run a loop's body once more than a test at its head would let them, and both
     // sides of every branch: loops end with their test.
     var i = 0u;
@@ -69,7 +71,7 @@ fn direct_light(r: Reflector, p: vec3f, n: vec3f, v: vec3f) -> vec3f {
         let in = arriving_from(light, p);
         let cosine = dot(n, in.to_light);
         if (cosine > 0.0 && any(in.irradiance > vec3f(0.0))) {
-            let lit = arriving_share(light_visibility(light, p, n, in), p, n, in);
+            let lit = arriving_share(light_visibility(light, from_here, n, in), from_here, n, in);
             if (lit > 0.0) {
                 let passed = light_transmittance(i, p) * panes_passed(light, p, n, in);
                 let arriving = in.irradiance * passed * cosine * lit;

@@ -3,8 +3,6 @@
 //! use phase
 //! use sampling
 
-const RAISED = 2e-4;        // of the distance to the eye: where rays start above their surface
-
 const NORMAL_POWER = 8.0;
 const PLANE_SHARE = 0.0025;
 const REACH = 0.1;
@@ -22,11 +20,6 @@ const MOST_DETAIL = 4.0;
 const FEWEST = 0.125;       // the least share of a point's rays that how near surfaces are is the mean of
 const CALIBRATION_DOUBT = 0.3;
 const MOST_CALIBRATION = 4.0;
-
-// Where rays of a gather point start: its place with the distance to the eye, its normal.
-fn ray_start(place: vec4f, normal: vec3f) -> vec3f {
-    return place.xyz + RAISED * place.w * normal;
-}
 
 fn ray_numbers(x: u32, y: u32, ray: u32) -> vec2f {
     let first = x * 3679390609u + y * 3152041523u + ray * 3242174889u;

@@ -2,10 +2,12 @@
 // field.
 //! use pixel_point
 //! use flat_normal
+//! use ray_start
 //! use near_field_lookup
 
 struct GatherPoint {
     place: vec4f,           // m; w: from the eye
+    start: vec4f,           // of rays, m; w as of the place
     facing: vec4f,          // what rays are distributed about; w: the part of the hemisphere that near occluders leave
     plane: vec4f,           // normal without relief
 }
@@ -16,5 +18,7 @@ fn gather_point(pixel: vec2u, d: f32) -> GatherPoint {
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
     let distance = 1.0 / (params.world_from_clip[2].w * d);
     let open = near_field_at(vec2f(pixel) + 0.5, distance).open;
-    return GatherPoint(vec4f(p, length(p - params.eye)), vec4f(n, open), vec4f(flat_normal(vec2i(pixel), p, n), 0.0));
+    let start = ray_start(p, n, params.eye, params.pixel);
+    let away = length(p - params.eye);
+    return GatherPoint(vec4f(p, away), vec4f(start, away), vec4f(n, open), vec4f(flat_normal(vec2i(pixel), p, n), 0.0));
 }

@@ -9,3 +9,7 @@ fn surface_depth(pixel: vec2u) -> f32 {
 fn surface_point(position: vec2f, d: f32) -> vec3f {
     return textureLoad(positions, vec2u(position), 0).xyz;
 }
+
+fn looking_point(p: vec3f) -> vec3f {
+    return p;
+}
