@@ -17,6 +17,7 @@ from ..media.gpu_media import GpuMedia
 from .calibration import RAYS
 from .cells import CellPoints, CellSums, rows_of
 from .filtering import Filtering
+from .found import FoundSums
 from .guided import GuidedRays
 from .history import History
 from .paths import Paths
@@ -58,7 +59,8 @@ class ViewBatches:
         guided = settings.gather_guided
         self.guided = GuidedRays(gpu, self.points, rays, guided, has_air=has_air)
         # What becomes of their light.
-        self.sums, self.filtering = Sums(gpu, self.points), Filtering(gpu, self.points, rays)
+        self.sums, self.found = Sums(gpu, self.points), FoundSums(gpu, self.points, rays)
+        self.filtering = Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)
         most = settings.gather_history
         self.history = History(gpu, self.points, most) if most else None

@@ -16,6 +16,7 @@
         let path = paths[2u * (point + k * count)];
         let direction = cosine_direction(n, ray_numbers(id.x, id.y, params.first_ray + k));
         let along = luminance(path.rgb) * flux_along(n, direction);
+        sum.brightest = max(sum.brightest, luminance(path.rgb));
         let is_far = path.w > 0.0 && path.w * far[0] < 1.0;
         sum.far += select(vec3f(0.0), path.rgb, is_far);
         sum.far_flux += select(vec3f(0.0), along, is_far);
@@ -26,4 +27,5 @@
     sums[point].far_flux = sum.far_flux;
     sums[point].later = sum.later;
     sums[point].later_flux = sum.later_flux;
+    sums[point].brightest = sum.brightest;
 }

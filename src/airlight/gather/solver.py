@@ -143,7 +143,7 @@ class GatherSolver(Solver):
         rays = self.settings.gather_rays
         with commands.stage("gather sky"):
             self._sky_rays.encode(commands, sized.points, sized.sums, rays, number)
-            sums = sized.sums.found(commands, view, range(number * rays, (number + 1) * rays))
+            sums = sized.found.encode(commands, view, sized.sums.buffer)
         # A moving frame adds the frames before it; a still has samples of its own.
         if history:
             with commands.stage("gather history"):

@@ -44,6 +44,9 @@ class PointSums(Struct):
     squares = vec3f("m^-1, `nearness` of what rays met: its squares")
     met_rays = f32("that met surfaces")
     products = vec3f("m^-1, its products")
+    brightest = f32(
+        "luminance of the ray that found most, by its first segment or by all later ones; no sum"
+    )
     sides = vec3f("m^-1, normals that rays met over their lengths")
 
 
@@ -104,24 +107,13 @@ def written_sums() -> Slot:
     return replace(image("sums_after", "rgba32float", "2d-array"), struct=PointSums)
 
 
-class _FoundSums(ComputePass):
-    slots = (
-        uniform("params", SumParams),
-        storage("sums", PointSums),
-        written_sums(),
-    )
-    workgroup = (8, 8, 1)
-    file = "found_sums.wgsl"
-
-
 class Sums:
     """`PointSums` for each point of a view."""
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
         self._points, self._far = points, Far(gpu, points)
-        self._pass, self._later, self._found = _Sums(gpu), _LaterSums(gpu), _FoundSums(gpu)
+        self._pass, self._later = _Sums(gpu), _LaterSums(gpu)
         self.buffer = Buffer(gpu, "gathered sums", PointSums.dtype.itemsize * points.count)
-        self._image = sums_image(gpu, "gathered sums", points)
 
     def encode(
         self, commands: Commands, view: View, paths: Paths, numbers: range, sample: range
@@ -156,17 +148,6 @@ class Sums:
             far=self._far.buffer,
             sums=self.buffer,
         )
-
-    def found(self, commands: Commands, view: View, sample: range) -> Texture:
-        """The `sums_image` of all that was added."""
-        self._found.dispatch(
-            commands,
-            self._points.reduced,
-            params=self._params(view, sample, sample),
-            sums=self.buffer,
-            sums_after=self._image,
-        )
-        return self._image
 
     def _params(self, view: View, numbers: range, sample: range) -> SumParams:
         return SumParams(

@@ -11,6 +11,7 @@ fn with_light(sums: PointSums, radiance: vec3f, inverse_m: f32, along: vec3f) ->
     let near = select(radiance, vec3f(0.0), is_far);
     let from_afar = radiance - near;
     out.near += near;
+    out.brightest = max(out.brightest, luminance(radiance));
     out.near_flux += luminance(near) * along;
     out.far_share += f32(is_far);
     out.far += from_afar;

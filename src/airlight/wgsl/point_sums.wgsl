@@ -10,9 +10,9 @@ fn sums_at(image: texture_2d_array<f32>, texel: vec2u) -> PointSums {
     let sky = textureLoad(image, texel, 6, 0);
     let sky_flux = textureLoad(image, texel, 7, 0);
     let squares = textureLoad(image, texel, 8, 0);
-    let products = textureLoad(image, texel, 9, 0).xyz;
+    let products = textureLoad(image, texel, 9, 0);
     let sides = textureLoad(image, texel, 10, 0).xyz;
     return PointSums(near.xyz, near.w, near_flux.xyz, near_flux.w, far.xyz, far.w, far_flux.xyz, far_flux.w,
         later.xyz, later.w, later_flux.xyz, later_flux.w, sky.xyz, sky.w, sky_flux.xyz, sky_flux.w,
-        squares.xyz, squares.w, products, sides);
+        squares.xyz, squares.w, products.xyz, products.w, sides);
 }

@@ -10,6 +10,6 @@ fn store_sums(texel: vec2u, sums: PointSums) {
     textureStore(sums_after, texel, 6, vec4f(sums.sky, sums.sky_variance));
     textureStore(sums_after, texel, 7, vec4f(sums.sky_flux, sums.frames));
     textureStore(sums_after, texel, 8, vec4f(sums.squares, sums.met_rays));
-    textureStore(sums_after, texel, 9, vec4f(sums.products, 0.0));
+    textureStore(sums_after, texel, 9, vec4f(sums.products, sums.brightest));
     textureStore(sums_after, texel, 10, vec4f(sums.sides, 0.0));
 }
