@@ -11,7 +11,8 @@ segments   their segments, traced and lit one after the other
 paths      what their segments found; air: media along them; beams: light that goes forwards alone
 calibration  how bright lattices' light is beside what paths trace
 far        how long rays must be for their light to come from afar
-sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells)
+sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells);
+           found: the same without what single rays found by luck
 guide      patches that lights shine on, from their maps; guided: rays towards them
 sky        more rays towards what is bright outside
 mirrors    rays of smooth surfaces' pixels, and what they mirror (mirror_passes, mirror_batches);
