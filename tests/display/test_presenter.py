@@ -10,7 +10,12 @@ from airlight.errors import SettingsError
 from airlight.gpu.commands import Commands
 from airlight.gpu.memory import Texture
 from airlight.lighting.view import View
+from airlight.maths.colour import srgb_encode
 from airlight.maths.tone import TONE_CURVES, auto_exposure, display_srgb8
+from airlight.rendering import Renderer
+from airlight.scene import Camera, Mesh, Scene
+from airlight.scene.builtin.solids import box
+from small_viewer import SETTINGS
 
 SIZE = (20, 12)
 
@@ -76,6 +81,22 @@ def test_one_layer_and_the_raw_ones(gpu):
     raw = screen.shown([images], Look("transmittance", exposure_stops=5.0))
     assert np.abs(raw - display_srgb8(b, 0.0, "none").astype(int)).max() <= 1
     assert np.all(screen.shown([images], Look("depth")) == 0)  # nothing drawn: infinitely far
+
+
+@pytest.mark.parametrize("target_m", [4.0, 0.25])
+def test_the_depth_layer_says_how_far_surfaces_are(gpu, target_m):
+    # A wall 4 m away, a box before its left half 2 m away; the near plane follows the target.
+    meshes = Mesh(box((-20, -20, -5), (20, 20, -4))), Mesh(box((-10, -20, -3), (0, 20, -2)))
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -target_m))
+    screen = Screen(gpu)
+    with Renderer(Scene(meshes, camera=camera), "direct", SIZE, settings=SETTINGS) as r:
+        r.frame()
+        screen.view = r.view
+        shown = screen.shown([{}], Look("depth", reach_m=2.0))
+    # 1 / (1 + distance / reach), encoded as sRGB.
+    for distance_m, pixels in ((2.0, shown[:, :9]), (4.0, shown[:, 11:])):
+        wanted = float(srgb_encode(np.array(1.0 / (1.0 + distance_m / 2.0)))) * 255.0
+        assert np.abs(pixels - wanted).max() <= 1.0
 
 
 def test_samples_are_averaged_and_index_0_restarts(gpu):

@@ -13,7 +13,6 @@ from ..gpu.memory import Texture
 from ..gpu.slots import texture, uniform
 
 MOST_LAYERS = 4
-NEAR_M = 0.01
 # How layers become one image: radiance adds up, the others are shown as they are.
 RADIANCE, RAW, NORMAL, DEPTH = range(4)
 _SLOTS = tuple(f"layer{i}" for i in range(MOST_LAYERS))
@@ -25,8 +24,7 @@ class CombineParams(Struct):
     weights = vec4f("of the layers")
     weight = f32("of the new image; 1 restarts")
     kind = u32("0 radiance, 1 raw, 2 normal, 3 depth")
-    near = f32("m")
-    reach = f32("m, shown half as bright")
+    depth_at_reach = f32("the depth that is shown half as bright")
 
 
 class _Combine(FullscreenPass):
@@ -73,10 +71,11 @@ class Combine:
         index: int,
         *,
         kind: int = RADIANCE,
-        reach_m: float = 1.0,
+        depth_at_reach: float = 1.0,
     ) -> None:
         """Add the sum of `layers` to the mean as image number `index`; 0 restarts it.
 
+        `depth_at_reach`: the depth that the depth view shows half bright.
         Raises SettingsError for more than MOST_LAYERS layers.
         """
         if len(layers) > MOST_LAYERS:
@@ -88,8 +87,7 @@ class Combine:
             weights=[float(i < len(layers)) for i in range(MOST_LAYERS)],
             weight=1.0 / (index + 1),
             kind=kind,
-            near=NEAR_M,
-            reach=reach_m,
+            depth_at_reach=depth_at_reach,
         )
         self._pass.draw(
             commands,

@@ -5,9 +5,9 @@ const KIND_DEPTH = 3u;
 
 fn shown(pixel: vec2i) -> vec3f {
     if (params.kind == KIND_DEPTH) {
-        // Reversed and infinite: depth = near / distance, 0 where nothing is.
+        // Reversed and infinite: 1 / (1 + distance / reach), 0 where nothing is.
         let d = textureLoad(depth, pixel, 0);
-        return vec3f(select(1.0 / (1.0 + params.near / (d * params.reach)), 0.0, d <= 0.0));
+        return vec3f(select(d / (d + params.depth_at_reach), 0.0, d <= 0.0));
     }
     // A weight of zero must not let a NaN through.
     var sum = vec3f(0.0);

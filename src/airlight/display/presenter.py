@@ -74,7 +74,7 @@ class Presenter:
                 view.gbuffer.depth,
                 index,
                 kind=kind,
-                reach_m=look.reach_m,
+                depth_at_reach=view.near_m / look.reach_m,
             )
 
     def tone(

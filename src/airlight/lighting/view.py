@@ -30,6 +30,8 @@ class View:
         self.gbuffer = gbuffer(gpu, size)
         self._sized = gpu.scope()
         self._make_layers()
+        self.near_m = _NEAR_M
+        """From the eye to the near plane: depth is `near_m` over the distance along the view."""
         self.clip_from_world: F64 = np.eye(4)
         self.world_from_clip: F64 = np.eye(4)
         self.eye: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -71,8 +73,8 @@ class View:
         look = np.subtract(camera.target, camera.position)
         view = view_from_world(camera.position, look, camera.up)
         aspect = self.size[0] / self.size[1]
-        near = _NEAR_M * min(1.0, float(np.linalg.norm(look)))
-        clip = clip_from_view_infinite(np.radians(camera.fov_y_deg), aspect, near)
+        self.near_m = _NEAR_M * min(1.0, float(np.linalg.norm(look)))
+        clip = clip_from_view_infinite(np.radians(camera.fov_y_deg), aspect, self.near_m)
         self.clip_from_world = jittered(clip, jitter_px, self.size) @ view
         self.world_from_clip = np.asarray(np.linalg.inv(self.clip_from_world), np.float64)
         self.eye = camera.position
@@ -88,6 +90,7 @@ class View:
         self.sample, self.camera, self.is_still = other.sample, other.camera, other.is_still
         self.jitter, self.jitters = other.jitter, other.jitters
         self._aimed, self.jitter_px, self.eye = other._aimed, other.jitter_px, other.eye
+        self.near_m = other.near_m
         self.gbuffer.unlit_radiance = other.gbuffer.unlit_radiance
         self.clip_from_world = other.clip_from_world
         self.world_from_clip = other.world_from_clip
