@@ -214,3 +214,29 @@ def test_in_a_notebook_the_panel_stands_beside_the_image_or_below_it(page, width
     else:
         assert (panel["x"], panel["y"]) == (image["x"], image["y"] + image["height"])
     opened.close()
+
+
+@pytest.mark.slow
+def test_small_numbers_fit_their_fields_and_notes_are_lines(page):
+    opened = page[0].context.new_page()
+    opened.set_content(
+        f"<style>{web_text('panel.css')}</style><div id=root><div class=stage></div></div>"
+    )
+    opened.add_script_tag(content=web_text("panel.js"))
+    slider = {"key": "a", "kind": "number", "label": "full above", "low": 0.0, "high": 4.96005e-4}
+    note = {"key": "b", "kind": "note", "label": "", "value": "right: x\nup: y"}
+    widgets = [{**slider, "value": 4.96005e-4, "tip": ""}, {**note, "tip": ""}]
+    opened.evaluate(
+        """widgets => {
+          const root = document.getElementById('root')
+          const panel = new AirlightPanel(root, root.firstChild, () => {}, false)
+          panel.panel.hidden = false
+          panel.showSections([{ name: 'air', open: true, widgets }])
+        }""",
+        widgets,
+    )
+    field = opened.locator('[data-key="a"] input[type=number]')
+    assert field.input_value() == "4.96e-4"
+    assert field.evaluate("f => f.scrollWidth <= f.clientWidth")
+    assert opened.locator('[data-key="b"]').inner_text() == "right: x\nup: y"
+    opened.close()

@@ -58,9 +58,10 @@ def test_a_dropped_map_becomes_the_environment_and_can_be_undone(document, tmp_p
 
 
 def test_files_beside_the_scene_and_shipped_ones_can_be_chosen(tmp_path):
-    for name in ("a.toml", "b.glb", "notes.txt"):
+    beside = ("a.toml", "b.glb", "a_cloud.nc", "plume.vti")
+    for name in (*beside, "notes.txt", "numbers.npy"):
         (tmp_path / name).write_text("")
     places = Source(str(tmp_path / "a.toml"), cornell()).places()
-    assert places[:2] == (str(tmp_path / "a.toml"), str(tmp_path / "b.glb"))
+    assert places[:4] == tuple(str(tmp_path / name) for name in beside)  # grids come last
     assert "builtin:atrium" in places
-    assert not any("notes" in place for place in places)
+    assert not any("notes" in place or "numbers" in place for place in places)

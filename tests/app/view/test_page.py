@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -69,6 +70,20 @@ def test_every_widget_of_the_panel_can_be_set_to_what_it_stands_at(page):
             continue
         page.heard({"type": "set", "key": key, "value": widget["value"]})
         assert page.session.state.message == "", key
+
+
+def test_what_was_noted_of_the_file_can_be_read_in_the_panel(page):
+    state = page.session.state
+    state.scene = replace(state.scene, warnings=("its array 'soot' is the density", "no light"))
+    page.render()
+    sections = [m for m in page.said if m["type"] == "panel"][-1]["sections"]
+    (notes,) = (s for s in sections if s["name"] == "notes on the file (2)")
+    assert [(w["kind"], w["value"]) for w in notes["widgets"]] == [
+        ("note", "its array 'soot' is the density"),
+        ("note", "no light"),
+    ]
+    page.heard({"type": "set", "key": "note.0", "value": "other"})
+    assert state.scene.warnings[1] == "no light"
 
 
 def test_a_change_arrives_and_nonsense_does_not(page):

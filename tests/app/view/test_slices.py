@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from airlight.app.view.scene_sections import air
-from airlight.app.view.slices import COLOURS, Slice, Sliced, coloured, plane, transferred
+from airlight.app.view.air_section import air
+from airlight.app.view.sections import _time
+from airlight.app.view.slices import (
+    COLOURS,
+    Slice,
+    Sliced,
+    caption,
+    coloured,
+    fullest,
+    plane,
+    transferred,
+)
 from airlight.app.view.state import ViewState
 from airlight.scene.builtin.cornell import cornell
 from airlight.scene.io import load
@@ -78,3 +89,90 @@ def test_densities_that_move_are_cut_off_as_those_of_the_first_moment():
     cut = state.moved().volumes[0].density
     assert np.allclose(cut, transferred(plain, view, state.sliced[0].top))
     assert np.count_nonzero(cut) < np.count_nonzero(plain)
+
+
+def smoke_file(path, steps: int) -> str:
+    """A scene file with a sequence of grids, of which each has its smoke one row higher."""
+    for k in range(steps):
+        grid = np.zeros((2, 6, 2), np.float32)
+        grid[:, k] = 1.0 + k
+        np.save(path / f"smoke_{k}.npy", grid)
+    scene = path / "smoke.toml"
+    scene.write_text(
+        '[[volume]]\nsequence = "smoke_*.npy"\nsequence_fps = 2\n'
+        "sigma_t = 3.0\nbounds = [[0, 0, 0], [1, 3, 1]]\n"
+    )
+    return str(scene)
+
+
+def widgets_of(state: ViewState) -> dict:
+    return {widget.key: widget for widget in air(state)}
+
+
+def test_the_slice_lies_where_most_is_and_says_where_that_is_in_metres():
+    grid = np.zeros((4, 10, 3), np.float32)
+    grid[1, 7] = 2.0
+    assert fullest(grid, "y") == pytest.approx(0.75)
+    assert fullest(grid, "z") == pytest.approx(1.5 / 4)
+    assert fullest(np.ones_like(grid), "x") == pytest.approx(0.5)
+    volume = Volume((1.0, 1.0, 1.0), density=grid, bounds=((0.0, 100.0, 0.0), (6.0, 300.0, 8.0)))
+    state = ViewState(replace(cornell(), volumes=(volume,)))
+    widgets = widgets_of(state)
+    at = widgets["volume.0.slice.share"]
+    assert (at.low, at.value, at.high) == pytest.approx((100.0, 250.0, 300.0))
+    at.change(120.0)
+    assert state.sliced[0].view.share == pytest.approx(0.1)
+    widgets["volume.0.slice.axis"].change("z")
+    assert widgets_of(state)["volume.0.slice.share"].value == pytest.approx(3.0)
+    assert "(m)" in at.label
+    assert widgets_of(state)["volume.0.slice.caption"].value.splitlines() == [
+        "right: x, 0 to 6 m",
+        "up: y, 100 to 300 m",
+        "colours: density 0 to 2,",
+        "extinction 0 to 2 1/m",
+    ]
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_a_plane_has_the_shape_that_it_has_in_the_world(axis):
+    grid = np.ones((10, 10, 10), np.float32)
+    box = np.array([(0.0, 0.0, 0.0), (2.0, 4.0, 8.0)])
+    sliced = Sliced(grid, Slice(axis, colours="grey"), box)
+    is_white = (sliced.chart[:-56] == 255).all(axis=-1)
+    wide, tall = is_white.any(axis=0).sum(), is_white.any(axis=1).sum()
+    assert (wide, tall) == {"x": (240, 120), "y": (60, 240), "z": (120, 240)}[axis]
+    # North, which is -z, is up in a plane across y.
+    if axis == "y":
+        assert caption(sliced, 0.5).startswith("right: x, 0 to 2 m\nup: -z, -8 to 0 m\n")
+
+
+def test_the_slice_follows_the_time_step_by_step(tmp_path):
+    state = ViewState(load(smoke_file(tmp_path, 3)))
+    first = state.sliced_now(0)
+    assert state.sliced_now(0) is first
+    time = {widget.key: widget for widget in _time(SimpleNamespace(state=state))}
+    step = time["step"]
+    assert (step.kind, step.low, step.value, step.high) == ("whole", 1, 1, 3)
+    assert step.label == "step, of 3"
+    step.change(3)
+    assert state.time_s == pytest.approx(1.0)
+    third = state.sliced_now(0)
+    assert third.density.max() == 3.0
+    assert not np.array_equal(third.chart, first.chart)
+    assert third.top == first.top  # colours mean the same at all times
+    # What is cut off at one time is cut off in its chart, too.
+    widgets_of(state)["volume.0.slice.low"].change(0.5)
+    assert state.sliced_now(0).view.low == pytest.approx(0.5 / first.top)
+    assert {w.key: w for w in _time(SimpleNamespace(state=state))}["step"].value == 3
+
+
+def test_extinction_is_of_the_densest_voxel_in_a_unit_that_needs_no_file():
+    grid = GRID * np.float32(1e-4 / 23.0)
+    volume = Volume((56e3, 28e3, 56e3), density=grid)
+    state = ViewState(replace(cornell(), volumes=(volume,)))
+    sigma = widgets_of(state)["volume.0.sigma"]
+    assert sigma.value == pytest.approx(5.6)
+    assert sigma.low < sigma.value < sigma.high
+    sigma.change(11.2)
+    assert state.scene.volumes[0].sigma_t == pytest.approx((112e3, 56e3, 112e3))
+    assert "where densest (1/m)" in sigma.label

@@ -9,7 +9,8 @@ drawn, build, making, fine         a renderer and its scene; others created in t
 renderers                          which of them there are, and which are wanted
 session                            a frame from all of these; shown: on which texture
 canvas, window, browser, notebook  where it is shown; guard, messages, uploads: who may send what
-widgets, sections, scene_sections  the panel, declared; slices: through density grids
+widgets, sections, scene_sections  the panel, declared; air_section: its media and grids, with
+                                   slices through those
 gui, gui_*, page, help             drawn by imgui, or in a page; asking: the dialog for a file
 save, watch                        scene files written and read again; cli: the command
 """

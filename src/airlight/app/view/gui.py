@@ -11,7 +11,7 @@ from ...gpu.device import Gpu
 from ...gpu.memory import Texture
 from .gizmos import Mark
 from .gui_drawing import draw_marks, sky_pad
-from .gui_theme import ACCENT, ERROR, NOTICE, put_theme
+from .gui_theme import ACCENT, ERROR, FAINT, NOTICE, put_theme
 from .help import HELP
 from .save import Saver
 from .sections import sections
@@ -178,11 +178,13 @@ class Panel:
                 return changed, tuple(min(max(float(c), 0.0), 1.0) for c in colour)
             case "sky":
                 return sky_pad(label, value)
-            # Bars and charts are only looked at.
+            # Bars, charts and notes are only looked at.
             case "bar":
                 imgui.progress_bar(value[0], (-1.0, 0.0), value[1])
             case "chart":
                 self._charts.draw(widget.key, value)
+            case "note":
+                _wrapped(value, FAINT)
         return False, value
 
 

@@ -15,7 +15,7 @@ ACCENT: Colour = (0.94, 0.71, 0.33, 1.0)
 ERROR: Colour = (1.0, 0.47, 0.40, 1.0)
 NOTICE: Colour = (0.62, 0.82, 0.62, 1.0)
 _TEXT: Colour = (0.88, 0.89, 0.91, 1.0)
-_FAINT: Colour = (0.53, 0.55, 0.59, 1.0)
+FAINT: Colour = (0.53, 0.55, 0.59, 1.0)
 _FONT = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"
 _FONT_PX = 14.5
 
@@ -52,7 +52,7 @@ def put_theme() -> None:
         style.set_color_(colour, (grey, grey * 1.02, grey * 1.06, alpha))
     for colour, own in (
         (imgui.Col_.text, _TEXT),
-        (imgui.Col_.text_disabled, _FAINT),
+        (imgui.Col_.text_disabled, FAINT),
         (imgui.Col_.slider_grab_active, ACCENT),
         (imgui.Col_.check_mark, ACCENT),
     ):

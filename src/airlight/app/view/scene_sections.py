@@ -1,4 +1,4 @@
-"""The panel's sections of the scene: lights, sky, fog and volumes."""
+"""The panel's sections of the scene's lights and sky."""
 
 from __future__ import annotations
 
@@ -10,14 +10,10 @@ import numpy as np
 
 from ...scene.environment import Environment
 from ...scene.lights.light_key import Control, LightKey
-from ...scene.medium import Medium
 from ...scene.sun_sky import LEAST_TURBIDITY, LOWEST_DEG, MOST_TURBIDITY, Sky
-from ...scene.volume import Volume
-from .slices import COLOURS
-from .state import ViewState, fog_for, line_angles_deg, source_angles_deg, travel_from
+from .state import ViewState, line_angles_deg, source_angles_deg, travel_from
 from .widgets import Widget
 
-_LEAST_SIGMA, _MOST_SIGMA = 1e-4, 1e3
 NO_SKY, UNIFORM, SUN_AND_SKY, MAP = "none", "uniform", "sun and sky", "map"
 
 
@@ -100,11 +96,11 @@ def _strength(
     """The largest channel, and a colour in which that is 1."""
     largest = max(*rgb, 1e-6)
     colour = tuple(c / largest for c in rgb)
-    yield Widget(name, "number", label, largest, lambda v: put(_scaled(colour, v)), 1e-3, 1e4, True)
-    yield Widget(f"{name}.colour", "colour", "colour", colour, lambda c: put(_scaled(c, largest)))
+    yield Widget(name, "number", label, largest, lambda v: put(scaled(colour, v)), 1e-3, 1e4, True)
+    yield Widget(f"{name}.colour", "colour", "colour", colour, lambda c: put(scaled(c, largest)))
 
 
-def _scaled(colour: tuple[float, ...], strength: float) -> tuple[float, float, float]:
+def scaled(colour: tuple[float, ...], strength: float) -> tuple[float, float, float]:
     r, g, b = (float(c) * strength for c in colour)
     return r, g, b
 
@@ -170,92 +166,3 @@ def _of_sky(state: ViewState, sky: Sky) -> Iterator[Widget]:
     )
     ends = (LEAST_TURBIDITY, MOST_TURBIDITY)
     yield Widget("sun.haze", "number", "haze (turbidity)", sky.turbidity, hazy, *ends)
-
-
-def air(state: ViewState) -> Iterator[Widget]:
-    """Fog and volumes: how much, how white, how far forwards, and what is in a grid."""
-    scene = state.scene
-
-    def add(_: Any) -> None:
-        state.scene = replace(state.scene, medium=fog_for(state.scene))
-
-    def clear(_: Any) -> None:
-        state.scene = replace(state.scene, medium=None)
-
-    def put_fog(fog: Any) -> None:
-        state.scene = replace(state.scene, medium=fog)
-
-    # Fog fills the scene; volumes have a section each, with a slice where they are grids.
-    if scene.medium is None:
-        yield Widget("fog.add", "button", "add fog", None, add)
-    else:
-        yield from _scattering("fog", "fog: ", scene.medium, put_fog)
-        yield Widget("fog.clear", "button", "no fog", None, clear)
-    for index, volume in enumerate(scene.volumes):
-        head = f"volume {index + 1}: " if len(scene.volumes) > 1 else "volume: "
-        yield from _scattering(f"volume.{index}", head, volume, _volume_putter(state, index))
-        if volume.density is not None:
-            yield from _slice(state, index)
-
-
-def _volume_putter(state: ViewState, index: int) -> Callable[[Any], None]:
-    return lambda volume: state.set_volume(index, volume)
-
-
-def _scattering(
-    name: str, head: str, of: Medium | Volume, put: Callable[[Any], None]
-) -> Iterator[Widget]:
-    """How dense, how white and how far forwards a medium or a volume is."""
-    # The largest channel is the slider; a change scales all three, or makes grey of nothing.
-    largest = max(*of.sigma_t, _LEAST_SIGMA)
-
-    def thicken(sigma: float) -> None:
-        even = max(of.sigma_t) <= 0.0
-        put(replace(of, sigma_t=_scaled(of.sigma_t, sigma / largest) if not even else (sigma,) * 3))
-
-    def whiten(albedo: Any) -> None:
-        put(replace(of, albedo=albedo))
-
-    def point(g: float) -> None:
-        put(replace(of, g=(g, g, g)))
-
-    yield Widget(
-        f"{name}.sigma",
-        "number",
-        f"{head}extinction (1/m)",
-        largest,
-        thicken,
-        _LEAST_SIGMA,
-        _MOST_SIGMA,
-        True,
-    )
-    yield Widget(f"{name}.albedo", "colour", f"{head}albedo", of.albedo, whiten)
-    yield Widget(f"{name}.g", "number", f"{head}g, back to forth", of.g[1], point, -0.98, 0.98)
-
-
-def _slice(state: ViewState, index: int) -> Iterator[Widget]:
-    """A plane through a grid in false colours, and which densities are shown and rendered."""
-    sliced = state.sliced[index]
-    view = sliced.view
-
-    def put(name: str) -> Callable[[Any], None]:
-        return lambda value: state.put_slice(index, replace(view, **{name: value}))
-
-    def key(name: str) -> str:
-        return f"volume.{index}.slice.{name}"
-
-    top = sliced.top
-    yield Widget(key("axis"), "choice", "slice along", view.axis, put("axis"), choices=tuple("xyz"))
-    yield Widget(key("share"), "number", "slice at", view.share, put("share"), 0.0, 1.0)
-    yield Widget(key("map"), "choice", "colours", view.colours, put("colours"), choices=COLOURS)
-    yield Widget(key("chart"), "chart", "", sliced.chart)
-    # Densities are shown in the grid's unit and stored as shares of its largest.
-    tip = "Densities below are empty; those above are full"
-    low, high = view.low * top, view.high * top
-    ends = (0.0, top)
-    lower, upper = put("low"), put("high")
-    for name, label, value, change in (
-        ("low", "empty below", low, lambda v: lower(v / top)),
-        ("high", "full above", high, lambda v: upper(v / top)),
-    ):
-        yield Widget(key(name), "number", label, value, change, *ends, tip=tip, waits=True)

@@ -10,10 +10,11 @@ import numpy as np
 
 from ...maths.tone import TONE_CURVES
 from ...techniques import TECHNIQUES, settings_class
+from .air_section import air
 from .document import reach_m
 from .panel import Control, checked, controls, shown_value
 from .save import Saver
-from .scene_sections import air, lights, sky
+from .scene_sections import lights, sky
 from .session import Session
 from .widgets import Section, Widget
 
@@ -37,6 +38,10 @@ def sections(session: Session, saver: Saver) -> list[Section]:
     ]
     if state.scene.animation is not None:
         found.insert(1, Section("time", tuple(_time(session))))
+    notes = state.scene.warnings
+    if notes:
+        widgets = tuple(Widget(f"note.{i}", "note", "", text) for i, text in enumerate(notes))
+        found.append(Section(f"notes on the file ({len(notes)})", widgets, is_open=False))
     return [section for section in found if section.widgets]
 
 
@@ -144,6 +149,15 @@ def _time(session: Session) -> Iterator[Widget]:
     yield Widget("play", "flag", "play", state.is_playing, play)
     ends = (animation.start_s, animation.last_s)
     yield Widget("time", "number", "time (s)", state.time_s, seek, *ends)
+    # Files of a sequence, or a file's times, by their number.
+    steps, first_s, per_s = animation.steps
+    if steps > 1:
+        at = min(int((state.time_s - first_s) * per_s + 1e-6), steps - 1) + 1
+
+        def step(number: int) -> None:
+            state.time_s = first_s + (number - 1) / per_s
+
+        yield Widget("step", "whole", f"step, of {steps}", at, step, 1, steps)
 
 
 def _camera(session: Session) -> Iterator[Widget]:

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from ...scene.builtin import BUILTIN
-from ...scene.io import BUILTIN_PREFIX, load
+from ...scene.io import BUILTIN_PREFIX, SCENE_SUFFIXES, VOLUME_SUFFIXES, load
 from ...scene.io.ledger import Stamp, noted, stamps_read
 from ...scene.io.model_options import fitting_options
 from ...scene.scene import Scene
 from .watch import Watch
 
 _MOST_BESIDE = 40
-_SCENES = (".toml", ".xml", ".glb", ".gltf", ".obj", ".ply", ".stl", ".usda", ".usdc", ".usdz")
+_SCENES = tuple(suffix for suffix in SCENE_SUFFIXES if suffix not in (".npy", ".npz"))
+"""Arrays of NumPy may be anything."""
 
 
 class Source:
@@ -61,7 +62,11 @@ class Source:
         if self._first is not None:
             try:
                 # Files beside the first one stay in the list, whichever of them is open.
-                files = sorted(p for p in self._first.iterdir() if p.suffix.lower() in _SCENES)
+                # Scenes and models before grids, of which a sequence may have thousands.
+                files = sorted(
+                    (p for p in self._first.iterdir() if p.suffix.lower() in _SCENES),
+                    key=lambda p: (p.suffix.lower() in VOLUME_SUFFIXES, p),
+                )
             except OSError:
                 files = []
             beside = [str(path) for path in files[:_MOST_BESIDE]]

@@ -52,6 +52,8 @@ class ViewState:
     own_environment: Environment | None = None
     sliced: dict[int, Sliced] = field(default_factory=dict)
     _moved: tuple[tuple[int, float], Scene] | None = None
+    _uncut: Scene | None = None
+    _sliced_now: dict[int, tuple[Volume, Sliced, Sliced]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.show(self.scene)
@@ -64,7 +66,7 @@ class ViewState:
         is_map = environment is not None and environment.map is not None and not environment.sky
         self.own_environment = environment if is_map else None
         self.sliced = {
-            i: Sliced(v.density) for i, v in enumerate(scene.volumes) if v.density is not None
+            i: Sliced.of(v, v.density) for i, v in enumerate(scene.volumes) if v.density is not None
         }
 
     def begin(self, scene: Scene, look: Look) -> None:
@@ -107,8 +109,24 @@ class ViewState:
         key = (id(self.scene), self.time_s)
         if self._moved is None or self._moved[0] != key:
             still = self.scene.animation is None
-            self._moved = (key, self.scene if still else self._cut(self.scene.at(self.time_s)))
+            self._uncut = self.scene if still else self.scene.at(self.time_s)
+            self._moved = (key, self._uncut if still else self._cut(self._uncut))
         return self._moved[1]
+
+    def sliced_now(self, index: int) -> Sliced:
+        """The grid of a volume as it is at this moment, and how it is looked at."""
+        own, begun = self.sliced[index], self.scene.volumes[index]
+        self.moved()
+        assert self._uncut is not None
+        volume = self._uncut.volumes[index]
+        # What does not move is as it was loaded.
+        if volume.density is None or volume.density is begun.density:
+            return own
+        # One for each moment and view, as its chart is drawn once.
+        known = self._sliced_now.get(index)
+        if known is None or known[0] is not volume or known[1] is not own:
+            known = self._sliced_now[index] = volume, own, own.now(volume, volume.density)
+        return known[2]
 
     def _cut(self, scene: Scene) -> Scene:
         """The scene with the densities of this moment through their transfer functions."""

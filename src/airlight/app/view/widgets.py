@@ -16,12 +16,23 @@ import numpy as np
 from ...maths.transforms import F64
 
 Kind = Literal[
-    "flag", "choice", "number", "whole", "text", "vector", "colour", "sky", "button", "chart", "bar"
+    "flag",
+    "choice",
+    "number",
+    "whole",
+    "text",
+    "vector",
+    "colour",
+    "sky",
+    "button",
+    "chart",
+    "bar",
+    "note",
 ]
 """flag: a bool. choice: one of `choices`. number, whole: a slider where `low` and `high` are known.
 text: a line. vector: numbers, metres. colour: red, green, blue in 0 to 1. sky: (azimuth, elevation)
 in degrees of what shines. button: `change` is called with None. chart: an image (h, w, 3) uint8.
-bar: (share of the width, text)."""
+bar: (share of the width, text). note: lines to be read."""
 U8 = np.ndarray[Any, np.dtype[np.uint8]]
 _LONGEST_TEXT = 200
 _FARTHEST = 1e12

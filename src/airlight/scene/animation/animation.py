@@ -75,6 +75,15 @@ class Animation:
         """Whether volumes may have other boxes at other times."""
         return any(getattr(track, "changes_boxes", False) for track in self.tracks)
 
+    @property
+    def steps(self) -> tuple[int, float, float]:
+        """Of the longest sequence of files: how many, when the first is shown, how many a second.
+
+        Without one there are none.
+        """
+        files = [getattr(track, "steps", None) for track in self.tracks]
+        return max((known for known in files if known), default=(0, self.start_s, self.fps))
+
     def at(self, scene: Scene, time_s: float) -> Scene:
         """`scene` at a time. Raises SceneError, naming the time, where it cannot be."""
         time = checks.number(time_s, "time_s")

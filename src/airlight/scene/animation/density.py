@@ -49,6 +49,11 @@ class VolumeTrack:
         """When it comes to rest, seconds."""
         return self.density.end_s
 
+    @property
+    def steps(self) -> tuple[int, float, float] | None:
+        """Of a sequence of files as `Animation.steps` has it."""
+        return getattr(self.density, "steps", None)
+
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the volume as dense as it is."""
         volumes = list(scene.volumes)

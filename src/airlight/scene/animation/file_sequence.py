@@ -64,6 +64,11 @@ class FileSequence:
         """When the last file has been shown, seconds; infinite in a loop."""
         return float("inf") if self.is_loop else self.start_s + len(self.files) / self.fps
 
+    @property
+    def steps(self) -> tuple[int, float, float]:
+        """How many files or times of files, when the first is shown, and how many a second."""
+        return len(self.files), self.start_s, self.fps
+
     def of(self, volume: Volume, time_s: float) -> Volume:
         """The `volume` with the grids of a time, on the box of their file.
 

@@ -12,7 +12,9 @@ function make (tag, classes = '', text = '') {
 }
 
 function rounded (value) {
-  return String(Number(Number(value).toPrecision(4)))
+  const number = Number(Number(value).toPrecision(4))
+  // What is small is written so that it fits a field.
+  return number !== 0 && Math.abs(number) < 1e-3 ? number.toExponential(2) : String(number)
 }
 
 /* A slider's place, 0 to 1000, for a value, and back. */
@@ -99,6 +101,10 @@ const KINDS = {
   chart () {
     const image = make('img', 'chart'); image.alt = 'a slice of the grid, its colours and its densities'
     return { parts: [image], show: v => { if (image.src !== v) { image.src = v } } }
+  },
+  note () {
+    const text = make('div', 'text')
+    return { parts: [text], show: v => { text.textContent = v } }
   },
   sky: skyPad
 }
