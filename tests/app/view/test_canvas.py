@@ -150,3 +150,17 @@ def test_a_canvas_of_nothing_is_not_drawn(view):
 def test_a_hand_at_work_is_noticed(view):
     event(view, "pointer_move", x=400.0, y=100.0)
     assert time.monotonic() - view.session._touched_s < 5.0
+
+
+def test_the_pointer_shows_where_the_line_between_two_images_is_taken(view):
+    shown(view)
+    place = view.image_place()
+    line = place.corner[0] + 0.5 * place.extent[0]
+    view.session.state.compared, view.session.state.split = "direct", 0.5
+    event(view, "pointer_move", x=line + 40.0, y=150.0)
+    assert view._cursor == "default"
+    event(view, "pointer_move", x=line + 3.0, y=150.0)
+    assert view._cursor == "ew-resize"
+    view.session.state.compared = ""
+    event(view, "pointer_move", x=line + 4.0, y=150.0)
+    assert view._cursor == "default"

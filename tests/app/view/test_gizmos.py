@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from airlight.app.view.divider import divider_marks
 from airlight.app.view.gizmos import Grips, handles, place
 from airlight.app.view.projection import Projection
 from airlight.app.view.state import ViewState
@@ -131,3 +132,34 @@ def test_the_line_between_two_images_is_dragged():
     chosen.compared = "direct"
     assert drag(Grips(chosen), (203.0, 100.0), (100.0, 100.0))
     assert chosen.split == pytest.approx(0.25)
+
+
+def test_the_line_is_where_the_hand_lets_go_whatever_moves_were_lost():
+    chosen = state(())
+    chosen.compared = "direct"
+    grips = Grips(chosen)
+    assert not grips.over_line(SEEN, 180.0)
+    assert grips.over_line(SEEN, 196.0)
+    press = {"event_type": "pointer_down", "x": 203.0, "y": 100.0, "button": 1}
+    assert grips.handle(press, SEEN)
+    assert grips.over_line(SEEN, 350.0)  # it is in the hand
+    assert grips.handle({"event_type": "pointer_up", "x": 320.0, "y": 90.0, "button": 1}, SEEN)
+    assert chosen.split == pytest.approx(0.8)
+    assert not grips.is_held
+
+
+def test_a_light_that_was_only_pressed_stays_what_it_is():
+    chosen = state()
+    at = place(LIGHTS[0], SEEN)
+    assert drag(Grips(chosen), at, at)
+    assert chosen.scene.lights[0] is LIGHTS[0]
+    assert chosen.picked == 0
+
+
+def test_both_images_beside_the_line_have_names():
+    marks = list(divider_marks(0.25, "lpv", "direct", SEEN))
+    dot, left, right = marks
+    assert (dot.kind, dot.points) == ("dot", ((100.0, 150.0),))
+    assert (left.text, left.ends_here) == ("lpv", True)
+    assert (right.text, right.ends_here) == ("direct", False)
+    assert left.points[0][0] < 100.0 < right.points[0][0]

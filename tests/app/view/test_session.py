@@ -550,6 +550,10 @@ def test_two_techniques_beside_each_other(gpu, scene_file):
         screen.frame(0.5)
         assert time.monotonic() < end
     screen.frame()
+    assert session.is_divided
+    assert session.compared_names == ("direct", "lpv")
+    assert "lpv: " in session.status
+    assert " of 64" in session.status
     beside = screen.pixels
     half = SIZE[0] // 2
     left = np.abs(beside[:, : half - 1] - alone[:, : half - 1])
@@ -559,7 +563,42 @@ def test_two_techniques_beside_each_other(gpu, scene_file):
     assert right.mean() > max(1.0, 3.0 * left.mean())  # indirect light
     session.state.compared = ""
     screen.frame()
+    assert not session.is_divided
     assert np.abs(screen.pixels - alone).mean() < 0.5
+    session.close()
+
+
+def test_beside_a_slow_image_the_other_one_comes_when_that_is_sharp_and_then_first(gpu, scene_file):
+    session = Session(load(scene_file), technique="lpv", settings=SMALL)
+    session.state.compared = "direct"
+    screen = Screen(gpu, session)
+    # A slow machine: the own image is coarse at rest, and refined in the background.
+    session.quality.took = lambda ms, plan: None
+    session.quality._moving_ms, session.quality.scale = 400.0, 2.0
+    seen = []
+
+    def until(is_so) -> None:
+        end = time.monotonic() + 60.0
+        while not is_so():
+            screen.frame(0.5)
+            seen.append((session.fine.is_shown, session.compared.samples, session.fine.samples))
+            assert time.monotonic() < end
+            time.sleep(0.01)
+
+    until(lambda: session.compared.samples >= 1)
+    assert not any(samples for is_sharp, samples, _ in seen if not is_sharp)
+    until(lambda: session.fine.samples >= 3)
+    # Neither runs away: samples of the other wait for those of the own one.
+    assert all(samples <= fine + 3 for _, samples, fine in seen)
+    # Both end with all their samples, at full resolution.
+    assert session.compared._shot.size == session.fine._shot.size == SIZE
+    session.close()
+
+
+def test_the_compared_image_is_as_fine_as_the_own_one(gpu, scene_file):
+    foggy = replace(load(scene_file), medium=Medium((0.05, 0.05, 0.05)))
+    session = Session(foggy, technique="direct", settings=SMALL)
+    assert session._finer("lpv-scatter")["march_resolution"] == "full"
     session.close()
 
 

@@ -6,12 +6,13 @@ import asyncio
 import contextlib
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from ...display.show import Place
 from ...errors import AirlightError
 from ...gpu.canvas import CanvasSurface, imgui_overlay
+from .divider import divider_marks
 from .gizmos import Mark
 from .projection import Projection
 from .save import Saver
@@ -68,7 +69,7 @@ class CanvasView:
         # Before imgui, which decides by the last frame: on a slow machine, too long ago.
         canvas.add_event_handler(self.on_event, *EVENTS, order=-100)
         self.panel = front or self._imgui()
-        self._owed = 0
+        self._owed, self._cursor = 0, "default"
         canvas.request_draw(self.draw)
 
     def _imgui(self) -> Front | None:
@@ -111,13 +112,32 @@ class CanvasView:
         if self.panel:
             grips = self.session.grips
             grips.is_shown = self.panel.is_shown and self.session.renderer is not None
-            self.panel.marks = grips.marks(self.seen())
+            self.panel.marks = (*grips.marks(self.seen()), *self._divider())
             self.panel.render()
         # Refinement and frames that are owed to events ask for the next one; else nothing is
         # drawn.
         self._owed = max(0, self._owed - 1)
         if wants_more or self._owed:
             self.canvas.request_draw()
+
+    def _divider(self) -> Iterator[Mark]:
+        """Where two images are beside each other, whose they are."""
+        session = self.session
+        if session.is_divided:
+            left, right = session.compared_names
+            yield from divider_marks(session.state.split, left, right, self.seen())
+
+    def _point(self, event: dict[str, Any]) -> None:
+        """Show by the pointer that a press takes the line between two images."""
+        seen = self.seen()
+        x = self._within(event)["x"]
+        is_image = self.panel is None or not self.panel.covers(event["x"], event["y"])
+        cursor = "default"
+        if is_image and self.session.grips.over_line(seen, x):
+            cursor = "ew-resize"
+        if cursor != self._cursor:
+            self._cursor = cursor
+            self.canvas.set_cursor(cursor)
 
     def on_event(self, event: dict[str, Any]) -> None:
         """Keys of the viewer, lights that the mouse drags, and the camera's mouse and keys."""
@@ -132,6 +152,8 @@ class CanvasView:
                 kind in _POINTER and self.session.grips.handle(self._within(event), self.seen())
             ):
                 self.session.controls.handle(event)
+        if kind == "pointer_move":
+            self._point(event)
         self.touched()
 
     def touched(self) -> None:

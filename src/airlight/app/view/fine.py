@@ -155,6 +155,11 @@ class Fine:
         return self._task is not None and self._task.is_done
 
     @property
+    def technique(self) -> str:
+        """The name of its technique, once there is one."""
+        return self._drawn.renderer.technique.name if self._drawn else ""
+
+    @property
     def drawn(self) -> Drawn | None:
         """Its renderer, for who saves what is shown; only while nothing is being made."""
         return None if self.is_working else self._drawn
@@ -162,6 +167,10 @@ class Fine:
     def moved(self) -> None:
         """The view is no longer static: what is being made holds. Only in the viewer's turn."""
         self.samples, self.plain, self._shot = 0, 0, None
+        self.hold()
+
+    def hold(self) -> None:
+        """Let another image go on first, until `begin`."""
         if self._task:
             self._task.pause(holds=True)
 

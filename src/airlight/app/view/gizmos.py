@@ -33,12 +33,16 @@ Part = Literal["light", "axis", "aim"]
 
 @dataclass(frozen=True)
 class Mark:
-    """A dot (its radius is `width`) or a line through `points`, logical pixels of the image."""
+    """A dot (its radius is `width`) or a line through `points`, logical pixels of the image; or
+    `text` whose base line begins at a point, or `ends_here`, in letters of `width`.
+    """
 
-    kind: Literal["dot", "line"]
+    kind: Literal["dot", "line", "text"]
     points: tuple[tuple[float, float], ...]
     colour: Colour
     width: float
+    text: str = ""
+    ends_here: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +64,7 @@ class Grips:
     def __init__(self, state: ViewState) -> None:
         self.state, self.is_shown = state, True
         self._held: Callable[[Projection, float, float], None] | None = None
+        self._at = (0.0, 0.0)
 
     @property
     def is_held(self) -> bool:
@@ -71,16 +76,19 @@ class Grips:
         # A plain press of the left button may take a handle.
         kind = event["event_type"]
         if kind == "pointer_down" and event["button"] == LEFT and not event.get("modifiers"):
-            self._held = self._taken(seen, event["x"], event["y"])
+            self._at = event["x"], event["y"]
+            self._held = self._taken(seen, *self._at)
             return self._held is not None
         # While something is held all moves are its own.
         if self._held is None:
             return False
-        if kind == "pointer_move":
-            self._held(seen, event["x"], event["y"])
-            return True
-        if kind == "pointer_up":
-            self._held = None
+        if kind in ("pointer_move", "pointer_up"):
+            # A quick hand's last moves may be lost, and only where it lets go is known.
+            at = event.get("x", self._at[0]), event.get("y", self._at[1])
+            if at != self._at:
+                self._at = at
+                self._held(seen, *at)
+            self._held = None if kind == "pointer_up" else self._held
             return True
         return False
 
@@ -118,11 +126,18 @@ class Grips:
         # Beside all handles a press may still take the line between two images.
         distance, handle = min(near, key=lambda pair: pair[0], default=(np.inf, None))
         if handle is None or distance > _REACH_PX:
-            line = self.state.split * seen.size[0]
-            is_line = self.state.compared and abs(x - line) <= _SPLIT_REACH_PX
-            return self._divided if is_line else None
+            return self._divided if self._is_line(seen, x) else None
         self.state.light = self.state.picked = handle.light
         return _Hold(self.state, handle, seen, (x, y)).to
+
+    def over_line(self, seen: Projection, x: float) -> bool:
+        """Whether a hand at a pixel has, or would take, the line between two images."""
+        is_free = self._held is None and self._is_line(seen, x)
+        return is_free or self._held == self._divided
+
+    def _is_line(self, seen: Projection, x: float) -> bool:
+        line = self.state.split * seen.size[0]
+        return bool(self.state.compared) and abs(x - line) <= _SPLIT_REACH_PX
 
     def _divided(self, seen: Projection, x: float, y: float) -> None:
         del y

@@ -63,7 +63,9 @@ def draw_marks(marks: tuple[Mark, ...], left: float) -> None:
         points = [(left + x, y) for x, y in mark.points]
         # A dark border under each mark, so that it shows before every image.
         bright, dark = _packed(mark.colour), _packed(GROUND[:3], 0.7)
-        if mark.kind == "line":
+        if mark.kind == "text":
+            _text(points[0], mark, bright, dark)
+        elif mark.kind == "line":
             for one, two in itertools.pairwise(points):
                 draw.add_line(one, two, dark, mark.width + 2.0)
             for one, two in itertools.pairwise(points):
@@ -71,3 +73,12 @@ def draw_marks(marks: tuple[Mark, ...], left: float) -> None:
         else:
             draw.add_circle_filled(points[0], mark.width + 1.5, dark, 24)
             draw.add_circle_filled(points[0], mark.width, bright, 24)
+
+
+def _text(at: tuple[float, float], mark: Mark, bright: int, dark: int) -> None:
+    """The text of a mark on a dark ground; its base line is at `at`."""
+    draw, size = imgui.get_background_draw_list(), imgui.calc_text_size(mark.text)
+    left, top = at[0] - (size.x if mark.ends_here else 0.0), at[1] - 0.8 * size.y
+    low, high = (left - 4.0, top - 2.0), (left + size.x + 4.0, top + size.y + 2.0)
+    draw.add_rect_filled(low, high, dark, 4.0)
+    draw.add_text((left, top), bright, mark.text)

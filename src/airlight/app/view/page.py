@@ -10,6 +10,7 @@ import base64
 import io
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -72,10 +73,7 @@ class Page:
         ]
         self._tell("panel", {"sections": listed})
         # Gizmos over the image.
-        marks = [
-            {"kind": m.kind, "points": m.points, "colour": m.colour, "width": m.width}
-            for m in self.marks
-        ]
+        marks = [asdict(mark) for mark in self.marks]
         self._tell("marks", {"marks": marks})
 
     def heard(self, message: Any) -> bool:

@@ -15,7 +15,7 @@ from ...techniques import checked_settings
 from .build import Turns, said
 from .document import Document
 from .drawn import Drawn
-from .fine import Fine, Seen, Shot, finer_settings
+from .fine import SAMPLES, Fine, Seen, Shot, finer_settings
 from .making import BackgroundRenderer, Making
 from .quality import STILL_SAMPLES, Quality
 from .shown import Shown
@@ -27,6 +27,8 @@ COARSER_SAMPLES = 16
 FIRST_IMAGE, PREPARING, REBUILDING = "first image ...", "preparing ...", "rebuilding ..."
 MAKING = (FIRST_IMAGE, PREPARING, REBUILDING)
 """Notices while a renderer is being made."""
+_LEAD = 2
+"""Samples that the compared image may have more than the finer one."""
 GATHER_HISTORY = 16
 """Frames that those of a moving view go on from where they gather."""
 PREVIEW = ("preview",)
@@ -204,10 +206,11 @@ class Renderers(Document):
             self._gathers_moving, self.quality.scale = False, 1.0
             self._made = None  # the renderer is made again behind the one that is seen
 
-    def _finer(self) -> dict[str, Any]:
-        """What would make the image of a still view finer."""
+    def _finer(self, technique: str = "") -> dict[str, Any]:
+        """What would make the image of a still view finer, of a technique or of the chosen one."""
         state = self.state
-        now = checked_settings(state.technique, state.scene, state.chosen_settings)
+        name = technique or state.technique
+        now = checked_settings(name, state.scene, state.settings.get(name, {}))
         return finer_settings(now, state.scene, is_cpu=self.gpu.is_cpu)
 
     @property
@@ -219,6 +222,9 @@ class Renderers(Document):
         """Begin the finer image: the view is static, and its coarser image is done."""
         if not self._is_refined or self._made != self.wanted:
             return
+        if self.fine.is_shown and self._is_compared_awaited:
+            self.fine.hold()
+            return
         make = self._maker(self._size, self.state.technique, self._finer())
         assert self._drawn is not None
         solver = self._drawn.renderer.technique.find(GatherSolver)
@@ -229,12 +235,48 @@ class Renderers(Document):
         self.fine.begin(make, self._shot_now(), seen)
 
     def _compare(self) -> None:
-        """Go on with the other technique's image of the static view."""
+        """Go on with the other technique's image of the static view, as fine as the own one.
+
+        The own image comes first at full resolution, then the other one, then they take turns.
+        """
+        name, fine = self.state.compared, self.fine
+        if name != self._compared_is:
+            self.compared, self._compared_is = self._emptied(self.compared), name
+        if not name:
+            return
+        is_refining = self._is_refined and not fine.message
+        is_coarse = is_refining and self.quality.is_coarse and not fine.is_shown
+        is_ahead = fine.is_working and self.compared.samples >= fine.samples + _LEAD
+        if is_coarse or is_ahead:
+            self.compared.hold()
+        else:
+            make = self._maker(self._size, name, self._finer(name))
+            self.compared.begin(make, self._shot_now())
+
+    @property
+    def _is_compared_awaited(self) -> bool:
+        """Whether the other technique's image has nothing to show, and will have."""
+        other = self.compared
+        is_done = bool(other.samples or other.message) or other.has_ended
+        return bool(self.state.compared) and not is_done
+
+    @property
+    def compared_status(self) -> str:
+        """How far the other technique's image is; empty without one."""
+        if not self.state.compared or self._shot is None:
+            return ""
+        if self.compared.samples:
+            return f"{self.compared.samples} of {SAMPLES}"
+        return self.compared.progress or self.compared.message or "follows"
+
+    @property
+    def compared_names(self) -> tuple[str, str]:
+        """What both techniques are called; of `auto` what it has chosen, too."""
         state = self.state
-        if state.compared != self._compared_is:
-            self.compared, self._compared_is = self._emptied(self.compared), state.compared
-        if state.compared:
-            self.compared.begin(self._maker(self._size, state.compared), self._shot_now())
+        own = self.renderer.technique.name if self.renderer else ""
+        pairs = (state.technique, own), (state.compared, self.compared.technique)
+        left, right = (f"auto: {is_}" if name == "auto" else name for name, is_ in pairs)
+        return left, right
 
     def _shot_now(self) -> Shot:
         """The static view that other renderers draw: the same until something moves."""

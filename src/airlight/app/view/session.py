@@ -119,8 +119,13 @@ class Session(Renderers):
     def status(self) -> str:
         """In a few words: the last frame's time and size, or how far the finest image is, and the
         one beside it."""
-        beside = self.compared.progress if self.state.compared else ""
+        beside = self.compared_status
         return self._own_status + (f"   {self.state.compared}: {beside}" if beside else "")
+
+    @property
+    def is_divided(self) -> bool:
+        """Whether two techniques' images are beside each other."""
+        return self._shown.is_divided
 
     @property
     def _own_status(self) -> str:

@@ -17,14 +17,17 @@ _COMPARED_FROM = 1  # samples
 
 
 class Shown:
-    """`take` samples, then `show`. `toned` is the image that was tone mapped last."""
+    """`take` samples, then `show`. `toned` is the image that was tone mapped last.
+
+    `is_divided`: whether another technique's image was beside it.
+    """
 
     def __init__(self, gpu: Gpu) -> None:
         self.gpu, self.format = gpu, ""
         self.toned: tuple[Any, ...] = ()
         self._other: tuple[Any, ...] = ()
         self._presenter: Presenter | None = None
-        self._is_settled = True
+        self._is_settled, self.is_divided = True, False
 
     def attach(self, format: str) -> None:
         """The surface's textures have this format."""
@@ -63,6 +66,7 @@ class Shown:
             self._tone(shown, commands, look, samples, settled=True)
             self._other = ()
         beside = compared and self._beside(commands, *compared, look, shown)
+        self.is_divided = beside is not None
         shown.show(commands, target, place, beside)
         commands.submit()
 

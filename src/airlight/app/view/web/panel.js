@@ -254,6 +254,14 @@ class AirlightPanel {
   showMarks (marks) {
     this.marks.replaceChildren(...marks.flatMap(mark => {
       const rgb = hex(mark.colour)
+      if (mark.kind === 'text') {
+        const text = document.createElementNS(SVG, 'text')
+        text.setAttribute('x', mark.points[0][0]); text.setAttribute('y', mark.points[0][1])
+        text.setAttribute('font-size', mark.width); text.setAttribute('fill', rgb)
+        text.setAttribute('text-anchor', mark.ends_here ? 'end' : 'start')
+        text.textContent = mark.text
+        return [text]
+      }
       const shape = (extra, fill, stroke, width) => {
         const element = document.createElementNS(SVG, mark.kind === 'dot' ? 'circle' : 'polyline')
         if (mark.kind === 'dot') {
