@@ -153,6 +153,7 @@ def test_a_hand_at_work_is_noticed(view):
 
 
 def test_the_pointer_shows_where_the_line_between_two_images_is_taken(view):
+    view.panel.is_shown = False  # it lies over so narrow an image
     shown(view)
     place = view.image_place()
     line = place.corner[0] + 0.5 * place.extent[0]
@@ -164,3 +165,4 @@ def test_the_pointer_shows_where_the_line_between_two_images_is_taken(view):
     view.session.state.compared = ""
     event(view, "pointer_move", x=line + 4.0, y=150.0)
     assert view._cursor == "default"
+    view.panel.is_shown = True

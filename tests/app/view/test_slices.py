@@ -175,4 +175,5 @@ def test_extinction_is_of_the_densest_voxel_in_a_unit_that_needs_no_file():
     assert sigma.low < sigma.value < sigma.high
     sigma.change(11.2)
     assert state.scene.volumes[0].sigma_t == pytest.approx((112e3, 56e3, 112e3))
-    assert "where densest (1/m)" in sigma.label
+    assert sigma.label == "volume: extinction (1/m)"
+    assert sigma.tip == "Of the densest voxel"

@@ -86,9 +86,10 @@ def _scattering(
     def point(g: float) -> None:
         put(replace(of, g=(g, g, g)))
 
-    is_grid = getattr(of, "density", None) is not None
-    label = f"{head}extinction{' where densest' if is_grid else ''} (1/m)"
-    yield Widget(f"{name}.sigma", "number", label, largest * top, thicken, *ends, True)
+    label = f"{head}extinction (1/m)"
+    tip = "Of the densest voxel" if getattr(of, "density", None) is not None else ""
+    value = largest * top
+    yield Widget(f"{name}.sigma", "number", label, value, thicken, *ends, True, tip=tip)
     yield Widget(f"{name}.albedo", "colour", f"{head}albedo", of.albedo, whiten)
     yield Widget(f"{name}.g", "number", f"{head}g, back to forth", of.g[1], point, -0.98, 0.98)
 
