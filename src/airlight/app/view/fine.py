@@ -249,7 +249,8 @@ class Fine:
         # Plain samples come first where nobody refines some of its size, and others are slow.
         plain = 0
         if not seen.gathers and drawn.renderer.technique.find(GatherSolver) is not None:
-            self._from, plain = GATHERED_FROM, 0 if seen.is_refined else PLAIN_SAMPLES
+            has_plain = seen.is_refined or seen.samples >= PLAIN_SAMPLES
+            self._from, plain = GATHERED_FROM, 0 if has_plain else PLAIN_SAMPLES
         elif not seen.is_refined:
             self._from = seen.samples + 1
         # Samples are folded in one by one, until what is looked at is another shot.

@@ -16,6 +16,7 @@ SETTLE_S = 0.2
 STILL_SAMPLES = 64
 MOST_SCALE = 8.0
 _SLOW_MS, _FAST_MS, _AIM_MS = 75.0, 35.0, 55.0
+_SHARP_MS = 150.0  # that a hand may have to wait for an image of full size, of which two are drawn
 _SAVES = 0.85  # of the time, at least: coarser images that take more are no answer
 _COARSE_SAMPLES = 8  # of a view at rest that is not at full size
 _PATIENCE = 6  # fast frames in a row before a finer one is tried
@@ -139,7 +140,7 @@ class Quality:
         if self._was_moving and not is_busy:
             # The machine may have time again.
             self.still_scale = _step_below(self.still_scale or self._guess())
-            affordable = _reduced(full, self.still_scale)
+            affordable = full if self._is_soon_sharp else _reduced(full, self.still_scale)
             self._rest_size = max(affordable, self._moving_size or self.coarse(full))
             self._is_last, self._is_slow = False, affordable < self._rest_size
             # What is too slow for a hand has one sample: the moving image that is seen.
@@ -179,6 +180,12 @@ class Quality:
                 self.scale = _step_below(self.scale)
         else:
             self._quick_frames = 0
+
+    @property
+    def _is_soon_sharp(self) -> bool:
+        """Whether full size is worth two images, even slow ones: as if pixels were all that costs,
+        by what the last moving image took."""
+        return self.scale**2 * self._moving_ms <= _SHARP_MS
 
     def _guess(self) -> float:
         """A step above the scale of a view at rest that would take `_AIM_MS`, by what the last

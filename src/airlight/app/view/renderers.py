@@ -22,8 +22,10 @@ from .shown import Shown
 from .source import Source
 from .state import ViewState, boxes, structure
 
-COARSER_SAMPLES = 16
-"""Of a still view, before a finer image is begun."""
+COARSER_SAMPLES = 8
+"""Of a still view, before a finer image is begun, which then has as many before it is shown.
+
+But for gathered ones, which come the sooner: of the living room 16 plain ones are hardly better."""
 FIRST_IMAGE, PREPARING, REBUILDING = "first image ...", "preparing ...", "rebuilding ..."
 MAKING = (FIRST_IMAGE, PREPARING, REBUILDING)
 """Notices while a renderer is being made."""
