@@ -183,9 +183,18 @@ class Renderer(DeviceLifetime):
         self.scene = scene
         return shown
 
-    def aim(self, camera: Camera, jitter_px: tuple[float, float], sample: int) -> None:
-        """Look through `camera`, (x, y) `jitter_px` beside pixels' middles, for image `sample`."""
-        self.view.aim(self._nearby.camera(camera), jitter_px, sample)
+    def aim(
+        self,
+        camera: Camera,
+        jitter_px: tuple[float, float],
+        sample: int,
+        jitter: tuple[int, int] = (0, 1),
+    ) -> None:
+        """Look through `camera`, (x, y) `jitter_px` beside pixels' middles, for image `sample`.
+
+        `jitter`: which of the sample's images it is, and of how many; they differ by it alone.
+        """
+        self.view.aim(self._nearby.camera(camera), jitter_px, sample, jitter)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Draw images of `size`, pixels, from here on; the solved fields stay.

@@ -13,6 +13,7 @@ from airlight.app.view import fine as view_fine
 from airlight.app.view.build import Turns
 from airlight.app.view.fine import Fine, Seen, Shot, finer_settings
 from airlight.display.presenter import Look
+from airlight.gather.solver import GatherSolver
 from airlight.rendering import Renderer
 from airlight.scene import Medium
 from airlight.scene.io import load
@@ -127,23 +128,29 @@ def test_what_takes_too_much_memory_is_given_up_with_a_reason(gpu, fine, monkeyp
     assert gpu.allocated_bytes == before
 
 
+# Each sample that gathers is of two images, and counts with the second.
+GATHERED = ((1,), (1,), (2,), (2,), (3,), (3,), (4,))
+
+
 @pytest.mark.parametrize(
     ("seen", "gather", "expected"),
     [
         # Nobody refines full size: plain samples at once, once there are more than seen; then
         # those that gather, as soon as they are better.
-        (Seen(0, is_refined=False), "still", [1, 2, 2, (2,), (3,), (4,)]),
-        (Seen(1, is_refined=False), "still", [None, 2, 2, (2,), (3,), (4,)]),
-        # Others that gather are given up for many, those that do not for few.
-        (Seen(16), "still", [None, (2,), (3,), (4,)]),
-        (Seen(16, gathers=True), "still", [None, None, None, (4,)]),
+        (Seen(0, is_refined=False), "still", [1, 2, 2, *GATHERED]),
+        (Seen(1, is_refined=False), "still", [None, 2, 2, *GATHERED]),
+        # As many plain samples as there would be are not drawn again.
+        (Seen(2, is_refined=False), "still", [None, *GATHERED]),
+        # Others that gather are given up for many, those that do not for one.
+        (Seen(16), "still", [None, *GATHERED]),
+        (Seen(16, gathers=True), "still", [*[None] * 7, (4,)]),
         # Where nobody gathers all samples are alike.
         (Seen(2, is_refined=False), "off", [None, None, (3,), (4,)]),
         (Seen(0, is_refined=False), "off", [(1,), (2,), (3,), (4,)]),
     ],
 )
 def test_it_is_shown_as_soon_as_it_is_better(gpu, fine, monkeypatch, seen, gather, expected):
-    """After each sample: how many plain ones are shown, (how many) of the others, or None."""
+    """After each image: how many plain ones are shown, (how many) of the others, or None."""
     monkeypatch.setattr(view_fine, "SAMPLES", 4)
     monkeypatch.setattr(view_fine, "SHOWN_FROM", 4)
     scene, fold, shown = load(BOX), fine._fold, []
@@ -162,3 +169,30 @@ def test_it_is_shown_as_soon_as_it_is_better(gpu, fine, monkeypatch, seen, gathe
     )
     until(lambda: fine.has_ended)
     assert shown == expected
+
+
+def test_images_of_a_sample_share_what_was_gathered(gpu, fine, monkeypatch):
+    """Two images with jitters of their own, the one nearest to pixels' middles first."""
+    monkeypatch.setattr(view_fine, "SAMPLES", 2)
+    scene, aimed, gathers = load(BOX), [], []
+    gathered = GatherSolver._gathered
+    monkeypatch.setattr(
+        GatherSolver,
+        "_gathered",
+        lambda self, *given: (gathers.append(1), gathered(self, *given))[1],
+    )
+
+    def made() -> Renderer:
+        r = Renderer(scene, "lpv", SIZE, settings={**SMALL, "gather": "still", "gather_rays": 1})
+        aim = r.aim
+        r.aim = lambda camera, px, *at: (aimed.append((px, *at)), aim(camera, px, *at))
+        return r
+
+    fine.begin(made, Shot(scene, SIZE, Look(), "rgba8unorm"), Seen(16))
+    until(lambda: fine.has_ended)
+    assert [at for _, *at in aimed] == [[0, (0, 2)], [0, (1, 2)], [1, (0, 2)], [1, (1, 2)]]
+    away = [float(np.hypot(*px)) for px, *_ in aimed]
+    assert away[0] <= away[1]
+    assert away[2] <= away[3]
+    assert len({px for px, *_ in aimed}) == 4
+    assert len(gathers) == 2

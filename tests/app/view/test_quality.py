@@ -199,6 +199,26 @@ def test_a_view_at_rest_ends_at_full_size(seed):
     assert [plan.sample for plan in drawn[-quality.samples :]] == list(range(quality.samples))
 
 
+@pytest.mark.parametrize(("full_ms", "is_sharp"), [(140.0, True), (160.0, False)])
+def test_full_size_is_tried_at_every_rest_where_a_hand_hardly_waits_for_it(full_ms, is_sharp):
+    quality, now = Quality(is_cpu=True), 0.0
+    for _ in range(3):
+        plan = quality.plan(now, FULL, changed=True)
+        quality.took(full_ms * plan.size[0] ** 2 / FULL[0] ** 2, plan)
+        plans = []
+        for _ in range(4):
+            now += 0.3
+            plans.append(quality.plan(now, FULL, changed=False))
+            if plans[-1].sample is not None:
+                quality.took(full_ms * plans[-1].size[0] ** 2 / FULL[0] ** 2, plans[-1])
+        assert (plans[0].size == FULL) is is_sharp
+        # Two slow ones are enough; what is finer follows in the background.
+        if is_sharp:
+            assert [plan.sample for plan in plans] == [0, 1, None, None]
+            assert (quality.full_samples, quality.is_coarse) == (2, True)
+        now += 1.0
+
+
 def test_slow_stills_do_not_make_moving_coarser():
     quality = Quality(is_cpu=True)
     still = quality.plan(5.0, FULL, changed=False)

@@ -650,7 +650,8 @@ def test_a_moving_image_that_stays_has_its_exposure_at_once(screen, monkeypatch)
     # At the side of the box that lies in shade, and nothing else.
     camera = replace(session.controls.camera, position=(1.0, 0.5, 0.0), target=(0.0, 0.5, 0.0))
     session.controls.camera = camera
-    session.quality.still_scale = 8.0  # stills would take too long
+    monkeypatch.setattr(session.quality, "took", lambda ms, plan: None)
+    session.quality.still_scale, session.quality._moving_ms = 8.0, 900.0  # stills take too long
     screen.frame(0.01)
     drew, draw = [], session._draw
     monkeypatch.setattr(session, "_draw", lambda plan: (drew.append(plan), draw(plan)))

@@ -77,11 +77,16 @@ class Drawn:
                 self._lattices_ms, self._lattices_s = self.solve_ms, end
 
     def draw(
-        self, commands: Commands, camera: Camera, jitter: tuple[float, float], sample: int
+        self,
+        commands: Commands,
+        camera: Camera,
+        jitter_px: tuple[float, float],
+        sample: int,
+        jitter: tuple[int, int] = (0, 1),
     ) -> None:
-        """The layers of one sample, from `camera`."""
+        """The layers of one image from `camera`; `jitter`: which of its sample's, of how many."""
         r = self.renderer
-        r.aim(camera, jitter, sample)
+        r.aim(camera, jitter_px, sample, jitter)
         r.technique.draw(commands, r.view)
 
     def close(self) -> None:
