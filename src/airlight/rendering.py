@@ -190,10 +190,7 @@ class Renderer(DeviceLifetime):
         sample: int,
         jitter: tuple[int, int] = (0, 1),
     ) -> None:
-        """Look through `camera`, (x, y) `jitter_px` beside pixels' middles, for image `sample`.
-
-        `jitter`: which of the sample's images it is, and of how many; they differ by it alone.
-        """
+        """Look through `camera`, (x, y) `jitter_px` off pixels' middles: `jitter` of a `sample`."""
         self.view.aim(self._nearby.camera(camera), jitter_px, sample, jitter)
 
     def resize(self, size: tuple[int, int]) -> None:

@@ -11,7 +11,8 @@ import pytest
 
 from airlight.app.view import fine as view_fine
 from airlight.app.view.build import Turns
-from airlight.app.view.fine import Fine, Seen, Shot, finer_settings
+from airlight.app.view.fine import Fine, Seen, Shot
+from airlight.app.view.finer import finer_settings
 from airlight.display.presenter import Look
 from airlight.gather.solver import GatherSolver
 from airlight.rendering import Renderer

@@ -15,7 +15,8 @@ from ...techniques import checked_settings
 from .build import Turns, said
 from .document import Document
 from .drawn import Drawn
-from .fine import SAMPLES, Fine, Seen, Shot, finer_settings
+from .fine import SAMPLES, Fine, Seen, Shot
+from .finer import finer_settings
 from .making import BackgroundRenderer, Making
 from .quality import STILL_SAMPLES, Quality
 from .shown import Shown

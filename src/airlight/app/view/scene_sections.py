@@ -101,6 +101,7 @@ def _strength(
 
 
 def scaled(colour: tuple[float, ...], strength: float) -> tuple[float, float, float]:
+    """A colour times a strength."""
     r, g, b = (float(c) * strength for c in colour)
     return r, g, b
 
