@@ -1,8 +1,9 @@
-// From where lights of the surface that a pixel shows are looked for, and where its rays start. Drawn triangles have their corners on 256ths of
-// pixels, so that pixels along an edge may show points beyond the wall that stands there: outside of a room, in the
-// light. Between eye and pixel nothing is in the way but that wall, so a little nearer to the eye they are inside.
+// From where lights of the surface that a pixel shows are looked for, and where its rays start. Drawn triangles have
+// their corners on 256ths of pixels, so that pixels along an edge may show points beyond the wall that stands there:
+// outside of a room, in the light. Between eye and pixel nothing is in the way but that wall, so a little nearer to the
+// eye they are inside.
 
-const TO_EYE = 0.0625;      // of a pixel's width there: of what the grid is off 16 times as much, for walls seen aslant
+const TO_EYE = 0.03125;     // of a pixel's width there: eight times what the grid is off, for walls seen aslant
 const RAISED = 2e-4;        // of the distance to the eye, both towards it and above the surface
 
 // A pixel's width a metre away, m, of an image so many pixels high.
