@@ -39,10 +39,10 @@ def angled_room() -> Scene:
     return Scene((*walls, *flat), (light,), camera=camera)
 
 
-def energy(scene, bounces, **settings):
+def energy(scene, bounces, samples=4, **settings):
     """Indirect light of an image."""
     settings = {"gather_bounces": bounces, "shadow_resolution": 256, **settings}
-    image = render(scene, "lpv", (48, 27), samples=4, settings=settings)
+    image = render(scene, "lpv", (48, 27), samples=samples, settings=settings)
     return float(image.layers["indirect"].sum())
 
 
@@ -62,12 +62,13 @@ def test_lattices_that_are_off_in_one_place_alone_do_not_mislead():
     """Around a corner large cells are too bright, and little of the light there is traced.
 
     Without calibration 2 bounces have 1.27 and 1.04 of the light of 16; with a factor that takes
-    lattices to be off by the same everywhere .73 and .67; now 1.19 and 1.07.
+    lattices to be off by the same everywhere .73 and .67; now 1.15 and 1.07. Few samples say that
+    too roughly: four of 16 bounces differ by 5 % from many.
     """
     scene = angled_room()
-    truth = energy(scene, 16, resolution=12)
-    assert energy(scene, 2, resolution=12) / truth == pytest.approx(1.0, abs=0.22)
-    assert energy(scene, 2, resolution=24) / truth == pytest.approx(1.0, abs=0.08)
+    truth = energy(scene, 16, 16, resolution=12)
+    assert energy(scene, 2, 16, resolution=12) / truth == pytest.approx(1.0, abs=0.22)
+    assert energy(scene, 2, 16, resolution=24) / truth == pytest.approx(1.0, abs=0.08)
 
 
 def test_the_factor_is_that_of_all_paths_and_ends_are_added(gpu):
