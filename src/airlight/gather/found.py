@@ -13,7 +13,7 @@ from .points import Points
 from .sums import PointSums, sums_image, written_sums
 
 _TILE = 8
-"""As in wgsl/gather_tile.wgsl."""
+"""Points along a side of what the brightness of rays around is taken from, nine of these."""
 _MOST = 48.0
 """Times the mean of the rays around that one ray counts at most, in the first sample of a still."""
 
@@ -48,6 +48,7 @@ class _TileExcess(ComputePass):
     slots = (
         *_POINTS,
         texture("places", "2d", "unfilterable-float"),
+        storage("orphans", "u32"),
         _TILES,
         image("excess", "rgba32float", "2d-array"),
     )
@@ -73,7 +74,10 @@ class FoundSums:
     def __init__(self, gpu: Gpu, points: Points, rays: int) -> None:
         """`rays`: of a point."""
         self._points, self._rays = points, rays
-        self._sums, self._excess, self._found = _TileSums(gpu), _TileExcess(gpu), _Found(gpu)
+        self._sums, self._excess, self._found = (
+            made(gpu, generated=f"const TILE = {_TILE}u;\n")
+            for made in (_TileSums, _TileExcess, _Found)
+        )
         width, height = (-(-side // _TILE) for side in points.blocks)
         self._tiles = Texture(gpu, "tiles of sums", (width, height), "rgba32float", written=True)
         # Light and where it comes from, beyond what stays with points.
@@ -95,15 +99,15 @@ class FoundSums:
         # How bright rays are around, what is too bright for that, and what each point then has.
         seen = {"params": params, "sums": sums, "places": points.places}
         self._sums.dispatch(commands, tiles, **seen, tile_sums=self._tiles)
-        self._excess.dispatch(commands, tiles, **seen, tiles=self._tiles, excess=self._given)
+        bright = {"tiles": self._tiles, "orphans": points.orphans.buffer}
+        self._excess.dispatch(commands, tiles, **seen, **bright, excess=self._given)
         self._found.dispatch(
             commands,
             points.reduced,
             params=params,
             sums=sums,
-            tiles=self._tiles,
+            **bright,
             excess=self._given,
-            orphans=points.orphans.buffer,
             sums_after=self._image,
         )
         return self._image

@@ -19,7 +19,7 @@ class PointParams(Struct):
     rays = u32("of a point")
     step = u32("pixels of a block from one that is tried to the next")
     most = u32("orphan points of the image")
-    pixel = f32("m, how wide a pixel is one metre away")
+    pad = u32()
 
 
 CHOOSING_SLOTS = (

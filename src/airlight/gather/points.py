@@ -73,7 +73,7 @@ class Points:
             rays=rays,
             step=orphan_step(self.scale),
             most=self.orphans.most,
-            pixel=pixel_m(view.world_from_clip, self.size[1]),
+            pad=0,
         )
 
     def encode(self, commands: Commands, view: View) -> None:

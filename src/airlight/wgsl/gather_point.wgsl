@@ -18,7 +18,7 @@ fn gather_point(pixel: vec2u, d: f32) -> GatherPoint {
     let n = normalize(textureLoad(normal, pixel, 0).xyz);
     let distance = 1.0 / (params.world_from_clip[2].w * d);
     let open = near_field_at(vec2f(pixel) + 0.5, distance).open;
-    let start = ray_start(p, n, params.eye, params.pixel);
+    let start = ray_start(p, n, params.eye, pixel_width(params.world_from_clip, params.size.y));
     let away = length(p - params.eye);
     return GatherPoint(vec4f(p, away), vec4f(start, away), vec4f(n, open), vec4f(flat_normal(vec2i(pixel), p, n), 0.0));
 }

@@ -1,7 +1,5 @@
-// Tiles of gather points.
+// Tiles of gather points. The including pass is given their side, TILE (gather/found.py).
 //! use tone
-
-const TILE = 8u;            // points along a side
 
 fn tiles_of(points: vec2u) -> vec2u {
     return (points + TILE - 1u) / TILE;
