@@ -265,10 +265,9 @@ class Solver(Protocol):
         """`fields` with those that depend on the eye of `view`; as they are where none do."""
         return fields
 
-    @property
-    def jitters(self) -> int:
-        """How many images of a still's sample, each with a sub-pixel jitter of its own, had best
-        share what it finds for the eye."""
+    def jitters(self, samples: int) -> int:
+        """How many images of each of a still's `samples`, each with a sub-pixel jitter of its own,
+        had best share what it finds for the eye."""
         return 1
 
     @property

@@ -57,7 +57,7 @@ class SampledView:
 
     def _draw_still(self, scenes: Iterable[Scene], samples: int, progress: Progress | None) -> None:
         # What takes longest serves several images of a sample, which differ by their jitters.
-        count = self._technique.jitters
+        count = self._technique.jitters(samples)
         jitters = pixel_jitter(samples * count).reshape(samples, count, 2)
         for sample, scene in zip(range(samples), scenes, strict=False):
             # The first, for which gathers choose their points, is the nearest to pixels' middles.

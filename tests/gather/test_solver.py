@@ -277,7 +277,7 @@ def test_images_of_a_sample_share_what_it_gathered(cornell, monkeypatch):
     monkeypatch.setattr(Technique, "draw", drawn)
     monkeypatch.setattr(GatherSolver, "_gathered", gathered)
     render(cornell, "lpv", SIZE, samples=3, settings=LPV)
-    assert counted == {"draws": 3 * JITTERS, "gathers": 3}
+    assert counted == {"draws": 3 * 3, "gathers": 3}
 
 
 def test_images_of_a_sample_look_through_one_point_of_the_lens(cornell, monkeypatch):
@@ -291,7 +291,7 @@ def test_images_of_a_sample_look_through_one_point_of_the_lens(cornell, monkeypa
     monkeypatch.setattr(View, "aim", aimed)
     camera = replace(cornell.camera, aperture_m=0.05)
     render(replace(cornell, camera=camera), "lpv", SIZE, samples=3, settings=LPV)
-    assert len(aims) == 3 * JITTERS
+    assert len(aims) == 3 * 3
     eyes = [{eye for eye, _, sample, _ in aims if sample == k} for k in range(3)]
     assert all(len(found) == 1 for found in eyes)
     assert len(set.union(*eyes)) == 3

@@ -32,7 +32,7 @@ from airlight.techniques import TECHNIQUES
 FOLDER = Path(__file__).parent
 CEILINGS = FOLDER / "ceilings.toml"
 SHRINK = 2  # images of 96 x 54: quick, and a quarter of the references' noise
-SAMPLES = 8
+SAMPLES = 24
 ALIKE = {"single": "direct", "pop": "direct", "lpv-march": "lpv", "lpv-sum": "lpv", "auto": "lpv"}
 """Techniques that are another one where there is no air."""
 ERRORS = ("relative_l2", "energy_error")

@@ -123,7 +123,7 @@ def test_an_open_shutter_needs_no_time(gpu, monkeypatch):
     )
     render(moving(1.0), "direct", (16, 16), settings=SMALL)
     render(replace(moving(1.0), animation=None), "direct", (16, 16), settings=SMALL)
-    assert seen == [64, 8]
+    assert seen == [64, 12]
 
 
 def test_a_frame_solves_once_for_each_moment(gpu, monkeypatch):

@@ -73,7 +73,7 @@ YAW, TILT = turn(1, 30.0), turn(1, 30.0) @ turn(0, 20.0)
         (scenes.cornell, "lpv-scatter", LATTICE, YAW, {"indirect": 0.03}),
         (foggy, "lpv-sum", {}, YAW, {"indirect": 0.045, "multiple_scatter": 0.12}),
         (foggy, "lpv-scatter", LATTICE, YAW, {"indirect": 0.14, "multiple_scatter": 0.05}),
-        (smoky, "auto", {}, YAW, {"indirect": 0.03, "multiple_scatter": 0.03}),
+        (smoky, "auto", {"gather_rays": 16}, YAW, {"indirect": 0.03, "multiple_scatter": 0.03}),
     ],
 )
 def test_a_turned_scene_is_the_same_image(made, technique, settings, matrix, bounds):

@@ -69,7 +69,7 @@ def test_light_that_bounces_has_the_energy_of_a_path_tracer():
         image = render(court(), "auto", SIZE, settings=SETTINGS, samples=samples)
         return np.asarray(image.layers["indirect"].mean(axis=(0, 1)) / traced)
 
-    np.testing.assert_allclose(ratio(4), 1.0, atol=0.07)
+    np.testing.assert_allclose(ratio(8), 1.0, atol=0.07)
     np.testing.assert_allclose(ratio(1), 1.2, atol=0.1)
 
 

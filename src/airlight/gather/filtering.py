@@ -17,7 +17,7 @@ from .sums import read_sums, sums_image, written_sums
 STRIDES = (1, 2, 4)
 """Texels between the points of each pass."""
 WIDTH = 1.2
-"""Deviation of the weights of a pass in the first sample of a still, in strides."""
+"""Deviation of the weights of a pass where points have sixteen rays, in strides."""
 
 
 class FilterParams(Struct):
@@ -73,7 +73,7 @@ class Filtering:
                     reduced=points.blocks,
                     rows=points.reduced[1],
                     stride=stride,
-                    falloff=falloff(view.sample),
+                    falloff=falloff((view.sample + 1) * self._rays),
                     texel=points.texel_m(view),
                     rays=self._rays,
                     sky_rays=sky_rays,
@@ -95,11 +95,11 @@ class Filtering:
         return self._images[len(STRIDES) % 2]
 
 
-def falloff(sample: int) -> float:
-    """How fast weights fall off in a sample of a still, per squared stride.
+def falloff(rays: int) -> float:
+    """How fast weights fall off once a still has so many `rays` of a point, per squared stride.
 
     Filters narrow from sample to sample, so that their blur goes from the mean while its noise goes
     on falling: their area shrinks as n^(-1/2). Source: Knaus2011 (the radii of
     progressive photon mapping with alpha = 1/2).
     """
-    return float((sample + 1) ** 0.5 / (2.0 * WIDTH**2))
+    return float((rays / 16.0) ** 0.5 / (2.0 * WIDTH**2))

@@ -15,7 +15,7 @@ from .sums import PointSums, sums_image, written_sums
 _TILE = 8
 """Points along a side of what the brightness of rays around is taken from, nine of these."""
 _MOST = 48.0
-"""Times the mean of the rays around that one ray counts at most, in the first sample of a still."""
+"""Times the mean of the rays around that one ray counts at most where points have sixteen."""
 
 
 class FoundParams(Struct):
@@ -93,8 +93,8 @@ class FoundSums:
             reduced=points.blocks,
             rows=points.reduced[1],
             rays=self._rays,
-            # The mean of more samples bears more, and in the limit all.
-            most=_MOST * (view.sample + 1) ** 0.5,
+            # The mean of more rays bears more, and in the limit all.
+            most=_MOST * ((view.sample + 1) * self._rays / 16.0) ** 0.5,
         )
         # How bright rays are around, what is too bright for that, and what each point then has.
         seen = {"params": params, "sums": sums, "places": points.places}

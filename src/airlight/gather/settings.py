@@ -20,7 +20,7 @@ class GatherSettings:
         choices=WHEN,
     )
     gather_rays: int = setting(
-        16, "rays of a gather point in a sample of the image", low=1, high=1024
+        8, "rays of a gather point in a sample of the image", low=1, high=1024
     )
     gather_guided: int = setting(
         2,
@@ -40,7 +40,7 @@ class GatherSettings:
         high=1024,
     )
     gather_air: int = setting(
-        8,
+        6,
         "rays that a cell of a lattice of media sends in a sample of a gathered image, in the mean "
         "and more near the eye, for the light that media scatter more than once; 0: what lattices "
         "solved is drawn",

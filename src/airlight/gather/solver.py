@@ -6,6 +6,7 @@ between neighbours -> pixels
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -31,9 +32,9 @@ from .sky import SkyRays
 from .sky_cells import SkyCells
 from .trace import Trace
 
-JITTERS = 2
-"""Images of a sample of a still, which share its gathered light: most of what a still of few
-samples is off is edges (docs/decisions.md)."""
+JITTERS, LEAST_IMAGES = 2, 8
+"""Images of a sample of a still, which share its gathered light, and the least of a whole still:
+most of what one of few samples is off is edges (docs/decisions.md)."""
 
 
 class GatherSolver(Solver):
@@ -265,10 +266,11 @@ class GatherSolver(Solver):
             )
         return self._sized
 
-    @property
-    def jitters(self) -> int:
-        """Several where scenes have surfaces that gather."""
-        return JITTERS if self.kit.meshes.draws and not self._scene.light_groups else 1
+    def jitters(self, samples: int) -> int:
+        """Several where scenes have surfaces that gather, more where samples are few."""
+        if not self.kit.meshes.draws or self._scene.light_groups:
+            return 1
+        return max(JITTERS, math.ceil(LEAST_IMAGES / samples))
 
     @property
     def stats(self) -> dict[str, Any]:

@@ -9,7 +9,8 @@ from .camera import Camera, axes
 from .placing import shifted
 from .scene import Scene
 
-STILL_SAMPLES, LENS_SAMPLES = 8, 64
+STILL_SAMPLES, AIR_SAMPLES, LENS_SAMPLES = 12, 8, 64
+"""Of stills: of surfaces, of media alone, and of what is a mean over a lens or a time."""
 
 
 def has_moments(scene: Scene) -> bool:
@@ -26,7 +27,9 @@ def shutter_time(scene: Scene, time_s: float | None) -> float | None:
 
 def still_samples(scene: Scene) -> int:
     """Samples of a still: many where it is a mean over a lens or a time."""
-    return LENS_SAMPLES if has_moments(scene) or scene.camera.aperture_m > 0.0 else STILL_SAMPLES
+    if has_moments(scene) or scene.camera.aperture_m > 0.0:
+        return LENS_SAMPLES
+    return STILL_SAMPLES if scene.meshes else AIR_SAMPLES
 
 
 def through_lens(

@@ -122,10 +122,9 @@ class Technique:
         """The first solver of a kind."""
         return next((solver for solver in self.solvers if isinstance(solver, kind)), None)
 
-    @property
-    def jitters(self) -> int:
-        """How many images make a sample of a still, each with a sub-pixel jitter of its own."""
-        return max((solver.jitters for solver in self.solvers), default=1)
+    def jitters(self, samples: int) -> int:
+        """How many images make each of a still's `samples`, each with a jitter of its own."""
+        return max((solver.jitters(samples) for solver in self.solvers), default=1)
 
     @property
     def follows_eye(self) -> bool:

@@ -42,7 +42,7 @@ FRAME_OPTIONS = together(
     output_option("DIR|FILE.mp4", "A folder for frames, or a video."),
     solving_options(),
     size_option(),
-    samples_option(4),
+    samples_option(6),
     scene_options(),
     click.option("--resume", is_flag=True, help="Go on where a run was broken off."),
     quiet_option(),

@@ -225,7 +225,7 @@ class Fine:
                 return
             # Plain samples do not gather; images of one that does share what was gathered.
             drawn.renderer.view.may_gather = not is_plain
-            count = 1 if is_plain else drawn.renderer.technique.jitters
+            count = 1 if is_plain else drawn.renderer.technique.jitters(SAMPLES)
             for image, offset in enumerate(sample_jitters(SAMPLES, count)[index]):
                 camera, at = through_lens(shot.scene.camera, offset, index, shot.size[1])
                 drawn.draw(commands, camera, at, index, (image, count))
