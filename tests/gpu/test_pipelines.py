@@ -62,6 +62,21 @@ def test_what_went_wrong_in_another_thread_is_raised_where_it_is_asked_for_and_t
     assert type(kept.get("a", (), object)) is object
 
 
+def test_what_an_interrupt_kept_from_starting_is_made_by_who_asks_for_it(monkeypatch):
+    def interrupted(self):
+        raise KeyboardInterrupt
+
+    kept = Pipelines()
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr(threading.Thread, "start", interrupted)
+        kept.begin("a", (), object)
+    asked = threading.Thread(target=kept.get, args=("a", (), object), daemon=True)
+    asked.start()
+    asked.join(10.0)
+    assert not asked.is_alive()
+    assert len(kept) == 1
+
+
 def test_a_second_pass_of_a_kind_compiles_nothing():
     try:
         gpu = open_gpu()

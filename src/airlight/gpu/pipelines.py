@@ -56,11 +56,7 @@ class Pipelines:
 
         What goes wrong there is raised by `get`.
         """
-        key = (text, repr(parts))
-        with self._changing:
-            if key in self._kept or key in self._begun:
-                return
-            begun = self._begun[key] = Future()
+        key, begun = (text, repr(parts)), Future[Any]()
 
         def run() -> None:
             try:
@@ -69,7 +65,19 @@ class Pipelines:
                 begun.set_exception(error)
 
         # Not a daemon: a process that ended within a driver would end badly.
-        threading.Thread(target=run, name="airlight compiles").start()
+        thread = threading.Thread(target=run, name="airlight compiles")
+        try:
+            with self._changing:
+                if key in self._kept or key in self._begun:
+                    return
+                self._begun[key] = begun
+            thread.start()
+        except BaseException:
+            # Nobody may wait for what an interrupt kept from starting.
+            with self._changing:
+                if self._begun.get(key) is begun:
+                    del self._begun[key]
+            raise
 
     def __len__(self) -> int:
         return len(self._kept)
