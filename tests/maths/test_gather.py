@@ -132,6 +132,24 @@ def test_what_differs_by_its_noise_is_the_same():
     assert gather.sameness(0.0, 0.0, 0.0) == 1.0
 
 
+def test_light_of_points_turned_to_another_normal():
+    """Even light over their horizon in full, beams the more the lower they are."""
+    up = np.array([0.0, 0.0, 1.0])
+    angles = np.radians([0.0, 20.0, 45.0, 70.0, 90.0])
+    normals = np.stack([np.sin(angles), np.zeros(5), np.cos(angles)], axis=-1)
+    even = (1.0 + np.cos(angles)) / 2.0
+    np.testing.assert_allclose(gather.turn_ratio(up, normals), even, rtol=1e-12)
+    # A beam of a cosine to the points' normal, turned towards it and away from it by 20 degrees.
+    for degrees, off in ((80.0, 0.02), (60.0, 0.15), (30.0, 0.5)):
+        beam = np.array([np.tan(np.radians(degrees)), 0.0, 1.0])
+        for side in (-1.0, 1.0):
+            n = np.array([side * np.sin(np.radians(20.0)), 0.0, np.cos(np.radians(20.0))])
+            true = max(float(beam @ n), 0.0)
+            assert gather.turn_ratio(beam, n) - 1.0 == pytest.approx(true - 1.0, rel=off)
+    # Of light without a direction nothing follows.
+    assert gather.turn_ratio(np.zeros(3), up) == 1.0
+
+
 def test_detail_follows_a_smooth_field_where_that_has_light():
     assert gather.detailed(2.0, 3.0, 3.0) == 2.0
     assert gather.detailed(1.0, 10.0, 20.0) == pytest.approx(2.0, rel=0.01)
@@ -251,6 +269,9 @@ def test_twins(wgsl):
     same = wgsl("gather", "sameness", a, b, b, returns="f32")
     np.testing.assert_allclose(same, gather.sameness(a, b, b), rtol=1e-3, atol=1e-6)
     three = np.exp(RNG.normal(size=(3, 500, 3)))
+    flux, normal = three[0] - three[1], three[2] / np.linalg.norm(three[2], axis=-1, keepdims=True)
+    turned = wgsl("gather", "turn_ratio", flux, normal, returns="f32")
+    np.testing.assert_allclose(turned, gather.turn_ratio(flux, normal), rtol=1e-4, atol=1e-6)
     detail = wgsl("gather", "detailed", *three, returns="vec3f")
     np.testing.assert_allclose(detail, gather.detailed(*three), rtol=1e-5)
     shares = np.exp(RNG.normal(size=(3, 500)))

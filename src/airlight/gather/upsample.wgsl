@@ -38,7 +38,7 @@ fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32, kin_weight: f32) -> A
     // The points around the pixel: 2 reach of them along each axis, the nearer the more.
     let texel_m = params.texel * length(p - params.eye);
     let last = vec2i(params.reduced) - 1;
-    let middle = position / f32(params.scale) - 0.5;
+    let middle = (position + params.moved) / f32(params.scale) - 0.5;
     let base = vec2i(floor(middle)) + 1 - reach;
     var out: Around;
     var k = 0;
@@ -102,7 +102,7 @@ fn of_lattices(p: vec3f, normal: vec3f) -> Unlike {
 // Irradiance of a pixel of normal n, W m^-2, `open` to what is near, from `light` and `flux` of points that are
 // on average `its_open`.
 fn turned(light: vec3f, flux: vec3f, n: vec3f, open: vec3f, its_open: vec3f) -> vec3f {
-    let ratio = max(dot(flux, n), 0.0) / max(luminance(light), 1e-20);
+    let ratio = turn_ratio(flux / max(luminance(light), 1e-20), n);
     return detailed(light, its_open * light, open * ratio * light);
 }
 

@@ -176,6 +176,22 @@ def flux_along(normal: ArrayLike, direction: ArrayLike) -> F64:
     return np.asarray(n + (d - cosine * n) / np.maximum(cosine, LEAST_COSINE))
 
 
+def turn_ratio(flux: ArrayLike, normal: ArrayLike) -> F64:
+    """Irradiance on a surface of `normal` (..., 3) over that of the points around.
+
+    `flux` (..., 3): their vector irradiance for each unit of irradiance, 1 along their normal. Of
+    light that fills their hemisphere evenly (|flux| = 1) a half follows the normal, which gives
+    (1 + cosine) / 2, and of a beam that grazes them nearly all. Source: Ward1992 (by rotation).
+    differs: there all of it follows the normal, as of a beam, and broad light is lost: what comes
+    from below the points' horizon is not in the flux.
+    """
+    f, n = np.asarray(flux, dtype=np.float64), np.asarray(normal, dtype=np.float64)
+    # Points of several normals have less flux than light: it comes from all around.
+    square = np.maximum((f * f).sum(axis=-1), 1e-20)
+    follows = np.maximum(1.0 - 0.5 / square, 0.0)
+    return np.asarray(np.maximum(1.0 - follows + follows * (f * n).sum(axis=-1), 0.0))
+
+
 def detailed(gathered: ArrayLike, around: ArrayLike, own: ArrayLike) -> F64:
     """Irradiance of a pixel, W m^-2, from that `gathered` at the points around it.
 

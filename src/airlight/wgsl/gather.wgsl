@@ -84,6 +84,11 @@ fn sky_share(cosine: f32, density: f32, rays: u32, sky_rays: u32) -> f32 {
     return by_cosine / max(by_cosine + f32(sky_rays) * density, 1e-30);
 }
 
+fn turn_ratio(flux: vec3f, normal: vec3f) -> f32 {
+    let follows = max(1.0 - 0.5 / max(dot(flux, flux), 1e-20), 0.0);
+    return max(mix(1.0, dot(flux, normal), follows), 0.0);
+}
+
 fn detailed(gathered: vec3f, around: vec3f, own: vec3f) -> vec3f {
     let trust = TRUST * gathered;
     let ratio = (own + trust) / max(around + trust, vec3f(1e-20));
