@@ -67,14 +67,15 @@ def test_colours_that_come_later_are_not_shown_this_way(gpu, owned, square):
 def test_where_maps_lie_is_uploaded_where_it_changed(gpu, owned, square, monkeypatch):
     mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), uvs=UVS)
     scene = owned(GpuScene(gpu, Scene(meshes=(mesh,))))
-    writes, write = [], scene.triangle_table.uvs.write
-    monkeypatch.setattr(scene.triangle_table.uvs, "write", lambda *a: writes.append(a) or write(*a))
+    uvs = scene.triangle_table.shared.uvs
+    writes, write = [], uvs.write
+    monkeypatch.setattr(uvs, "write", lambda *a: writes.append(a) or write(*a))
     for shift, uvs in ((0.1, UVS), (0.2, UVS), (0.2, UVS + np.float32(0.5))):
         positions = mesh.geometry.positions + np.float32(shift)
         geometry = replace(mesh.geometry, positions=positions, uvs=mesh.geometry.uvs)
         if uvs is not UVS:
             geometry = replace(geometry, uvs=uvs)
         scene.move((replace(mesh, geometry=geometry),))
-        first = scene.triangle_table.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
+        first = scene.triangle_table.shared.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
         np.testing.assert_array_equal(first, geometry.uvs[geometry.indices[:, 0]])
     assert len(writes) == 1

@@ -83,7 +83,6 @@ class CornerData(Struct):
     """One corner of a polygon."""
 
     position = vec3f("m")
-    pad = f32()
 
 
 def frame(sample: Sample) -> F64:

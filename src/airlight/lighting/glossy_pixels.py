@@ -10,6 +10,7 @@ from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
+from ..gpu.demands import largest_binding
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage
@@ -23,8 +24,7 @@ _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
 def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
     """Whether a device lets a list hold all pixels of an image."""
-    limits = ("max-buffer-size", "max-storage-buffer-binding-size")
-    return _ENTRY_BYTES * size[0] * size[1] <= min(gpu.limits[name] for name in limits)
+    return _ENTRY_BYTES * size[0] * size[1] <= largest_binding(gpu)
 
 
 class _Mirrored(ComputePass):

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.layout import Struct, mat4x4f
 from ..gpu.memory import Buffer
 from ..gpu.raster import RasterPipeline
 from ..gpu.slots import Slot, sampler, storage, texture
@@ -66,6 +67,12 @@ VERTEX_BUFFERS: tuple[dict[str, Any], ...] = (
 )
 INSTANCE_TRANSFORMS = _of_instances(_TRANSFORM)
 _RECORDED = 64  # views whose recorded draws are cached
+
+
+class ViewParams(Struct):
+    """The view that is drawn, of passes that ask for nothing else."""
+
+    clip_from_world = mat4x4f()
 
 
 class MeshPipeline(RasterPipeline):

@@ -36,9 +36,9 @@ class _Buffers:
     """Of `geometries`, one after the other."""
 
     def __init__(self, gpu: Gpu, geometries: Sequence[Geometry]) -> None:
-        positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
-        indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
-        vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)
+        positions = joined([g.positions for g in geometries], np.float32, 3)
+        indices = joined([g.indices.ravel() for g in geometries], np.uint32)
+        vertices = joined([_vertex_data(g) for g in geometries], _VERTEX)
         self.positions: Buffer = buffer_of(gpu, "positions", positions, vertex=True)
         self.vertices: Buffer = buffer_of(gpu, "vertices", vertices, vertex=True)
         self.indices: Buffer = buffer_of(gpu, "indices", indices, index=True)
@@ -113,7 +113,8 @@ def _vertex_data(g: Geometry) -> NDArray[Any]:
     return data
 
 
-def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+def joined(parts: list[NDArray[Any]], dtype: Any, *row: int) -> NDArray[Any]:
+    """The parts' rows one after the other; of a single part there is no copy."""
     if len(parts) == 1:
         return np.ascontiguousarray(parts[0], dtype)
-    return np.concatenate(parts) if parts else np.zeros(empty, dtype)
+    return np.concatenate(parts) if parts else np.zeros((0, *row), dtype)
