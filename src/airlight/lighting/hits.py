@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ..area.attenuation import Attenuation
 from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
 from ..gpu.demands import fits
@@ -21,7 +20,7 @@ from .kernel import Emitters, LatticeLight
 from .kit import Kit
 from .lighting import Lighting, RadianceLayers
 from .shadow_rays import ShadowRays, shadow_key
-from .slots import NO_SUNS, LightingParams, Part, lighting_slots
+from .slots import NO_SUNS, Attenuation, LightingParams, Part, lighting_slots
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..area.attenuation import Attenuation
 from .shadow_rays import ShadowRays
-from .slots import GATHERED, MIRRORED, Gloss, Part
+from .slots import GATHERED, MIRRORED, Attenuation, Gloss, Part
 
 # Twins of what a pass may do without, so that one text serves all passes.
 _NO_ATTENUATION = """

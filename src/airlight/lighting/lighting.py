@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..area.attenuation import Attenuation
 from ..gpu.demands import fits
 from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
 from ..gpu.memory import Texture
 from ..surface.hits import PIXELS, Points
 from .kernel import Emitters, Kernel, LatticeLight, lattices_kernel, lights_kernel
-from .slots import Gloss, Part, lighting_slots
+from .slots import Attenuation, Gloss, Part, lighting_slots
 
 
 class Lighting(FullscreenPass):

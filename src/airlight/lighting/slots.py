@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Protocol
 
-from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.blockers import SURFACE_BLOCKER_SLOTS
+from ..lattice.inject import LightAttenuation
 from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
-from ..rays.slots import RAY_SLOTS
+from ..rays.rays import RAY_SLOTS
 from ..surface.hits import PIXELS, Points
 from ..surface.light_table import SHADOWED_LIGHT_SLOTS
 
@@ -26,6 +26,14 @@ gathered  on top of "lights" what rays gathered, those that smooth surfaces mirr
 Gloss = Literal["none", "inline", "listed", "traced"]
 """Who follows smooth surfaces' mirrored rays: nobody; into the lattice the pass or `GlossyPixels`;
 the gather."""
+
+
+class Attenuation(LightAttenuation, Protocol):
+    """Media between a light and a surface, as a pass binds them: media.gpu_media.GpuMedia."""
+
+    @property
+    def is_one_box(self) -> bool:
+        """Whether all there is is one homogeneous box."""
 
 
 class LightingParams(Struct):

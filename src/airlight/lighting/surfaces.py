@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from ..area.attenuation import Attenuation
 from ..area.coverage import Coverage
 from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
@@ -29,7 +28,7 @@ from .kit import Kit
 from .lighting import Lighting
 from .occlusion import Occlusion, lattice_reach
 from .shadow_rays import ShadowRays, shadow_key
-from .slots import Gloss, LightingParams, Part, lighting_slots
+from .slots import Attenuation, Gloss, LightingParams, Part, lighting_slots
 from .view import View
 
 _AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")  # what "lights" comes before

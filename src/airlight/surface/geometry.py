@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, buffer_of
 from ..scene.along import meshes_along
+from ..scene.checks import F64
 from ..scene.material import Material
 from ..scene.mesh import Geometry, Mesh, world_boxes
 from ..scene.scene import Scene
@@ -28,8 +28,6 @@ from .packed_maps import image_of, is_packable
 from .textures import MaterialTextures, TextureStore
 from .triangle_table import TriangleTable, has_rows
 from .vertices import VertexBuffers
-
-F64 = NDArray[np.float64]
 
 
 class GpuScene:
