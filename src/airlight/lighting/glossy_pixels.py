@@ -67,7 +67,7 @@ class GlossyPixels:
     def encode(
         self, commands: Commands, targets: tuple[Texture, Texture], values: dict[str, Any]
     ) -> None:
-        """Write all light of the listed pixels to `targets`; `values` as for `Lighting`."""
+        """Write all light of the listed pixels to `targets`; `values` as for `Lighting.light`."""
         # Bound as for lighting, but for the targets, which it writes as images.
         names = {slot.name for slot in self._pass.slots} - {"direct_light", "indirect_light"}
         bound = {name: value for name, value in values.items() if name in names}
@@ -76,8 +76,6 @@ class GlossyPixels:
             commands,
             _AT_ONCE,
             **bound,
-            found=self._found,
-            listed=self._listed,
             direct_light=direct,
             indirect_light=indirect,
         )

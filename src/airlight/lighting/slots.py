@@ -23,6 +23,8 @@ rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
 lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
 gathered  on top of "lights" what rays gathered, those that smooth surfaces mirror included
 """
+AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")
+"""What "lights" comes before, which has all their shadows."""
 Gloss = Literal["none", "inline", "listed", "traced"]
 """Who follows smooth surfaces' mirrored rays: nobody; into the lattice the pass or `GlossyPixels`;
 the gather."""
@@ -109,7 +111,7 @@ def lighting_slots(
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
     # What one part has lit, the next reads; a part binds what it reads, and nothing else.
-    is_after = part in ("lattices", "rest", "gathered")
+    is_after = part in AFTER
     has_lattices = part not in ("lights", "gathered")
     gathered = GATHERED + MIRRORED * (gloss == "traced") if part == "gathered" else ()
     return (
