@@ -119,24 +119,17 @@ class Occlusion:
     """Depth and normals -> visibility of the near field, and its radiance."""
 
     def __init__(
-        self,
-        gpu: Gpu,
-        slices: int | None = None,
-        steps: int | None = None,
-        *,
-        has_light: bool = False,
+        self, gpu: Gpu, samples: tuple[int, int] | None = None, *, has_light: bool = False
     ) -> None:
-        """`slices` of the hemisphere, `steps` on each side of one; by device if not given.
-
-        `has_light`: occluders contribute the radiance that they show.
+        """`samples`: slices of the hemisphere, and steps on each side of one; by device if not
+        given. `has_light`: occluders contribute the radiance that they show.
         """
         # How many samples there are depends on what they cost on this device.
-        usual = gpu.paths.occlusion_samples
-        counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
+        slices, steps = samples or gpu.paths.occlusion_samples
         kind = {"HAS_LIGHT": float(has_light)}
         self._surfaces = _ReducedSurfaces(gpu, constants=kind)
-        samples = {name: float(count) for name, count in counts.items()}
-        self._horizons = _HorizonSearch(gpu, constants=samples | kind)
+        counts = {"SLICES": float(slices), "STEPS": float(steps)}
+        self._horizons = _HorizonSearch(gpu, constants=counts | kind)
         self._blur = _Blur(gpu)
 
     def encode(
