@@ -69,6 +69,14 @@ INSTANCE_TRANSFORMS = _of_instances(_TRANSFORM)
 _RECORDED = 64  # views whose recorded draws are cached
 
 
+_VERTEX = """
+//! use mesh_vertex
+@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
+    return transformed_vertex(in, at, params.clip_from_world);
+}
+"""
+
+
 class ViewParams(Struct):
     """The view that is drawn, of passes that ask for nothing else."""
 
@@ -84,6 +92,7 @@ class MeshPipeline(RasterPipeline):
 
     second_slots = MATERIAL_SLOTS
     vertex_buffers = VERTEX_BUFFERS
+    vertices: ClassVar[str] = _VERTEX  # WGSL; empty where the file has its own
     depth = "depth32float"
     maps: ClassVar[tuple[str, ...]] = MAPS
 
@@ -103,7 +112,9 @@ class MeshPipeline(RasterPipeline):
             constants["HAS_MAP_TRANSFORM"] = float(has_map_transform)
         if self.second_slots:
             constants["IS_CUTOUT"] = float(is_cutout)
-        super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
+        super().__init__(
+            gpu, constants=constants, cull=cull, front_face=front_face, generated=self.vertices
+        )
         self._groups: dict[int, tuple[Any, Any]] = {}
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
@@ -132,6 +143,7 @@ class DepthPipeline(MeshPipeline):
 
     second_slots = ()
     vertex_buffers = (VERTEX_BUFFERS[0], INSTANCE_TRANSFORMS)
+    vertices = ""
     fragment_entry = ""
     maps = ()
     file = "shadow_opaque.wgsl"

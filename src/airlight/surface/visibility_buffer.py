@@ -63,6 +63,7 @@ class _TriangleIds(MeshPipeline):
         INSTANCE_TRANSFORMS,
         _WHAT,
     )
+    vertices = ""
     # Of coincident surfaces the last drawn one is visible: see `in_draw_order`.
     depth_compare = "greater-equal"
     targets = ("rg32uint",)

@@ -11,6 +11,7 @@ override HAS_BASE_COLOR_MAP: bool = true;
 override HAS_METALLIC_ROUGHNESS_MAP: bool = true;
 override HAS_NORMAL_MAP: bool = true;
 override HAS_EMISSION_MAP: bool = true;
+override IS_CUTOUT: bool = true;        // they may have holes
 
 struct SurfacePoint {
     base_color: vec3f,
