@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.gpu.slots import storage
-from airlight.lighting.occlusion import Occlusion, Reach
+from airlight.lighting.occlusion import Occlusion, SearchRadius
 from airlight.lighting.view import View
 from airlight.maths.occlusion import packed_hidden
 from airlight.rendering import Renderer
@@ -55,7 +55,7 @@ def seen_around(gpu, commands, owned):
             view.gbuffer,
             view.occlusion,
             view.world_from_clip,
-            Reach(radius),
+            SearchRadius(radius),
             lit=lit,
         )
         commands.submit()

@@ -50,7 +50,7 @@ class Emitters:
             self._glowing.group(samples, int(BUDGET * samples), (MOST_LAYERS - taken) // 6)
         self.version = 0
         """Raised whenever anything of them changed."""
-        self.plain = len([light for light in scene.lights if not has_extent(light)])
+        self.plain = sum(not has_extent(light) for light in scene.lights)
         """How many lights without extent there are: the first rows of the scene's lights."""
         self.list: tuple[Emitter, ...] = ()
         self._last: tuple[tuple[Mesh, ...], tuple[Light, ...]] | None = None

@@ -91,7 +91,7 @@ class OcclusionLayers:
 
 
 @dataclass(frozen=True)
-class Reach:
+class SearchRadius:
     """The radius, m, within which surfaces occlude; where that is larger, `growth` times the
     distance to the eye, at most `largest`, m.
     """
@@ -101,14 +101,14 @@ class Reach:
     largest: float = 0.0
 
 
-def lattice_reach(wanted: float, placements: Sequence[Placement]) -> Reach:
+def lattice_reach(wanted: float, placements: Sequence[Placement]) -> SearchRadius:
     """Where surfaces that lattices do not resolve occlude: within `wanted` cells.
 
     `placements`: of the lattices, the finest first.
     """
     # Near the eye the finest cells; from there on they grow with the distance, up to the coarsest.
     finest, coarsest = placements[0], placements[-1]
-    return Reach(
+    return SearchRadius(
         wanted * finest.cell,
         growth=wanted * 2.0 / max(finest.count),
         largest=wanted * coarsest.cell,
@@ -138,7 +138,7 @@ class Occlusion:
         gbuffer: GBuffer,
         layers: OcclusionLayers,
         world_from_clip: F64,
-        reach: Reach,
+        reach: SearchRadius,
         *,
         lit: Texture | None = None,
     ) -> None:
@@ -162,7 +162,7 @@ class Occlusion:
 def occlusion_params(
     world_from_clip: F64,
     layers: OcclusionLayers,
-    reach: Reach,
+    reach: SearchRadius,
 ) -> OcclusionParams:
     """The image's rays from its matrix (reversed infinite depth), and how far to look."""
     # Directions through pixels are linear in their place: one at the corner and two steps.
