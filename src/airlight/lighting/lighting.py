@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from ..gpu.commands import Commands
@@ -178,31 +178,24 @@ class RadianceLayers:
     """
 
     def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
-        self.direct = Texture(gpu, "direct", size, "rgba32float", target=True, written=True)
-        self.indirect = Texture(gpu, "indirect", size, "rgba32float", target=True, written=True)
         # Layers that few images ask for are made for the first that does.
         self._gpu, self._size = gpu, size
-        self._lit: Texture | None = None
-        self._also: Texture | None = None
+        self.direct, self.indirect = self._another("direct"), self._another("indirect")
 
     @property
     def targets(self) -> tuple[Texture, Texture]:
         """In the order of the pass's targets."""
         return (self.direct, self.indirect)
 
-    @property
+    @cached_property
     def lit(self) -> Texture:
         """Radiance of surfaces by lights and emission, and the background."""
-        if self._lit is None:
-            self._lit = self._another("lit")
-        return self._lit
+        return self._another("lit")
 
-    @property
+    @cached_property
     def also(self) -> Texture:
         """Radiance of surfaces by a second field."""
-        if self._also is None:
-            self._also = self._another("light of another field")
-        return self._also
+        return self._another("light of another field")
 
     def _another(self, name: str) -> Texture:
         return Texture(self._gpu, name, self._size, "rgba32float", target=True, written=True)

@@ -27,7 +27,7 @@ from .materials import (
 from .packed_maps import image_of, is_packable
 from .textures import MaterialTextures, TextureStore
 from .triangle_table import TriangleTable, has_rows
-from .vertices import VertexBuffers
+from .vertices import VertexBuffers, Vertices
 
 
 class GpuScene:
@@ -234,19 +234,9 @@ class GpuScene:
         return any(draw.material.is_translucent for draw in self.draws)
 
     @property
-    def positions(self) -> Buffer:
-        """Of all vertices, m."""
-        return self._vertices.buffers.positions
-
-    @property
-    def vertices(self) -> Buffer:
-        """Normals, texture coordinates and colours of all vertices."""
-        return self._vertices.buffers.vertices
-
-    @property
-    def indices(self) -> Buffer:
-        """Of all triangles."""
-        return self._vertices.buffers.indices
+    def vertices(self) -> Vertices:
+        """The vertices and the indices of all meshes; others once `replaced` counts on."""
+        return self._vertices.buffers
 
     def _textures_of(self, m: Material) -> MaterialTextures:
         """The textures of a material; those with the same maps share one value and bind group."""

@@ -119,11 +119,11 @@ class MeshPipeline(RasterPipeline):
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """The buffers of `vertex_buffers`, in their order."""
-        return (scene.positions, scene.vertices, scene.instances)
+        return (scene.vertices.positions, scene.vertices.vertices, scene.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
         """The index buffer."""
-        return scene.indices
+        return scene.vertices.indices
 
     def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
         """Set the material's bind group; each set of textures has one."""
@@ -150,7 +150,7 @@ class DepthPipeline(MeshPipeline):
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """Positions and instances alone."""
-        return (scene.positions, scene.instances)
+        return (scene.vertices.positions, scene.instances)
 
 
 class MeshPass:

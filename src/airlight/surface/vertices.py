@@ -32,8 +32,8 @@ def geometry_digest(g: Geometry) -> bytes:
     return known
 
 
-class _Buffers:
-    """Of `geometries`, one after the other."""
+class Vertices:
+    """Of `geometries`, one after the other, in a buffer each: positions, vertices and indices."""
 
     def __init__(self, gpu: Gpu, geometries: Sequence[Geometry]) -> None:
         positions = joined([g.positions for g in geometries], np.float32, 3)
@@ -62,7 +62,7 @@ class VertexBuffers:
             vertex_count += len(geometry.positions)
         # All geometries in one buffer each, so that a draw names offsets only.
         key = ("vertices", *map(geometry_digest, geometries))
-        self._lease = gpu.uploads.lease(gpu, key, lambda scope: _Buffers(scope, geometries))
+        self._lease = gpu.uploads.lease(gpu, key, lambda scope: Vertices(scope, geometries))
         self.buffers = self._lease.value
         self.uploaded = {self.offsets[id(g)][1]: g for g in geometries}
         """By first vertex, the geometry as it was uploaded last."""
@@ -77,7 +77,7 @@ class VertexBuffers:
         # A buffer that other scenes show is not written to; this scene gets one of its own.
         before = self.buffers
         self._lease = self._lease.owned(
-            self.gpu, lambda scope: _Buffers(scope, list(self.uploaded.values()))
+            self.gpu, lambda scope: Vertices(scope, list(self.uploaded.values()))
         )
         self.buffers = self._lease.value
         self.buffers.positions.write(geometry.positions, 12 * first)
