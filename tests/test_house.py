@@ -175,7 +175,7 @@ MANY_FOR_A_REASON = {
     "reference.tracer.trace": _CALLERS_NAME_THEM,
     "reference.tracer.fluence": _CALLERS_NAME_THEM,
     "gpu.memory.Texture": "the fields of WebGPU's texture descriptor",
-    "surface.light_views._perspective": _CLOSED_FORM,
+    "surface.light_views.perspective": _CLOSED_FORM,
     "reference.quadrature.point_single_scatter": _CLOSED_FORM,
     "reference.quadrature.directional_single_scatter": _CLOSED_FORM,
     "reference.quadrature.box_single_scatter_intensity": _CLOSED_FORM,

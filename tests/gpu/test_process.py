@@ -42,8 +42,9 @@ renderer = made()
 before = renderer.frame().radiance
 texture = renderer.view.gbuffer.albedo
 asked = [open_gpu, adapters, made, renderer.frame, renderer.gpu.wait, texture.read,
-         renderer.meshes.positions.read, lambda: renderer.resize((8, 8)), renderer.timed_passes,
-         lambda: al.render(scene, size=(8, 8)), lambda: Gpu(renderer.gpu.info, "cpu")]
+         renderer.meshes.vertices.positions.read, renderer.timed_passes,
+         lambda: renderer.resize((8, 8)), lambda: al.render(scene, size=(8, 8)),
+         lambda: Gpu(renderer.gpu.info, "cpu")]
 fork(asked)
 print(np.array_equal(renderer.frame().radiance, before))
 """

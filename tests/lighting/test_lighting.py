@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from airlight.gpu.device import Gpu, open_gpu
-from airlight.lighting.kernel import Emitters, LatticeLight
+from airlight.lighting.kernel import LatticeLight, LightKinds
 from airlight.lighting.lighting import Lighting
 from airlight.lighting.slots import Part
 
@@ -22,5 +22,5 @@ def least(gpu: Gpu) -> Gpu:
 @pytest.mark.parametrize("part", ["lights", "lattices", "rest"])
 def test_no_more_textures_than_any_device_has(least: Gpu, part: Part) -> None:
     """Of the parts that all devices draw: "whole" is in two where it does not fit."""
-    made = Lighting(least, part, Emitters(), LatticeLight())  # raises where a stage has too many
+    made = Lighting(least, part, LightKinds(), LatticeLight())  # raises where a stage has too many
     assert sum("texture" in slot.layout for slot in made.slots) <= GRANTED

@@ -8,7 +8,7 @@ import pytest
 from airlight.gpu.compute import ComputePass
 from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.gpu.slots import storage
-from airlight.lighting.occlusion import Occlusion, Reach
+from airlight.lighting.occlusion import Occlusion, SearchRadius
 from airlight.lighting.view import View
 from airlight.maths.occlusion import packed_hidden
 from airlight.rendering import Renderer
@@ -34,8 +34,7 @@ def seen_around(gpu, commands, owned):
         radius,
         *,
         scale=1,
-        slices=None,
-        steps=None,
+        samples=None,
         blurred=True,
         radiance=None,
     ):
@@ -51,12 +50,12 @@ def seen_around(gpu, commands, owned):
             pixels = np.zeros((size[1], size[0], 4), np.float32)
             pixels[..., :3] = radiance(view.gbuffer.normal.read())
             lit.write(pixels)
-        Occlusion(gpu, slices, steps, has_light=lit is not None).encode(
+        Occlusion(gpu, samples, has_light=lit is not None).encode(
             commands,
             view.gbuffer,
             view.occlusion,
             view.world_from_clip,
-            Reach(radius),
+            SearchRadius(radius),
             lit=lit,
         )
         commands.submit()
@@ -151,15 +150,13 @@ def test_where_nothing_is_all_is_open(looked_at, square):
     assert (visibility == 1.0).all()
 
 
-@pytest.mark.parametrize(("slices", "steps", "within"), [(2, 4, 0.06), (8, 16, 0.035)])
-def test_a_corner_of_two_planes(looked_at, square, camera_rays, slices, steps, within):
+@pytest.mark.parametrize(("samples", "within"), [((2, 4), 0.06), ((8, 16), 0.035)])
+def test_a_corner_of_two_planes(looked_at, square, camera_rays, samples, within):
     """Half the sky is gone in the corner, and it comes back as rays say it does."""
     floor = square((0, 0, 3), (0, 0, 3), (6, 0, 0))
     wall = square((0, 3, 0), (6, 0, 0), (0, 3, 0))
     camera, radius = Camera((0.0, 1.2, 2.0), (0.0, 0.35, 0.0), fov_y_deg=50), 0.5
-    visibility, depth = looked_at(
-        [floor, wall], camera, (96, 72), radius, slices=slices, steps=steps
-    )
+    visibility, depth = looked_at([floor, wall], camera, (96, 72), radius, samples=samples)
     points = world_points(camera, depth, camera_rays)[:, 40:56].reshape(-1, 3)
     found = visibility[:, 40:56].ravel()
     on_floor = points[:, 1] < points[:, 2]
@@ -190,7 +187,7 @@ def test_a_square_pit_seen_from_above(looked_at, square):
         square((-2.5, 0, 0), (0, 0, half), (2, 0, 0)),
     ]
     camera = Camera((0, 30, 0), (0, 0, 0), up=(0, 0, -1), fov_y_deg=11)
-    visibility, _ = looked_at([floor, *walls, *lids], camera, (257, 193), 20.0, slices=8, steps=48)
+    visibility, _ = looked_at([floor, *walls, *lids], camera, (257, 193), 20.0, samples=(8, 48))
     a = half / deep
     factor = 4 / (2 * np.pi) * 2 * a / np.hypot(1, a) * np.arctan(a / np.hypot(1, a))
     assert visibility[93:101, 125:133].mean() == pytest.approx(factor, abs=0.03)
@@ -231,7 +228,7 @@ def test_the_blur_takes_the_sampling_pattern_out(looked_at, square):
     along = {}
     for blurred in (False, True):
         visibility, _ = looked_at(
-            [floor, wall], camera, (96, 72), 0.5, slices=2, steps=4, blurred=blurred
+            [floor, wall], camera, (96, 72), 0.5, samples=(2, 4), blurred=blurred
         )
         along[blurred] = visibility[:, 32:64].std(axis=1).max()
     assert along[False] > 0.03
@@ -292,8 +289,7 @@ def test_a_shining_floor_lights_the_foot_of_a_wall_and_not_itself(seen_around, s
         camera,
         (96, 72),
         0.5,
-        slices=8,
-        steps=16,
+        samples=(8, 16),
         radiance=lambda n: np.where(n[..., 1:2] > 0.9, [1.0, 1.0, 1.0], 0.0),
     )
     hidden, middle = direction[..., 3], np.s_[:, 40:56]

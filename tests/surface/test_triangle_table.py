@@ -16,7 +16,7 @@ UVS = np.array([[0, 1], [1, 1], [1, 0], [0, 0]], np.float32)
 def test_a_triangle_is_its_corner_and_edges(gpu, owned, square):
     mesh = square((1, 2, 3), (1, 0, 0), (0, 0.5, 0), uvs=UVS)
     seen = owned(GpuScene(gpu, Scene(meshes=(mesh,)))).triangle_table
-    rows = seen.triangles.read(np.float32).reshape(-1, WORDS)
+    rows = seen.shared.triangles.read(np.float32).reshape(-1, WORDS)
     g = mesh.geometry
     corners = np.stack([rows[:, 0:3], rows[:, 0:3] + rows[:, 3:6], rows[:, 0:3] + rows[:, 6:9]], 1)
     np.testing.assert_allclose(corners, g.positions[g.indices], rtol=1e-6)
@@ -24,7 +24,7 @@ def test_a_triangle_is_its_corner_and_edges(gpu, owned, square):
         [rows[:, 9:11], rows[:, 9:11] + rows[:, 11:13], rows[:, 9:11] + rows[:, 13:15]], 1
     )
     np.testing.assert_allclose(uvs, g.uvs[g.indices], atol=1e-6)
-    normals = seen.triangles.read(np.int16).reshape(-1, 2 * WORDS)[:, 30:39] / 32767.0
+    normals = seen.shared.triangles.read(np.int16).reshape(-1, 2 * WORDS)[:, 30:39] / 32767.0
     np.testing.assert_allclose(normals.reshape(-1, 3, 3), g.normals[g.indices], atol=2e-5)
 
 
@@ -67,14 +67,15 @@ def test_colours_that_come_later_are_not_shown_this_way(gpu, owned, square):
 def test_where_maps_lie_is_uploaded_where_it_changed(gpu, owned, square, monkeypatch):
     mesh = square((0, 0, 0), (1, 0, 0), (0, 1, 0), uvs=UVS)
     scene = owned(GpuScene(gpu, Scene(meshes=(mesh,))))
-    writes, write = [], scene.triangle_table.uvs.write
-    monkeypatch.setattr(scene.triangle_table.uvs, "write", lambda *a: writes.append(a) or write(*a))
+    uvs = scene.triangle_table.shared.uvs
+    writes, write = [], uvs.write
+    monkeypatch.setattr(uvs, "write", lambda *a: writes.append(a) or write(*a))
     for shift, uvs in ((0.1, UVS), (0.2, UVS), (0.2, UVS + np.float32(0.5))):
         positions = mesh.geometry.positions + np.float32(shift)
         geometry = replace(mesh.geometry, positions=positions, uvs=mesh.geometry.uvs)
         if uvs is not UVS:
             geometry = replace(geometry, uvs=uvs)
         scene.move((replace(mesh, geometry=geometry),))
-        first = scene.triangle_table.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
+        first = scene.triangle_table.shared.uvs.read().reshape(-1, 2)[:2]  # of the two triangles
         np.testing.assert_array_equal(first, geometry.uvs[geometry.indices[:, 0]])
     assert len(writes) == 1

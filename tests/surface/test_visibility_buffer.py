@@ -235,7 +235,7 @@ def test_triangles_that_do_not_fit_are_drawn_as_they_come(
         sum(scene.triangle_table.shows(d.base_vertex, d.material) for d in scene.draws)
         == triangles // 2
     )
-    assert scene.triangle_table.triangles.nbytes == max(16, triangles // 2 * 2 * 80)
+    assert scene.triangle_table.shared.triangles.nbytes == max(16, triangles // 2 * 2 * 80)
     bent = tuple(
         replace(m, geometry=replace(m.geometry, positions=m.geometry.positions + np.float32(0.1)))
         for m in meshes

@@ -11,5 +11,5 @@ sources   a scene's area lights and emissive meshes, one side each; touching: th
 -> sizes  what a part is as large as, to media near it
 -> table  emitters and samples on the device
 -> outlines, coverage   polygons in stills, by the part of each pixel that they cover
--> lighting  analytic irradiance and GGX times the visibility of samples; attenuation: by media
+-> lighting  analytic irradiance and GGX times the visibility of samples
 """

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths.transforms import transformed
-from ..scene.checks import F64
+from ..scene.checks import F64, I64
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 
-I64 = NDArray[np.int64]
 PER_AXIS = 16
 """A volume is cut into so many blocks along each axis, at most."""
 

@@ -15,20 +15,18 @@ import numpy as np
 
 from ..maths.sampling import orthonormal_frame
 from ..maths.transforms import triple
-from ..scene.checks import F64
+from ..scene.checks import F64, I64
 from ..scene.lights import Light, LightSample, SpotLight
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
 from .emitter import Emitter, Sample
 from .glowing import GlowingMedia
-from .grouping import BUDGET, I64, MOST_LAYERS, Group, grouping
+from .grouping import BUDGET, MOST_LAYERS, Group, grouping
 from .outlines import apart
-from .places import piece_on_surface, place_inside
+from .places import chosen_share, nearest_to, piece_on_surface, place_inside
 from .segments import long_part
 from .sizes import body, own_reach, rectangle
 from .sources import has_extent
-
-_GOLDEN = 0.6180339887498949
 
 
 class Emitters:
@@ -52,7 +50,7 @@ class Emitters:
             self._glowing.group(samples, int(BUDGET * samples), (MOST_LAYERS - taken) // 6)
         self.version = 0
         """Raised whenever anything of them changed."""
-        self.plain = len([light for light in scene.lights if not has_extent(light)])
+        self.plain = sum(not has_extent(light) for light in scene.lights)
         """How many lights without extent there are: the first rows of the scene's lights."""
         self.list: tuple[Emitter, ...] = ()
         self._last: tuple[tuple[Mesh, ...], tuple[Light, ...]] | None = None
@@ -101,13 +99,7 @@ class Emitters:
             return self.list
         # Other samples of the same strata, so that shadows in stills are soft without steps.
         surfaces = tuple(
-            replace(
-                emitter,
-                samples=tuple(
-                    self._sample(rows, k, index, has_cube=cube)
-                    for k, (rows, cube) in enumerate(zip(group.strata, group.has_cube, strict=True))
-                ),
-            )
+            replace(emitter, samples=self._samples(group, index))
             for emitter, group in zip(self.list, self._groups, strict=False)
         )
         first = len(self._lights) - len(self._glowing.groups)
@@ -175,9 +167,7 @@ class Emitters:
                 continue
             # Else it shares points with other groups: the nearest one stands for it.
             centre = self._grouping.found.positions[group.rows].mean(axis=0)
-            far = np.linalg.norm(self._places - centre, axis=1)
-            # What is as near but for rounding is the same point wherever the scene stands.
-            nearest = int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
+            nearest = nearest_to(centre, self._places)
             found.append(slice(nearest, nearest + 1))
         return found
 
@@ -191,13 +181,17 @@ class Emitters:
     def _emitter(self, group: Group, stand_ins: slice) -> Emitter:
         shape = self._grouping.shape(group.rows)
         spot = self._grouping.sources[group.spot].spot if group.spot >= 0 else None
-        parts = zip(group.strata, group.has_cube, strict=True)
-        samples = tuple(
-            self._sample(rows, k, 0, has_cube=cube) for k, (rows, cube) in enumerate(parts)
-        )
         count = stand_ins.stop - stand_ins.start
         is_outlined = self._grouping.is_outlined(group.rows, shape)
-        return Emitter(shape, samples, self.plain + stand_ins.start, count, spot, is_outlined)
+        samples, first = self._samples(group, 0), self.plain + stand_ins.start
+        return Emitter(shape, samples, first, count, spot, is_outlined)
+
+    def _samples(self, group: Group, index: int) -> tuple[Sample, ...]:
+        """One for each stratum, those of a still's sample `index`."""
+        parts = zip(group.strata, group.has_cube, strict=True)
+        return tuple(
+            self._sample(rows, k, index, has_cube=cube) for k, (rows, cube) in enumerate(parts)
+        )
 
     def _sample(self, rows: I64, number: int, index: int, *, has_cube: bool) -> Sample:
         """What a stratum sends, from its middle; for later samples of a still, from a piece."""
@@ -218,9 +212,7 @@ class Emitters:
         spread = float(np.sqrt(weight @ ((points - middle) ** 2).sum(axis=1)))
         segment = long_part(own)
         bodies = self._grouping.cut.body[rows]
-        # A still's samples step by the golden ratio, strata by the plastic number's inverse.
-        at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
-        share = at if index else None
+        share = chosen_share(index, number) if index else None
         if has_cube:
             middle = place_inside(points, weight, bodies, segment, share)
         elif (piece := piece_on_surface(points, weight, normal, extent, share)) is not None:

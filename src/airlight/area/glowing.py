@@ -14,13 +14,14 @@ import numpy as np
 from ..errors import SettingsError
 from ..maths.delta_beam import beam_loss
 from ..maths.transforms import transformed, triple
-from ..scene.checks import F64
+from ..scene.checks import F64, I64
 from ..scene.lights import LightSample
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
-from .emissive_blocks import I64, Blocks, emissive_blocks
+from .emissive_blocks import Blocks, emissive_blocks
 from .emitter import Emitter, Sample
+from .places import chosen_share, up_to
 from .shapes import Kind, Shape
 from .strata import clusters, strata
 
@@ -32,7 +33,6 @@ _APART = 0.7
 What is nearer to the border of smoke than a group's middle counts for most of what leaves it. With
 4 groups a fire of 3 mean free paths in smoke of 9 had .72 of its light, with 12 of them .92."""
 _NEAREST = 0.3  # of a group's extent: what is nearer does not shadow it
-_GOLDEN = 0.6180339887498949
 _UP: F64 = np.array((0.0, 1.0, 0.0))
 _CORE = 0.2
 """Of a group's extent: closer than that the media's light gets no brighter. Light that is cut off
@@ -62,7 +62,7 @@ def wanted_groups(blocks: Blocks, scene: Scene) -> int:
     loss, total = extinction_at(blocks.positions, scene, _beam_extinction)[:, 0], 0
     for one in range(int(blocks.volume.max()) + 1):
         rows = np.flatnonzero(blocks.volume == one)
-        weight = blocks.weight[rows] + 1e-12 * max(float(blocks.weight[rows].max()), 1e-30)
+        weight = _weight(blocks, rows)
         weight = weight / weight.sum()
         # A group's extent falls with the cube root of their number.
         depth = float(weight @ loss[rows]) * _extent(blocks, rows, weight)
@@ -116,24 +116,27 @@ def split(blocks: Blocks, rows: I64, count: int) -> list[I64]:
 
 def light_of(blocks: Blocks, rows: I64, chosen: int | None = None) -> LightSample:
     """All that a group emits, from its middle; or from its block `chosen`, a row of `blocks`."""
-    # Blocks by their mean channel.
-    light = blocks.intensity[rows]
-    weight = light.mean(axis=1)
-    # A group that is dark for now stays where it is.
-    weight = weight + 1e-12 * max(float(weight.max(initial=0.0)), 1e-30)
+    # By its blocks' power.
+    weight = _weight(blocks, rows)
     weight = weight / weight.sum()
     middle = weight @ blocks.positions[rows]
     extent = _extent(blocks, rows, weight)
     at = middle if chosen is None else blocks.positions[chosen]
     x, y, z = (float(c) for c in at)
-    r, g, b = (float(c) for c in light.sum(axis=0))
+    r, g, b = (float(c) for c in blocks.intensity[rows].sum(axis=0))
     return LightSample((x, y, z), (0.0, 1.0, 0.0), (r, g, b), front=0.0, even=1.0, extent=extent)
+
+
+def _weight(blocks: Blocks, rows: I64) -> F64:
+    """What some of the blocks count for (n,): their power; a group that is dark for now stays."""
+    weight = blocks.weight[rows]
+    return np.asarray(weight + 1e-12 * max(float(weight.max()), 1e-30))
 
 
 def _filling(light: LightSample, blocks: Blocks, rows: I64, extinction: F64) -> LightSample:
     """A group's light as media see it; `extinction` (n, 3), m^-1, at all blocks."""
     # Within the group light goes through what is there, the mean by power.
-    weight = blocks.weight[rows] + 1e-12 * max(float(blocks.weight[rows].max()), 1e-30)
+    weight = _weight(blocks, rows)
     depth = triple(light.extent * (weight @ extinction[rows]) / weight.sum())
     return replace(light, extent=_CORE * light.extent, spread=light.extent, inner_depth=depth)
 
@@ -230,9 +233,6 @@ class GlowingMedia:
         chosen = None
         if index:
             # Later samples of a still lie anywhere in the stratum, by its power.
-            running = np.cumsum(self._blocks.weight[rows])
-            at = (0.5 + _GOLDEN * index + 0.7548776662466927 * number) % 1.0
-            found = int(np.searchsorted(running, at * running[-1]))
-            chosen = int(rows[min(found, len(rows) - 1)])
+            chosen = int(rows[up_to(self._blocks.weight[rows], chosen_share(index, number))])
         light = light_of(self._blocks, rows, chosen)
         return Sample(light, _NEAREST * light.extent, is_cube=True)

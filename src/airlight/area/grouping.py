@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene.checks import F64
+from ..scene.checks import F64, I64
 from ..scene.scene import Scene
 from .outlines import is_outline
 from .pieces import Layout, Pieces, layout, pieces
@@ -20,7 +19,6 @@ from .sources import Source, moved, sources
 from .strata import clusters, strata
 from .stretches import is_long, stretches
 
-I64 = NDArray[np.int64]
 SCATTERING_EACH, SCATTERING_MOST = 4, 12
 """Samples that stand for one light, and for all, in lattices and media."""
 BUDGET = 2.5

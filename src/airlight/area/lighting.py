@@ -20,6 +20,7 @@ from ..gpu.layout import Struct, mat4x4f, u32, vec2f, vec3f
 from ..gpu.memory import Buffer, Texture, buffer_of
 from ..gpu.rows import Table, table
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
+from ..lattice.inject import LightAttenuation
 from ..maths.area_light import cosine_table
 from ..maths.transforms import F64
 from ..scene.material import Material
@@ -28,7 +29,6 @@ from ..surface.geometry import GpuScene
 from ..surface.hits import PIXELS, Hits, Points
 from ..surface.light_table import LightData
 from ..surface.shadow import ShadowMaps
-from .attenuation import Attenuation
 from .emitter import Emitter
 from .emitters import Emitters
 from .shapes import MOST_CORNERS, Kind
@@ -85,7 +85,7 @@ class _AreaLighting(FullscreenPass):
     file = "lighting.wgsl"
 
     def __init__(
-        self, gpu: Gpu, media: Attenuation | None, has: Mapping[str, bool], points: Points
+        self, gpu: Gpu, media: LightAttenuation | None, has: Mapping[str, bool], points: Points
     ) -> None:
         """`has`: what the shader's overrides ask for, by their names; `points`: what is lit."""
         self.slots: tuple[Slot, ...] = (
@@ -166,7 +166,9 @@ class AreaShadows:
         self._key = None  # until all is drawn: what raises leaves nothing to be kept
         # The samples of this image of a still, and what each of them sees of the scene.
         found = self.emitters.jittered(index)
-        self._write(found, low, high)
+        self.table.write(emitter_rows(found, low, high))
+        self.corners.write(corner_rows(found))
+        self.samples.write(sample_rows(found, low, high))
         views = [
             view
             for emitter in found
@@ -174,11 +176,6 @@ class AreaShadows:
         ]
         self.maps.encode(commands, meshes, views)
         self._key = key
-
-    def _write(self, found: tuple[Emitter, ...], low: F64, high: F64) -> None:
-        self.table.write(emitter_rows(found, low, high))
-        self.corners.write(corner_rows(found))
-        self.samples.write(sample_rows(found, low, high))
 
     @property
     def bound(self) -> dict[str, Any]:
@@ -200,7 +197,7 @@ class AreaLighting:
         gpu: Gpu,
         shadows: AreaShadows,
         materials: Iterable[Material],
-        media: Attenuation | None,
+        media: LightAttenuation | None,
         points: Points = PIXELS,
     ) -> None:
         """`media`: what light is attenuated by on its way to surfaces of `materials`.

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..maths.weld import connected, welded
-from ..scene.checks import F64
+from ..maths.weld import connected, edges_of, welded
+from ..scene.checks import F64, I64
 from ..scene.mesh import Geometry
+from ..surface.instances import is_mirrored
 from .sources import Source, snapped, texture_light
 from .threads import threads_joined
 
-I64 = NDArray[np.int64]
 LEAST_PIECES, LEAST_TEXTURED = 512, 2048
 """Small triangles of a source, at least: samples are groups of them."""
 MOST_SPLIT = 5
@@ -120,13 +119,12 @@ def pieces(found: Sequence[Source], cut: Layout) -> Pieces:
     first = np.searchsorted(cut.source, np.arange(len(found) + 1))
     for row, source in enumerate(found):
         own = slice(int(first[row]), int(first[row + 1]))
-        geometry, placed = source.surface.geometry, source.surface.world_from_object
-        world = geometry.positions.astype(np.float64) @ placed[:3, :3].T + placed[:3, 3]
-        triangles = world[geometry.indices[cut.triangle[own]]]
+        surface = source.surface
+        triangles = surface.world_positions[surface.geometry.indices[cut.triangle[own]]]
         corners[own] = np.einsum("nkc,ncx->nkx", cut.weights[own], triangles)
-        radiance[own] = cut.share[own] * np.array(source.surface.material.emission)
+        radiance[own] = cut.share[own] * np.array(surface.material.emission)
         # A mirroring placement keeps the front.
-        sign[own] = source.side * (1.0 if np.linalg.det(placed[:3, :3]) >= 0.0 else -1.0)
+        sign[own] = -source.side if is_mirrored(surface) else source.side
     # The cross product is twice the area along the normal, turned to the side that glows.
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     double = np.linalg.norm(cross, axis=1)
@@ -152,9 +150,7 @@ def parts_and_bodies(geometry: Geometry) -> tuple[I64, I64]:
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     # Edges that two triangles share, sorted side by side.
-    edges = np.sort(
-        np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1
-    )
+    edges = edges_of(corners)
     owner = np.repeat(np.arange(len(corners)), 3)
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     edges, owner = edges[order], owner[order]

@@ -8,11 +8,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..scene.checks import F64
-from .grouping import I64
+from ..scene.checks import F64, I64
 from .segments import Segment
 
 _OFF_PLANE = 0.01  # of its extent, from which on a part is not flat
+_GOLDEN, _PLASTIC = 0.6180339887498949, 0.7548776662466927
+
+
+def chosen_share(index: int, number: int) -> float:
+    """The share in [0, 1) of a stratum `number` that sample `index` of a still stands in.
+
+    A still's samples step by the golden ratio, strata by the plastic number's inverse.
+    """
+    return (0.5 + _GOLDEN * index + _PLASTIC * number) % 1.0
 
 
 def place_inside(
@@ -41,7 +49,7 @@ def piece_on_surface(
     `extent`: how large the stratum is, as `points` are measured. `share` as in `place_inside`.
     """
     if share is not None:
-        return _up_to(weight, share)
+        return up_to(weight, share)
     # A point of the surface itself: the middle of a curved part lies behind it.
     away = points - weight @ points
     if float(np.ptp(away @ normal)) > _OFF_PLANE * extent:
@@ -53,16 +61,21 @@ def _one_of(bodies: I64, points: F64, weight: F64, share: float | None) -> F64:
     """The middle (3,) of that body up to which pieces have this `share` of the weight, or, without
     one, of the body that is nearest to the middle of all."""
     if share is None:
-        far = np.linalg.norm(points - weight @ points, axis=1)
-        # What is as near but for rounding is the same body wherever the scene stands.
-        piece = int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
+        piece = nearest_to(weight @ points, points)
     else:
-        piece = _up_to(weight, share)
+        piece = up_to(weight, share)
     own = bodies == bodies[piece]
     return np.asarray(weight[own] @ points[own] / max(float(weight[own].sum()), 1e-300))
 
 
-def _up_to(weight: F64, share: float) -> int:
+def nearest_to(middle: F64, points: F64) -> int:
+    """Which of the `points` (n, 3) is nearest to `middle`: the first of those that are as near but
+    for rounding, so that it is the same one wherever the scene stands."""
+    far = np.linalg.norm(points - middle, axis=1)
+    return int(np.argmax(far <= far.min() * (1.0 + 1e-6) + 1e-12))
+
+
+def up_to(weight: F64, share: float) -> int:
     """The piece up to which all pieces have this `share` of the weight."""
     piece = int(np.searchsorted(np.cumsum(weight), share * weight.sum()))
     return min(piece, len(weight) - 1)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene.checks import F64
-from .pieces import I64, Pieces
+from ..scene.checks import F64, I64
+from .pieces import Pieces
 from .segments import Segment
 from .stretches import principal
 

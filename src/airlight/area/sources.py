@@ -70,18 +70,17 @@ def sources(scene: Scene) -> list[Source]:
             surface = _surface(light)
             found += [Source(surface, side, light=row, is_solid=light.visible) for side in sides]
         elif isinstance(light, PointLight | SpotLight) and light.radius > 0.0:
-            surface = _surface(_ball(light))
+            surface = _surface(light)
             spot = light if isinstance(light, SpotLight) else None
             found.append(Source(surface, 1, light=row, spot=spot, is_solid=False))
     return found
 
 
-def _surface(light: AreaLight) -> Mesh:
+def _surface(light: AreaLight | PointLight | SpotLight) -> Mesh:
+    """What glows of a light: its shape, or the ball about its point."""
+    if not isinstance(light, AreaLight):
+        light = ball(light.position, light.intensity, light.radius)
     return Mesh(unit_geometry(light.shape), light_material(light), world_from_unit(light))
-
-
-def _ball(light: PointLight | SpotLight) -> AreaLight:
-    return ball(light.position, light.intensity, light.radius)
 
 
 def _sides(mesh: Mesh, eye: F64) -> tuple[int, ...]:
@@ -127,7 +126,7 @@ def moved(source: Source, scene: Scene) -> Source:
         return replace(source, surface=_surface(light))
     if isinstance(light, PointLight | SpotLight) and light.radius > 0.0:
         spot = light if isinstance(light, SpotLight) else None
-        return replace(source, surface=_surface(_ball(light)), spot=spot)
+        return replace(source, surface=_surface(light), spot=spot)
     raise SettingsError(
         "frame() got a light without extent where the scene's had one", remedy="Make a new Renderer"
     )

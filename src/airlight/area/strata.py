@@ -5,11 +5,8 @@ from __future__ import annotations
 import heapq
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene.checks import F64
-
-I64 = NDArray[np.int64]
+from ..scene.checks import F64, I64
 
 
 def strata(features: F64, power: F64, count: int) -> list[I64]:

@@ -6,11 +6,9 @@ import heapq
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene.checks import F64
+from ..scene.checks import F64, I64
 
-I64 = NDArray[np.int64]
 LONG = 2.0
 """Half lengths over the spread across from which on a part is long (a ball: 1.2, a square: 1.7)."""
 _CANDIDATES = 24  # places along an axis where a stretch may be divided

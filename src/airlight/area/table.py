@@ -83,7 +83,6 @@ class CornerData(Struct):
     """One corner of a polygon."""
 
     position = vec3f("m")
-    pad = f32()
 
 
 def frame(sample: Sample) -> F64:
@@ -170,12 +169,12 @@ def _clip(near: float, far: float, span: float, shift: float) -> F64:
     """
     # Perspective, moved aside where a view is of a hemisphere.
     scale = 2.0 / span
-    gain = far / (far - near)
+    gain, offset = depth_terms(near, far)
     return np.array(
         [
             [scale, 0.0, scale * shift, 0.0],
             [0.0, scale, scale * shift, 0.0],
-            [0.0, 0.0, gain, -gain * near],
+            [0.0, 0.0, gain, -offset],
             [0.0, 0.0, 1.0, 0.0],
         ]
     )

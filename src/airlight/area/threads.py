@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..scene.checks import F64
+from ..scene.checks import F64, I64
 from .stretches import is_long, stretches
 
-I64 = NDArray[np.int64]
 _MOST_FACES = 6
 """Faces of a body that are lights of their own: a box has six."""
 _MOST_BENDS = 32

@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..maths.weld import connected, welded
+from ..maths.weld import connected, edges_of, welded
 from ..scene.checks import F64
 from ..scene.material import Material
 from ..scene.mesh import Geometry, Mesh
+from ..surface.instances import is_mirrored
 
-I64 = NDArray[np.int64]
 _SAME = 2.0**-20  # of the meshes' extent: corners so near to each other meet
 _MOST = 1 << 18  # triangles, of the smallest meshes first; what are more are no cut lights
 
@@ -67,8 +66,7 @@ def _meeting(rows: list[int], meshes: Mapping[int, Mesh]) -> list[list[int]]:
     owner = np.repeat(np.arange(len(rows)), [3 * len(own) for own in corners])
     step = max(_SAME * float(np.ptp(placed, axis=(0, 1)).max()), 1e-30)
     numbers = welded(np.round(placed.reshape(-1, 3) / step)).reshape(-1, 3)
-    ends = np.sort(np.stack([numbers, np.roll(numbers, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    _, edge = np.unique(ends, axis=0, return_inverse=True)
+    _, edge = np.unique(edges_of(numbers), axis=0, return_inverse=True)
     # Meshes with an edge in common are joined.
     order = np.argsort(edge.reshape(-1), kind="stable")
     is_same = np.diff(edge.reshape(-1)[order]) == 0
@@ -82,10 +80,8 @@ def _meeting(rows: list[int], meshes: Mapping[int, Mesh]) -> list[list[int]]:
 def _placed(mesh: Mesh) -> F64:
     """The corners (T, 3, 3) of a mesh's triangles, m, whose front is the mesh's."""
     # Mirrored meshes are wound the other way, so that their front stays.
-    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-    placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
     indices = mesh.geometry.indices
-    return np.asarray(placed[indices if np.linalg.det(linear) >= 0.0 else indices[:, ::-1]])
+    return mesh.world_positions[indices[:, ::-1] if is_mirrored(mesh) else indices]
 
 
 def _merged(meshes: Sequence[Mesh]) -> Geometry:

@@ -40,6 +40,11 @@ _TARGET_BYTES = {  # of a sample, as the WebGPU specification counts them: (byte
 }
 
 
+def largest_binding(gpu: Gpu) -> int:
+    """The most bytes of a storage buffer that a pass may read as a whole."""
+    return min(gpu.limits["max-storage-buffer-binding-size"], gpu.limits["max-buffer-size"])
+
+
 def slot_demands(slots: Iterable[Slot]) -> dict[str, int]:
     """How many bindings of each kind a stage that sees all `slots` has, by the limit on them."""
     listed = list(slots)

@@ -185,3 +185,13 @@ def color_attachments(targets: tuple[Any, ...], *, keep: bool = False) -> list[d
         }
         for t in targets
     ]
+
+
+def depth_attachment(target: Any, far: float, *, keep: bool = False) -> dict[str, Any]:
+    """A depth texture, or a view, as a render pass takes it: cleared to `far`, unless `keep`."""
+    return {
+        "view": getattr(target, "resource", target),
+        "depth_load_op": "load" if keep else "clear",
+        "depth_store_op": "store",
+        "depth_clear_value": far,
+    }

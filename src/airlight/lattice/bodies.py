@@ -107,9 +107,7 @@ def _signed_volume(positions: NDArray[np.floating], indices: NDArray[np.uint32])
 
 def _volume(mesh: Mesh) -> float:
     """A mesh's part, m^3, in six times the volume of the body that it closes with others."""
-    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-    placed = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
-    return _signed_volume(placed, mesh.geometry.indices) * _handedness(mesh)
+    return _signed_volume(mesh.world_positions, mesh.geometry.indices) * _handedness(mesh)
 
 
 def _handedness(mesh: Mesh) -> float:

@@ -2,7 +2,7 @@
 
 kit            lights with shadow maps (lights), the sky (sky), the lattices: shared by solvers
 surfaces       G-buffer -> emitted light -> occlusion -> lattice light -> direct, indirect
-  lighting       the pass that adds it up; kernel: what its variants are compiled from; slots: bound
+  lighting       the passes that add it up; kernel: what they are compiled from; slots: bound
   occlusion      screen-space occlusion and near-field radiance
   glossy         which materials trace mirrored rays; glossy_pixels: their list on CPU adapters
 view           a camera's matrices and textures; accumulate: the mean of jittered images

@@ -1,3 +1,5 @@
+// The running mean of jittered images.
+
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= params.size)) {
         return;

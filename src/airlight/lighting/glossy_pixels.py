@@ -10,6 +10,7 @@ from typing import Any
 
 from ..gpu.commands import Commands
 from ..gpu.compute import ComputePass
+from ..gpu.demands import largest_binding
 from ..gpu.device import Gpu
 from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import image, storage
@@ -23,8 +24,7 @@ _AT_ONCE = (2048, 1, 1)  # each goes on with every 2048th of the list
 
 def can_list(gpu: Gpu, size: tuple[int, int]) -> bool:
     """Whether a device lets a list hold all pixels of an image."""
-    limits = ("max-buffer-size", "max-storage-buffer-binding-size")
-    return _ENTRY_BYTES * size[0] * size[1] <= min(gpu.limits[name] for name in limits)
+    return _ENTRY_BYTES * size[0] * size[1] <= largest_binding(gpu)
 
 
 class _Mirrored(ComputePass):
@@ -67,7 +67,7 @@ class GlossyPixels:
     def encode(
         self, commands: Commands, targets: tuple[Texture, Texture], values: dict[str, Any]
     ) -> None:
-        """Write all light of the listed pixels to `targets`; `values` as for `Lighting`."""
+        """Write all light of the listed pixels to `targets`; `values` as for `Lighting.light`."""
         # Bound as for lighting, but for the targets, which it writes as images.
         names = {slot.name for slot in self._pass.slots} - {"direct_light", "indirect_light"}
         bound = {name: value for name, value in values.items() if name in names}
@@ -76,8 +76,6 @@ class GlossyPixels:
             commands,
             _AT_ONCE,
             **bound,
-            found=self._found,
-            listed=self._listed,
             direct_light=direct,
             indirect_light=indirect,
         )

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..area.attenuation import Attenuation
 from .shadow_rays import ShadowRays
-from .slots import GATHERED, MIRRORED, Gloss, Part
+from .slots import AFTER, GATHERED, MIRRORED, Attenuation, Gloss, Part
 
 # Twins of what a pass may do without, so that one text serves all passes.
 _NO_ATTENUATION = """
@@ -42,12 +41,12 @@ fn panes_passed(light: LightData, p: vec3f, n: vec3f, in: Incoming) -> vec3f { r
 """
 
 # Glossy pixels are left to `glossy_pixels`, with the rest of their light.
-TRACED_SEPARATELY = """
+_SEPARATELY = """
 fn is_traced_separately(r: Reflector, n_v: f32) -> bool {
     return glossy_share(specular_albedo(r, n_v), sqrt(r.alpha)) > 0.0;
 }
 """
-TRACED_INLINE = """
+_INLINE = """
 fn is_traced_separately(r: Reflector, n_v: f32) -> bool { return false; }
 """
 # Pixels whose reflections another pass adds are listed with the light that they have.
@@ -122,7 +121,7 @@ fn mirrored_sky_of(pixel: vec2u) -> vec4f { return vec4f(0.0); }
 
 
 @dataclass(frozen=True)
-class Emitters:
+class LightKinds:
     """The surfaces and lights of a scene.
 
     `has_surfaces`: without, every pixel is background. `has_directional`, `has_local`: the kinds of
@@ -184,8 +183,6 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
     """The light of lattices and sky; nothing of it for the part "lights"."""
     if part == "lights":
         return Kernel(_NOT_LISTED + _NO_LATTICES, {"HAS_LATTICES": 0.0}, {})
-    is_listed = gloss == "listed"
-    listing = TRACED_SEPARATELY + _LISTED if is_listed else TRACED_INLINE + _NOT_LISTED
     # Where the final gather has the light of surfaces, no lattice is read.
     if part == "gathered":
         mirrored = _texels(MIRRORED) if gloss == "traced" else _NOT_MIRRORED
@@ -200,13 +197,13 @@ def lattices_kernel(part: Part, light: LatticeLight, gloss: Gloss) -> Kernel:
         "RETURNED": float(light.has_interreflection),
         "HAS_NEAR_FIELD": float(part == "lattices"),
     }
-    generated = f"{listing}//! use lattices_light\n"
-    return Kernel(generated, constants, LATTICES_FIRST)
+    listing = _SEPARATELY + _LISTED if gloss == "listed" else _INLINE + _NOT_LISTED
+    return Kernel(f"{listing}//! use lattices_light\n", constants, LATTICES_FIRST)
 
 
 def lights_kernel(
     part: Part,
-    emitters: Emitters,
+    kinds: LightKinds,
     attenuation: Attenuation | None,
     shadows: Mapping[str, float] | None = None,
 ) -> Kernel:
@@ -215,19 +212,19 @@ def lights_kernel(
     `shadows`: the constants of `ShadowRays`, where rays look for them.
     """
     # Another part draws them, into the texture that this one reads.
-    if part not in ("whole", "lights"):
+    if part in AFTER:
         return Kernel(_LIT + _NO_LIGHTS, {"HAS_LIGHTS": 0.0}, {})
     is_box = attenuation is not None and attenuation.is_one_box
     # Kinds of lights that the scene lacks cost nothing: their loops are compiled out.
     constants = {
         "HAS_LIGHTS": 1.0,
-        "HAS_DIRECTIONAL": float(emitters.has_directional),
-        "HAS_LOCAL": float(emitters.has_local),
-        "IS_ONE_DIRECTIONAL": float(emitters.is_one_directional),
+        "HAS_DIRECTIONAL": float(kinds.has_directional),
+        "HAS_LOCAL": float(kinds.has_local),
+        "IS_ONE_DIRECTIONAL": float(kinds.is_one_directional),
     }
     # What stands between a light and a pixel: media, translucent surfaces, and rays where maps are
     # unsure.
-    panes = "//! use panes\n" if emitters.has_panes else _NO_PANES
+    panes = "//! use panes\n" if kinds.has_panes else _NO_PANES
     constants |= shadows or {}
     traced = _NOT_TRACED if shadows is None else _TRACED
     asked = _transmittance_wgsl(attenuation) + panes + traced

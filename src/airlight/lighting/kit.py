@@ -170,7 +170,6 @@ class Kit:
             make_blockers=make_blockers,
         )
         self.rays = SceneRays(gpu, self.meshes)
-        self._dark: LatticeTextures | None = None
         self.area_shadows: AreaShadows | None = None
         """Of lights with extent, where there are any and surfaces that they could light."""
         if self.emitters.count and self.meshes.draws:
@@ -270,12 +269,9 @@ class Kit:
         """A field without indirect light that can be read in the same frame as `irradiance`."""
         return replace(irradiance, bound={**irradiance.bound, **self._black.bound})
 
-    @property
+    @cached_property
     def _black(self) -> LatticeTextures:
-        if self._dark is None:
-            size = self.lattices.texture_size
-            self._dark = LatticeTextures(self.gpu, self.placement, size)
-        return self._dark
+        return LatticeTextures(self.gpu, self.placement, self.lattices.texture_size)
 
     @property
     def sky_irradiance(self) -> SkyIrradiance:

@@ -1,3 +1,4 @@
+// The light of a pixel, or of a hit: emission and lights, then lattices and sky; the background where nothing is.
 //! use surface_reflection
 //! needs fn surface_depth(pixel: vec2u) -> f32
 //! needs fn surface_point(position: vec2f, d: f32) -> vec3f

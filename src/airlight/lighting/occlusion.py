@@ -91,7 +91,7 @@ class OcclusionLayers:
 
 
 @dataclass(frozen=True)
-class Reach:
+class SearchRadius:
     """The radius, m, within which surfaces occlude; where that is larger, `growth` times the
     distance to the eye, at most `largest`, m.
     """
@@ -101,14 +101,14 @@ class Reach:
     largest: float = 0.0
 
 
-def lattice_reach(wanted: float, placements: Sequence[Placement]) -> Reach:
+def lattice_reach(wanted: float, placements: Sequence[Placement]) -> SearchRadius:
     """Where surfaces that lattices do not resolve occlude: within `wanted` cells.
 
     `placements`: of the lattices, the finest first.
     """
     # Near the eye the finest cells; from there on they grow with the distance, up to the coarsest.
     finest, coarsest = placements[0], placements[-1]
-    return Reach(
+    return SearchRadius(
         wanted * finest.cell,
         growth=wanted * 2.0 / max(finest.count),
         largest=wanted * coarsest.cell,
@@ -119,24 +119,17 @@ class Occlusion:
     """Depth and normals -> visibility of the near field, and its radiance."""
 
     def __init__(
-        self,
-        gpu: Gpu,
-        slices: int | None = None,
-        steps: int | None = None,
-        *,
-        has_light: bool = False,
+        self, gpu: Gpu, samples: tuple[int, int] | None = None, *, has_light: bool = False
     ) -> None:
-        """`slices` of the hemisphere, `steps` on each side of one; by device if not given.
-
-        `has_light`: occluders contribute the radiance that they show.
+        """`samples`: slices of the hemisphere, and steps on each side of one; by device if not
+        given. `has_light`: occluders contribute the radiance that they show.
         """
         # How many samples there are depends on what they cost on this device.
-        usual = gpu.paths.occlusion_samples
-        counts = {"SLICES": slices or usual[0], "STEPS": steps or usual[1]}
+        slices, steps = samples or gpu.paths.occlusion_samples
         kind = {"HAS_LIGHT": float(has_light)}
         self._surfaces = _ReducedSurfaces(gpu, constants=kind)
-        samples = {name: float(count) for name, count in counts.items()}
-        self._horizons = _HorizonSearch(gpu, constants=samples | kind)
+        counts = {"SLICES": float(slices), "STEPS": float(steps)}
+        self._horizons = _HorizonSearch(gpu, constants=counts | kind)
         self._blur = _Blur(gpu)
 
     def encode(
@@ -145,7 +138,7 @@ class Occlusion:
         gbuffer: GBuffer,
         layers: OcclusionLayers,
         world_from_clip: F64,
-        reach: Reach,
+        reach: SearchRadius,
         *,
         lit: Texture | None = None,
     ) -> None:
@@ -169,7 +162,7 @@ class Occlusion:
 def occlusion_params(
     world_from_clip: F64,
     layers: OcclusionLayers,
-    reach: Reach,
+    reach: SearchRadius,
 ) -> OcclusionParams:
     """The image's rays from its matrix (reversed infinite depth), and how far to look."""
     # Directions through pixels are linear in their place: one at the corner and two steps.

@@ -7,6 +7,7 @@ thin walls it lets light through. Where all samples around a point agree, it is 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,6 @@ class SceneRays:
     def __init__(self, gpu: Gpu, meshes: GpuScene) -> None:
         self._gpu, self._meshes = gpu, meshes
         self._scene: Scene | None = None
-        self._made: RayScene | None = None
         self._box: tuple[F64, F64] = (np.zeros(3), np.ones(3))
 
     def take(self, scene: Scene, low: F64, high: F64) -> None:
@@ -45,11 +45,14 @@ class SceneRays:
         """The hierarchy, up to date; the frame's scene has meshes."""
         assert self._scene is not None, "no scene was taken"
         # Built for the first who sends rays, then brought up to date with the frame.
-        if self._made is None:
-            self._made = RayScene(self._gpu, self._meshes)
+        made = self._made
         with commands.stage("rays"):
-            self._made.update(self._scene)
-        return self._made
+            made.update(self._scene)
+        return made
+
+    @cached_property
+    def _made(self) -> RayScene:
+        return RayScene(self._gpu, self._meshes)
 
     def shadows(self, commands: Commands) -> ShadowRays:
         """Rays that decide where shadow maps are unsure."""

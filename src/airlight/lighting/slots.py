@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Protocol
 
-from ..area.attenuation import Attenuation
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec2f, vec3f
 from ..gpu.slots import Slot, sampler, storage, texture, uniform
 from ..lattice.blockers import SURFACE_BLOCKER_SLOTS
+from ..lattice.inject import LightAttenuation
 from ..lattice.lookup import CHANNEL_SLOTS
 from ..lattice.placement import LatticeParams
-from ..rays.slots import RAY_SLOTS
+from ..rays.rays import RAY_SLOTS
 from ..surface.hits import PIXELS, Points
 from ..surface.light_table import SHADOWED_LIGHT_SLOTS
 
@@ -23,9 +23,19 @@ rest      the lattices' light, on top of what "lights" wrote into the slot `lit`
 lattices  the same, screen-space occluders' radiance replacing the lattice light that they hide
 gathered  on top of "lights" what rays gathered, those that smooth surfaces mirror included
 """
+AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")
+"""What "lights" comes before, which has all their shadows."""
 Gloss = Literal["none", "inline", "listed", "traced"]
 """Who follows smooth surfaces' mirrored rays: nobody; into the lattice the pass or `GlossyPixels`;
 the gather."""
+
+
+class Attenuation(LightAttenuation, Protocol):
+    """Media between a light and a surface, as a pass binds them: media.gpu_media.GpuMedia."""
+
+    @property
+    def is_one_box(self) -> bool:
+        """Whether all there is is one homogeneous box."""
 
 
 class LightingParams(Struct):
@@ -101,7 +111,7 @@ def lighting_slots(
 ) -> tuple[Slot, ...]:
     """The slots of a part of lighting, see `Lighting`. `is_traced`: rays look for shadows."""
     # What one part has lit, the next reads; a part binds what it reads, and nothing else.
-    is_after = part in ("lattices", "rest", "gathered")
+    is_after = part in AFTER
     has_lattices = part not in ("lights", "gathered")
     gathered = GATHERED + MIRRORED * (gloss == "traced") if part == "gathered" else ()
     return (

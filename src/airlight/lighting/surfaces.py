@@ -7,41 +7,33 @@ arrive solved: this module knows no solver.
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
-from typing import Any
-
 import numpy as np
 
-from ..area.attenuation import Attenuation
 from ..area.coverage import Coverage
 from ..area.lighting import AreaLighting
 from ..gpu.commands import Commands
-from ..gpu.demands import fits
-from ..gpu.memory import Texture, linear_sampler
+from ..gpu.memory import Texture
 from ..lattice.irradiance import Irradiance, SkyIrradiance
 from ..scene.scene import Scene
+from ..surface.hits import PIXELS
 from .gathered import Gathered
 from .glossy import is_any_glossy
 from .glossy_pixels import GlossyPixels, can_list
-from .kernel import Emitters, LatticeLight
 from .kit import Kit
-from .lighting import Lighting
+from .lighting import LightingPasses
 from .occlusion import Occlusion, lattice_reach
-from .shadow_rays import ShadowRays, shadow_key
-from .slots import Gloss, LightingParams, Part, lighting_slots
+from .shadow_rays import ShadowRays
+from .slots import AFTER, Attenuation, Gloss, Part
 from .view import View
-
-_AFTER: tuple[Part, ...] = ("lattices", "rest", "gathered")  # what "lights" comes before
 
 
 class Surfaces:
     """Draws a view's surfaces. `attenuation`: the media between lights and surfaces."""
 
     def __init__(self, kit: Kit, scene: Scene, attenuation: Attenuation | None = None) -> None:
-        self.kit, self.gpu, self.attenuation = kit, kit.gpu, attenuation
+        self.kit, self.gpu = kit, kit.gpu
+        self._passes = LightingPasses(kit, attenuation, PIXELS)
         self._cpu_scope = kit.gpu.scope()  # of passes of CPU adapters, by the image's size
-        self._passes: dict[tuple[Any, ...], Lighting] = {}
         self.glossy: GlossyPixels | None = None
         self._occlusion: Occlusion | None = None
         # Mirrored rays are followed where any material is smooth enough.
@@ -49,12 +41,7 @@ class Surfaces:
             mesh.material for mesh in scene.meshes
         )
         # Devices bind so many textures at once, and every volume brings its own.
-        slots_of = partial(
-            lighting_slots, "whole", attenuation, has_panes=kit.meshes.has_translucent
-        )
-        self._fits_whole = {
-            traced: fits(kit.gpu, slots_of(is_traced=traced)) for traced in (False, True)
-        }
+        self._is_one = {traced: self._passes.is_one(is_traced=traced) for traced in (False, True)}
         # Lights with extent: their light on surfaces, and their part of each pixel.
         self._area: AreaLighting | None = None
         self._coverage: Coverage | None = None
@@ -66,7 +53,6 @@ class Surfaces:
                 self._coverage = Coverage(kit.gpu, kit.emitters.count)
         self._emission: Texture | None = None
         self._shadows: ShadowRays | None = None
-        self._linear = linear_sampler(kit.gpu)
 
     def draw(
         self,
@@ -107,7 +93,7 @@ class Surfaces:
         # would bind more than the device may.
         with commands.stage("lighting"):
             part: Part = "lattices" if has_near_field else "whole"
-            if part == "whole" and not self._fits_whole[self._shadows is not None]:
+            if part == "whole" and not self._is_one[self._shadows is not None]:
                 self._light(commands, view, "lights", irradiance, sky)
                 part = "rest"
             self._light(commands, view, part, irradiance, sky)
@@ -170,107 +156,37 @@ class Surfaces:
     ) -> None:
         layers = view.layers
         # What all parts read, then what this one has besides.
-        values = self._bound(view, part, irradiance, sky)
-        shadows = None if part in _AFTER else self._shadows
-        values |= gathered.bound if gathered else {}
-        values |= shadows.bound if shadows else {}
-        self._make_cpu_passes(view.size)
-        gloss = self._gloss_of(part, gathered)
-        lighting = self._lighting_of(part, irradiance, shadows, gloss)
-        drawn = {name: values[name] for name in lighting.names if name in values}
-        if self.glossy is None or gloss != "listed":
-            targets = (layers.lit,) if part == "lights" else layers.targets
-            lighting.draw(commands, targets, **drawn)
-            return
-        # Mirrored light is added to glossy pixels alone.
-        listed = self.glossy.empty(commands, view.size)
-        lighting.draw(commands, layers.targets, **drawn, **listed)
-        self.glossy.encode(commands, layers.targets, values)
-
-    def _bound(
-        self, view: View, part: Part, irradiance: Irradiance, sky: SkyIrradiance
-    ) -> dict[str, Any]:
-        """The resources of lighting, by slot name."""
-        # Passes take of these what their slots name.
-        g, lights = view.gbuffer, self.kit.lights
-        params = LightingParams(
+        values = self._passes.bound(
+            irradiance,
+            sky,
+            self._shadows,
             world_from_clip=view.world_from_clip,
             eye=view.eye,
-            light_count=self._plain[0],
             size=view.size,
-            environment_rotation=lights.background.rotation,
-            has_lattice=1,
             ray_start=0.0,  # by the distance to the eye
-            **lights.background.seen,
         )
-        return {
-            "params": params,
-            **irradiance.bound,
-            **lights.bound,
-            **(self.attenuation.bound if self.attenuation else {}),
-            **g.bound,
-            "emission": self._emission,
-            "near_field": view.occlusion.near,
-            **({"lit": view.layers.lit} if part in _AFTER else {}),
-            "sky_cube": sky.cube,
-            **self.kit.blockers.surface_bound,
-            "linear_clamp": self._linear,
-        }
-
-    @property
-    def _plain(self) -> tuple[int, int]:
-        """How many lights without extent there are, and how many of them are directional."""
-        return self.kit.emitters.plain, self.kit.lights.parallel.layers
-
-    @property
-    def _lattices(self) -> LatticeLight:
-        """What all passes for surfaces must know; without maps the sky stays black."""
-        return LatticeLight(
-            is_occluded=self.kit.settings.ambient_occlusion,
-            has_sky=self.kit.sky.maps.layers > 0,
-            is_one_lattice=self.kit.lattices.table.count == 1,
-        )
+        values |= view.gbuffer.bound
+        values |= {"emission": self._emission, "near_field": view.occlusion.near}
+        values |= {"lit": layers.lit} if part in AFTER else {}
+        values |= gathered.bound if gathered else {}
+        # Mirrored light is added to glossy pixels alone.
+        self._make_cpu_passes(view.size)
+        gloss = self._gloss_of(part, gathered)
+        listed = self.glossy if gloss == "listed" else None
+        values |= listed.empty(commands, view.size) if listed else {}
+        targets = (layers.lit,) if part == "lights" else layers.targets
+        self._passes.of(part, irradiance, self._shadows, gloss).light(commands, targets, values)
+        if listed:
+            listed.encode(commands, layers.targets, values)
 
     def _make_cpu_passes(self, size: tuple[int, int]) -> None:
         """Create the extra pass of CPU adapters: glossy pixels."""
         # Glossy pixels are listed where that is this device's path and the list fits.
         is_listed = self._is_glossy and self.gpu.paths.listed_gloss and can_list(self.gpu, size)
-        if self._passes and is_listed == (self.glossy is not None):
+        if is_listed == (self.glossy is not None):
             return
         self._cpu_scope.release()
-        self._passes.clear()
-        self.glossy = GlossyPixels(self._cpu_scope, self._lattices) if is_listed else None
-
-    def _lighting_of(
-        self, part: Part, irradiance: Irradiance, shadows: ShadowRays | None, gloss: Gloss
-    ) -> Lighting:
-        # A pass for each combination that a frame asks for, made when it first does.
-        key = (part, gloss, shadow_key(shadows))
-        if key not in self._passes:
-            # What lights there are, and what the lattices' lookup asks for.
-            count, directional = self._plain
-            emitters = Emitters(
-                has_surfaces=bool(self.kit.meshes.draws),
-                has_directional=directional > 0,
-                has_local=count > directional,
-                is_one_directional=count == directional == 1,
-                has_panes=self.kit.meshes.has_translucent,
-                shadows=shadows,
-            )
-            lattices = replace(
-                self._lattices,
-                damping=irradiance.damping,
-                has_interreflection=irradiance.has_interreflection,
-            )
-            self._passes[key] = Lighting(
-                self.gpu,
-                part,
-                emitters,
-                lattices,
-                gloss=gloss,
-                attenuation=self.attenuation,
-            )
-        return self._passes[key]
+        self.glossy = GlossyPixels(self._cpu_scope, self._passes.lattices) if is_listed else None
 
     def _gloss_of(self, part: Part, gathered: Gathered | None) -> Gloss:
         # A gather follows mirrored rays itself; else a list has them, or the pass follows them.

@@ -50,6 +50,13 @@ def open_vertices(corners: NDArray[np.integer[Any]]) -> NDArray[np.bool_]:
     return np.asarray(balance != 0.0)
 
 
+def edges_of(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The ends (3 T, 2), the lesser first, of the edges of triangles (T, 3), one's after the
+    other's."""
+    ends = np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)
+    return np.sort(ends.reshape(-1, 2), axis=1)
+
+
 def connected(count: int, a: NDArray[np.int64], b: NDArray[np.int64]) -> NDArray[np.int64]:
     """Numbers (count,) of the connected parts of a graph with the edges (E,) from `a` to `b`.
 

@@ -4,7 +4,8 @@
    cached     hierarchies cached on disk       words      nodes and triangles as shaders read them
    mesh_tree  of one mesh; of all that stand   masks      alpha of materials with holes
               still
-   slots      what a pass binds                rays       RayScene: the textures to bind
+   rays       RayScene: what a pass binds
 
-`wgsl/rays.wgsl` has what a pass calls: `nearest_hit`, `any_hit`, `hit_point`.
+A pass calls `nearest_hit` and `any_hit` of `wgsl/rays.wgsl`, and `hit_point` of
+`wgsl/ray_surface.wgsl`.
 """

@@ -9,11 +9,12 @@ import numpy as np
 
 from .. import env
 from ..errors import AirlightError
+from ..scene.checks import F32
 from ..scene.fingerprint import array_digest
 from ..scene.io.ledger import own_files
 from ..scene.io.numpy_files import opened_npz
 from ..scene.io.writing import whole_file
-from .hierarchy import COUNT_SHIFT, F32, INDEX_MASK, LEAF, Hierarchy, build
+from .hierarchy import LEAF, Hierarchy, build, leaf_items
 
 WORTH_CACHING = 20_000
 """Triangles from which reading a file is quicker than building: 50 ms."""
@@ -63,11 +64,9 @@ def _read(path: Path, count: int) -> Hierarchy | None:
             axes, levels = file.array("axes").astype(np.uint32), file.array("levels").tolist()
     except (AirlightError, ValueError):
         return None
-    return (
-        Hierarchy(order, children, axes, tuple(levels))
-        if _is_whole(order, children, axes, levels, count)
-        else None
-    )
+    if not _is_whole(order, children, axes, levels, count):
+        return None
+    return Hierarchy(order, children, axes, tuple(levels))
 
 
 def _is_whole(order: Any, children: Any, axes: Any, levels: list[int], count: int) -> bool:
@@ -81,8 +80,7 @@ def _is_whole(order: Any, children: Any, axes: Any, levels: list[int], count: in
     flat = children.ravel()
     leaves = flat[flat >= LEAF]
     nodes = np.sort(flat[(flat > 0) & (flat < LEAF)])
-    counts = ((leaves >> COUNT_SHIFT) & 7) + 1
-    firsts = leaves & INDEX_MASK
+    firsts, counts = leaf_items(leaves)
     by_first = np.argsort(firsts)
     ends = np.cumsum(counts[by_first])
 

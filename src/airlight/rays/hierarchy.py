@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .sweep import Boxes, Cuts, Ints, Parts, sweep
+from ..scene.checks import F32, I64
+from .sweep import Boxes, Cuts, Parts, half_area, sweep
 
-F32 = NDArray[np.float32]
 U32 = NDArray[np.uint32]
 
 LEAF = 1 << 31
@@ -35,7 +35,7 @@ class Hierarchy:
     node's and those of its halves; `levels`: the first node of each level, and their number.
     """
 
-    order: Ints
+    order: I64
     children: U32
     axes: U32
     levels: tuple[int, ...]
@@ -76,7 +76,7 @@ class _Growth:
 
     def __init__(self, most: int, levels: int) -> None:
         self.most, self.most_levels = most, levels
-        self.order: list[Ints] = []
+        self.order: list[I64] = []
         self.ordered = 0
         self.children: list[U32] = []
         self.axes: list[U32] = []
@@ -123,7 +123,7 @@ class _Growth:
         self.order.append(parts.items[np.repeat(is_leaf, parts.counts)])
         self.ordered += int(counts.sum())
 
-    def finish(self, halves: Parts, cuts: Cuts, axis: Ints) -> Parts:
+    def finish(self, halves: Parts, cuts: Cuts, axis: I64) -> Parts:
         """Make nodes of pairs of halves; returns their children, up to four of each."""
         # The node's axis and those of its halves, two bits each.
         count = len(axis)
@@ -140,10 +140,16 @@ class _Growth:
         return Parts(made.items, made.starts[is_there], made.counts[is_there])
 
 
-def _divided(parts: Parts, before: Ints) -> Parts:
+def _divided(parts: Parts, before: I64) -> Parts:
     """Each part as two: its first `before` items, and the rest."""
     counts = np.stack([before, parts.counts - before], axis=1).ravel()
     return Parts(parts.items, np.cumsum(counts) - counts, counts)
+
+
+def leaf_items(leaves: U32) -> tuple[I64, I64]:
+    """The first item of children that are leaves, and how many items each has."""
+    words = leaves.astype(np.int64)
+    return words & INDEX_MASK, ((words >> COUNT_SHIFT) & 7) + 1
 
 
 def child_boxes(tree: Hierarchy, low: F32, high: F32) -> tuple[F32, F32]:
@@ -156,13 +162,11 @@ def child_boxes(tree: Hierarchy, low: F32, high: F32) -> tuple[F32, F32]:
     lows = np.full((count, 4, 3), np.inf, np.float32)
     highs = np.full((count, 4, 3), -np.inf, np.float32)
     leaves = np.flatnonzero(tree.children.ravel() >= LEAF)
-    words = tree.children.ravel()[leaves]
-    first, last = words & INDEX_MASK, (words >> COUNT_SHIFT) & 7
+    first, counts = leaf_items(tree.children.ravel()[leaves])
     if len(leaves):
         flat_low, flat_high = lows.reshape(-1, 3), highs.reshape(-1, 3)
-        ends = (first + last).astype(np.int64)
-        for k in range(int(last.max()) + 1):
-            at = np.minimum(first.astype(np.int64) + k, ends)
+        for k in range(int(counts.max())):
+            at = first + np.minimum(k, counts - 1)
             flat_low[leaves] = np.minimum(flat_low[leaves], low[at])
             flat_high[leaves] = np.maximum(flat_high[leaves], high[at])
     # Nodes hand their boxes to the level above.
@@ -179,13 +183,11 @@ def cost(tree: Hierarchy, lows: F32, highs: F32) -> float:
     """The surface area heuristic of a tree with boxes of `child_boxes`: tests that a ray makes."""
     # Half the area of each box, and of the whole.
     sides = np.maximum(highs.astype(np.float64) - lows, 0.0)
-    areas = sides[..., 0] * sides[..., 1] + sides[..., 1] * sides[..., 2]
-    areas += sides[..., 2] * sides[..., 0]
-    whole = highs[0].max(axis=0).astype(np.float64) - lows[0].min(axis=0)
-    root = whole[0] * whole[1] + whole[1] * whole[2] + whole[2] * whole[0]
+    areas = half_area(np.moveaxis(sides, -1, 0))
+    root = float(half_area(highs[0].max(axis=0).astype(np.float64) - lows[0].min(axis=0)))
     # A child is met with the chance that its box's area is of the whole's; then it costs its
     # tests.
     is_leaf = tree.children >= LEAF
-    counts = np.where(is_leaf, ((tree.children >> COUNT_SHIFT) & 7) + 1, 0)
+    counts = np.where(is_leaf, leaf_items(tree.children)[1], 0)
     weights = np.where(is_leaf, counts * ITEM_COST, (tree.children > 0) * 1.0)
     return float((areas * weights).sum() / max(root, 1e-300))

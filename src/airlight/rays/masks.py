@@ -47,7 +47,8 @@ class Masks:
             texture = material.base_color_texture
             floats[index, 35] = chance_to_meet(material) if material.is_translucent else 0.0
             is_cut = material.alpha_cutoff > 0.0 or material.is_blended
-            if texture is None or not is_cut or is_whole(texture):
+            # A texture without alpha has no holes.
+            if texture is None or not is_cut or bool((texture.pixels[..., 3] == 255).all()):
                 continue
             # Of holes the map of alpha, and where it lies on the mesh.
             self.rows[index, 26:28] = self._place(texture)
@@ -86,11 +87,6 @@ class Masks:
 def is_gone(material: Material) -> bool:
     """Whether no part of a material is there: its alpha is below its cutoff everywhere."""
     return material.alpha < material.alpha_cutoff
-
-
-def is_whole(texture: Texture) -> bool:
-    """Whether a texture has no alpha."""
-    return bool((texture.pixels[..., 3] == 255).all())
 
 
 def _coverage(texture: Texture) -> NDArray[np.uint8]:

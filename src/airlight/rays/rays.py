@@ -17,18 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.device import Gpu
-from ..gpu.rows import Rows
+from ..gpu.rows import Rows, rows
+from ..gpu.slots import Slot
+from ..scene.checks import F32
 from ..scene.mesh import Mesh, world_boxes
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
-from .hierarchy import F32, INDEX_MASK, LEAF, U32, build, child_boxes
+from .hierarchy import INDEX_MASK, LEAF, U32, build, child_boxes
 from .masks import INSTANCE_WORDS, Masks, is_gone
 from .mesh_tree import MeshTree, StillTree
-from .slots import RAY_SLOTS
 from .words import NODE_WORDS, moved_children, node_words
 
-__all__ = ["RAY_SLOTS", "RayScene"]
-
+RAY_SLOTS: tuple[Slot, ...] = (rows("ray_nodes"), rows("ray_triangles"), rows("ray_instances"))
+"""What a pass with `//! use rays` binds beside its own; `RayScene.bound` are the values."""
 MOST_STILL = 1 << 20
 """Triangles of still instances that are laid out in the world; further ones share geometries."""
 INSTANCE_LEVELS = 10
@@ -155,8 +156,8 @@ class RayScene:
             self._firsts[key], self._rooms[key] = (node, triangle), len(tree.nodes)
             node, triangle = node + len(tree.nodes), triangle + len(tree.tree.order)
         # Textures of that size replace the old ones.
-        for rows in self._rows:
-            rows.release()
+        for old in self._rows:
+            old.release()
         words = INSTANCE_WORDS * (len(self._keys) + 1) + self._masks.texels.size
         self._rows = [
             Rows(self.gpu, "ray nodes", _ROWS * node),

@@ -8,13 +8,13 @@ any box, keeps those of the part before it out.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from ..scene.checks import F64, I64
 
 _APART = 2.0  # between the parts' coordinates, which are within 0 .. 1
 _TO_MIDDLE = 1e-9  # of the cost: where all places cost the same, the middle one is taken
@@ -45,12 +45,12 @@ class Boxes:
 class Parts:
     """Items in parts: `items` of all parts in order, the first of each part, and how many."""
 
-    items: Ints
-    starts: Ints
-    counts: Ints
+    items: I64
+    starts: I64
+    counts: I64
 
     @property
-    def numbers(self) -> Ints:
+    def numbers(self) -> I64:
         """The part of each item."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
@@ -59,9 +59,9 @@ class Parts:
 class Cuts:
     """Of each part: items before the cut, its cost in items to be tested, its axis."""
 
-    before: Ints
+    before: I64
     cost: F64
-    axis: Ints
+    axis: I64
 
 
 def sweep(parts: Parts, boxes: Boxes, most: int) -> tuple[Parts, Cuts]:
@@ -92,7 +92,7 @@ def sweep(parts: Parts, boxes: Boxes, most: int) -> tuple[Parts, Cuts]:
     )
 
 
-def _sorted(parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[Ints, Ints]:
+def _sorted(parts: Parts, numbers: I64, boxes: Boxes) -> tuple[I64, I64]:
     """The items along the longest side of the box around their centres, and that side's axis."""
     # The box of each part's centres, by reductions over runs of items.
     centres = [middle[parts.items] for middle in boxes.middle]
@@ -107,7 +107,7 @@ def _sorted(parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[Ints, Ints]:
     return parts.items[_order(numbers, share, len(axis))], axis
 
 
-def _order(numbers: Ints, share: F64, count: int) -> Ints:
+def _order(numbers: I64, share: F64, count: int) -> I64:
     """The order by part, of which there are `count`, and then by share, 0 to 1.
 
     Both and the place go into one integer: NumPy sorts values several times faster than places.
@@ -122,7 +122,7 @@ def _order(numbers: Ints, share: F64, count: int) -> Ints:
     return key & ((1 << place_bits) - 1)
 
 
-def _areas(items: Ints, parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[F64, F64, F64]:
+def _areas(items: I64, parts: Parts, numbers: I64, boxes: Boxes) -> tuple[F64, F64, F64]:
     """Half the areas of the boxes around the items up to each, behind each, and in each part."""
     # The box up to an item and the box from the next one on are the two sides of a cut behind it.
     far: F64 = _APART * numbers.astype(np.float64)
@@ -130,9 +130,9 @@ def _areas(items: Ints, parts: Parts, numbers: Ints, boxes: Boxes) -> tuple[F64,
         _sides(low[items], high[items], far)
         for low, high in zip(boxes.low, boxes.high, strict=True)
     ]
-    up_to = _half_area([before for before, _ in found])
+    up_to = half_area([before for before, _ in found])
     behind = np.zeros_like(up_to)
-    behind[:-1] = _half_area([after for _, after in found])[1:]
+    behind[:-1] = half_area([after for _, after in found])[1:]
     return up_to, behind, up_to[parts.starts + parts.counts - 1]
 
 
@@ -149,6 +149,7 @@ def _sides(low: F64, high: F64, far: F64) -> tuple[F64, F64]:
     return before, after[::-1] + apart
 
 
-def _half_area(sides: list[F64]) -> F64:
+def half_area(sides: Iterable[F64]) -> F64:
+    """Half the areas of boxes by their sides along x, y and z."""
     x, y, z = sides
     return x * y + y * z + z * x

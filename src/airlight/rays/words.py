@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..maths.chunks import chunks
+from ..maths.half import HALF_MAX
 from ..maths.octahedron import octahedron_encode
+from ..scene.checks import F32
 from ..scene.mesh import Geometry
-from .hierarchy import F32, INDEX_MASK, LEAF, U32, Hierarchy
+from .hierarchy import INDEX_MASK, LEAF, U32, Hierarchy
 
 NODE_WORDS, TRIANGLE_WORDS = 16, 16
 SHARED, HOLES = 1 << 30, 1 << 31
@@ -24,7 +26,6 @@ SHARED, HOLES = 1 << 30, 1 << 31
 INSTANCE_MASK = SHARED - 1
 PRESENT_SHIFT = 6
 """Of a bit for each child, behind the axes of a node."""
-_HALF_MAX = 65504.0
 
 
 def node_words(tree: Hierarchy, lows: F32, highs: F32) -> U32:
@@ -80,7 +81,7 @@ def triangle_words(geometry: Geometry, order: NDArray[np.int64]) -> U32:
     """(T, TRIANGLE_WORDS) of a geometry's triangles in this order, SHARED by its instances."""
     rows = np.zeros((len(order), TRIANGLE_WORDS), np.uint32)
     floats, halves = rows.view(np.float32), rows.view(np.float16)
-    normals = None if geometry.normals is None else packed_normals(geometry.normals)
+    normals = None if geometry.normals is None else _octahedral(geometry.normals)
     uvs = geometry.uvs
     # Part by part: large meshes have no other copy.
     for part in chunks(len(order)):
@@ -90,7 +91,7 @@ def triangle_words(geometry: Geometry, order: NDArray[np.int64]) -> U32:
             uv = uvs[corners]
             floats[part, 10:12] = uv[:, 0]
             edges = (uv[:, 1:] - uv[:, :1]).reshape(-1, 4)
-            halves[part, 24:28] = np.clip(edges, -_HALF_MAX, _HALF_MAX)
+            halves[part, 24:28] = np.clip(edges, -HALF_MAX, HALF_MAX)
         if normals is not None:
             a, b, c = (normals[corners[:, k]] for k in range(3))
             rows[part, 14] = a | (b & 0x3FF) << 20
@@ -98,7 +99,7 @@ def triangle_words(geometry: Geometry, order: NDArray[np.int64]) -> U32:
     return rows
 
 
-def packed_normals(normals: F32) -> U32:
+def _octahedral(normals: F32) -> U32:
     """Unit vectors (N, 3) as points of the octahedron's square, 10 bits each; off by .0042 rad."""
     square = np.round((octahedron_encode(normals) + 1.0) * 511.0).astype(np.uint32)
     return np.asarray(square[:, 0] | square[:, 1] << 10)

@@ -20,6 +20,7 @@ Rgb = tuple[float, float, float]
 Bounds = tuple[Vec3, Vec3]
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
 
 
 MOST = 1e15

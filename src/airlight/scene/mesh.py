@@ -81,6 +81,12 @@ class Mesh:
         object.__setattr__(self, "world_from_object", matrix)
 
     @property
+    def world_positions(self) -> F64:
+        """Its vertices (V, 3), metres in the world."""
+        linear, offset = self.world_from_object[:3, :3], self.world_from_object[:3, 3]
+        return np.asarray(self.geometry.positions.astype(np.float64) @ linear.T + offset)
+
+    @property
     def world_bounds(self) -> tuple[F64, F64]:
         """Lower and upper corner of the axis-aligned box around the placed mesh, metres."""
         (box,) = world_boxes([self])

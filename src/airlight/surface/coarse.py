@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 from ..gpu.device import Gpu
 from ..maths.chunks import chunks
 from ..maths.weld import open_vertices, welded
+from ..scene.checks import F64, I64
 from ..scene.mesh import Geometry, Mesh
 from ..scene.scene import Scene
 from .geometry import GpuScene
-
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 MOST_TRIANGLES = 100_000
 """Instances counted each: scenes of no more are drawn as they are."""

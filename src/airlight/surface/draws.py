@@ -7,15 +7,14 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..scene.checks import F64
 from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
 from ..scene.mesh import Mesh
 from .instances import is_mirrored
 from .textures import MaterialTextures
 
-F64 = NDArray[np.float64]
 MOST_CACHED_VIEWS = 256
 """Whose culling is remembered."""
 

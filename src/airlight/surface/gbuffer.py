@@ -8,7 +8,7 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f
 from ..gpu.memory import Texture
-from ..gpu.raster import color_attachments
+from ..gpu.raster import color_attachments, depth_attachment
 from ..gpu.slots import uniform
 from ..maths.transforms import F64
 from .draw_parts import DrawParts, in_draw_order
@@ -81,6 +81,7 @@ class GBuffer:
         self.albedo = Texture(gpu, "albedo", size, "rgba16float", target=True)
         self.normal = Texture(gpu, "normal", size, "rgba16float", target=True)
         self.emission = Texture(gpu, "emission", size, "rgba16float", target=True)
+        self._targets = (self.albedo, self.normal, self.emission)
 
     @property
     def bound(self) -> dict[str, Any]:
@@ -113,39 +114,29 @@ class GBuffer:
         # What is seen, and whether its depth is drawn first.
         draws = scene.solid(clip_from_world)
         first, then, is_depth_first = self._parts.of(scene, draws)
-        depth = {
-            "view": self.depth.resource,
-            "depth_load_op": "clear",
-            "depth_store_op": "store",
-            "depth_clear_value": 0.0,
-        }
+        cleared = depth_attachment(self.depth, 0.0)
         params = CameraParams(clip_from_world=clip_from_world, unlit_radiance=self.unlit_radiance)
         # Triangle ids first, which a full-screen pass turns into surfaces.
         if self._visibility:
-            targets = (self.albedo, self.normal, self.emission)
             inv_size = (1.0 / self.size[0], 1.0 / self.size[1])
             visibility = VisibilityParams(clip_from_world=clip_from_world, inv_size=inv_size)
 
             # One of the two clears the targets, even where nothing is drawn.
             if first or not then:
                 self._visibility.encode(
-                    commands, scene, first, clip_from_world, depth, targets, visibility
+                    commands, scene, first, clip_from_world, cleared, self._targets, visibility
                 )
-                depth = {**depth, "depth_load_op": "load"}
             if then:
                 keep = bool(first)
-                self._draw(commands, scene, self._only_pass, then, params, depth, keep=keep)
+                self._draw(commands, scene, then, params, keeps_depth=keep, keeps_colors=keep)
             return
         # Or surfaces by rasterisation alone.
-        used = self._only_pass
         if is_depth_first:
-            used = self._pass
             with commands.render(
-                "depth", color_attachments=[], depth_stencil_attachment=depth
+                "depth", color_attachments=[], depth_stencil_attachment=cleared
             ) as encoder:
                 self._depth_pass.draw(commands, encoder, scene, first, params)
-            depth = {**depth, "depth_load_op": "load"}
-        self._draw(commands, scene, used, then, params, depth)
+        self._draw(commands, scene, then, params, keeps_depth=is_depth_first)
 
     def _split(self, scene: GpuScene, draws: list[Draw]) -> tuple[list[Draw], list[Draw], bool]:
         """The draws of the first pass, those of the second, and whether the first is depth only."""
@@ -162,17 +153,17 @@ class GBuffer:
         self,
         commands: Commands,
         scene: GpuScene,
-        used: MeshPass,
         draws: list[Draw],
         params: CameraParams,
-        depth: dict[str, Any],
         *,
-        keep: bool = False,
+        keeps_depth: bool,
+        keeps_colors: bool = False,
     ) -> None:
-        targets = (self.albedo, self.normal, self.emission)
+        # Where only depth was drawn before, it says which surfaces to shade.
+        used = self._pass if keeps_depth and not keeps_colors else self._only_pass
         with commands.render(
             "g-buffer",
-            color_attachments=color_attachments(targets, keep=keep),
-            depth_stencil_attachment=depth,
+            color_attachments=color_attachments(self._targets, keep=keeps_colors),
+            depth_stencil_attachment=depth_attachment(self.depth, 0.0, keep=keeps_depth),
         ) as encoder:
             used.draw(commands, encoder, scene, draws, params)

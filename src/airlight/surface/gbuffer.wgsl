@@ -2,16 +2,10 @@
 //! use half_range
 //! use mesh
 
-override IS_CUTOUT: bool = false;
-
 struct GBufferOut {
     @location(0) albedo: vec4f,
     @location(1) normal: vec4f,
     @location(2) emission: vec4f,
-}
-
-@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
-    return transformed_vertex(in, at, params.clip_from_world);
 }
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> GBufferOut {

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..gpu.device import Gpu
 from ..gpu.layout import pack_array
 from ..gpu.memory import Buffer, buffer_of
 from ..scene.along import meshes_along
+from ..scene.checks import F64
 from ..scene.material import Material
 from ..scene.mesh import Geometry, Mesh, world_boxes
 from ..scene.scene import Scene
@@ -27,9 +27,7 @@ from .materials import (
 from .packed_maps import image_of, is_packable
 from .textures import MaterialTextures, TextureStore
 from .triangle_table import TriangleTable, has_rows
-from .vertices import VertexBuffers
-
-F64 = NDArray[np.float64]
+from .vertices import VertexBuffers, Vertices
 
 
 class GpuScene:
@@ -236,19 +234,9 @@ class GpuScene:
         return any(draw.material.is_translucent for draw in self.draws)
 
     @property
-    def positions(self) -> Buffer:
-        """Of all vertices, m."""
-        return self._vertices.buffers.positions
-
-    @property
-    def vertices(self) -> Buffer:
-        """Normals, texture coordinates and colours of all vertices."""
-        return self._vertices.buffers.vertices
-
-    @property
-    def indices(self) -> Buffer:
-        """Of all triangles."""
-        return self._vertices.buffers.indices
+    def vertices(self) -> Vertices:
+        """The vertices and the indices of all meshes; others once `replaced` counts on."""
+        return self._vertices.buffers
 
     def _textures_of(self, m: Material) -> MaterialTextures:
         """The textures of a material; those with the same maps share one value and bind group."""

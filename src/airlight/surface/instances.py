@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, f32, mat4x4f, u32
+from ..scene.checks import F64
 from ..scene.mesh import Mesh, world_boxes
-
-F64 = NDArray[np.float64]
 
 
 class InstanceData(Struct):

@@ -62,29 +62,26 @@ def shared_fields(row: LightRow) -> dict[str, Any]:
     }
 
 
-def light_fields(light: Light, first_view: int = 0) -> dict[str, Any]:
-    """The values of `LightData`."""
-    row = light.row()
-    return {
-        **shared_fields(row),
-        "first_view": first_view,
-        "view_count": view_count(light),
-        "nearest": row.nearest,
-        "tangent": row.tangent,
-        "size_x": row.size[0],
-        "size_y": row.size[1],
-        "inner_depth": row.inner_depth,
-        "spread": row.spread,
-    }
-
-
 def light_rows(lights: tuple[Light, ...]) -> list[dict[str, Any]]:
-    """One row per light; views of directional and of local lights are counted separately."""
+    """`LightData` of each light; views of directional and of local lights are counted apart."""
     # Parallel and local views lie in two arrays, each counted from 0.
     rows, used = [], {True: 0, False: 0}
     for light in lights:
         is_parallel = isinstance(light, DirectionalLight)
-        rows.append(light_fields(light, used[is_parallel]))
+        row = light.row()
+        rows.append(
+            {
+                **shared_fields(row),
+                "first_view": used[is_parallel],
+                "view_count": view_count(light),
+                "nearest": row.nearest,
+                "tangent": row.tangent,
+                "size_x": row.size[0],
+                "size_y": row.size[1],
+                "inner_depth": row.inner_depth,
+                "spread": row.spread,
+            }
+        )
         used[is_parallel] += view_count(light)
     return rows
 

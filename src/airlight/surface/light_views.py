@@ -35,7 +35,7 @@ _CUBE = (  # forward, up: faces +x -x +y -y +z -z
 )
 
 
-LEAST_NEAR_M = 1e-9
+_LEAST_NEAR_M = 1e-9
 """Of near planes, which else are a thousandth of the far plane's distance."""
 _WIDE_DEG = 50.0  # a single perspective would waste its texels on the axis
 
@@ -99,10 +99,26 @@ def light_views(
         elif light.is_sampled:
             continue
         elif light.cone is not None and view_count(light) == 1:
-            views.append(_cone(light.position, light.cone, index, (low, high), resolution))
+            # A little wider than the cone, so that filtering at its rim meets texels.
+            axis, half_angle_deg = light.cone
+            axes, fov = (axis, (0.0, 1.0, 0.0)), np.radians(2.0 * half_angle_deg) * 1.01
+            views.append(perspective(light.position, axes, fov, index, (low, high), resolution))
         else:
             views += _cube(light.position, index, (low, high), resolution, light.unshadowed_m)
     return views
+
+
+def stale_layers(
+    drawn: dict[int, tuple[int, bytes]], version: int, views: Iterable[LightView]
+) -> list[int]:
+    """The layers of maps that hold other views, or another version of the scene.
+
+    They count as drawn from here on: `drawn` has what each layer was drawn from.
+    """
+    keys = {layer: (version, view.clip_from_world.tobytes()) for layer, view in enumerate(views)}
+    stale = [layer for layer, key in keys.items() if drawn.get(layer) != key]
+    drawn.update(keys)
+    return stale
 
 
 def view_count(light: Light) -> int:
@@ -140,26 +156,16 @@ def _extent_along(direction: Vec3, low: Vec3, high: Vec3, turn_deg: float) -> tu
     return view, corners.min(axis=0), corners.max(axis=0)
 
 
-def _cone(
-    position: Vec3, cone: tuple[Vec3, float], index: int, box: tuple[F64, F64], resolution: int
-) -> LightView:
-    axis, half_angle_deg = cone
-
-    # A little wider than the cone, so that filtering at its rim meets texels.
-    fov = np.radians(2.0 * half_angle_deg) * 1.01
-    return _perspective(position, (axis, (0, 1, 0)), fov, index, box, resolution)
-
-
 def _cube(
     position: Vec3, index: int, box: tuple[F64, F64], resolution: int, least: Vec3
 ) -> list[LightView]:
     return [
-        _perspective(position, axes, 0.5 * np.pi, index, box, resolution, least[face // 2])
+        perspective(position, axes, 0.5 * np.pi, index, box, resolution, least[face // 2])
         for face, axes in enumerate(_CUBE)
     ]
 
 
-def _perspective(
+def perspective(
     position: Vec3,
     axes: tuple[Vec3, Vec3],
     fov: float,
@@ -168,10 +174,13 @@ def _perspective(
     resolution: int,
     least: float = 0.0,
 ) -> LightView:
-    """`axes`: where it looks, and what is up; `least`, m: what is nearer is not drawn."""
+    """The view of an angle `fov`, rad, whose depth goes as far as the box; `index`: its light.
+
+    `axes`: where it looks, and what is up; `least`, m: what is nearer is not drawn.
+    """
     # The depth range ends just behind the box's farthest corner.
     far = float(np.linalg.norm(box_corners(*box) - position, axis=1).max()) * 1.01
-    near = max(1e-3 * far, LEAST_NEAR_M, least)
+    near = max(1e-3 * far, _LEAST_NEAR_M, least)
     far = max(far, 2.0 * near)
     view = view_from_world(position, *axes)
     clip = clip_from_view_perspective(fov, near, far) @ view

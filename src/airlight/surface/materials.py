@@ -32,9 +32,6 @@ class MaterialData(Struct):
     is_translucent = u32()
     is_unlit = u32()
     is_one_sided = u32("1: its back is black")
-    pad_0 = u32()
-    pad_1 = u32()
-    pad_2 = u32()
     uv_base_color = vec4f("scale, offset")
     uv_metallic_roughness = vec4f("scale, offset")
     uv_normal = vec4f("scale, offset")
@@ -57,9 +54,6 @@ def material_fields(m: Material) -> dict[str, Any]:
         "is_translucent": int(m.is_translucent),
         "is_unlit": int(m.is_unlit),
         "is_one_sided": int(not m.two_sided),
-        "pad_0": 0,
-        "pad_1": 0,
-        "pad_2": 0,
         "uv_base_color": uv_transform(m.base_color_texture),
         "uv_metallic_roughness": uv_transform(m.metallic_roughness_texture),
         "uv_normal": uv_transform(m.normal_texture),

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
+from ..gpu.layout import Struct, mat4x4f
 from ..gpu.memory import Buffer
 from ..gpu.raster import RasterPipeline
 from ..gpu.slots import Slot, sampler, storage, texture
@@ -68,6 +69,20 @@ INSTANCE_TRANSFORMS = _of_instances(_TRANSFORM)
 _RECORDED = 64  # views whose recorded draws are cached
 
 
+_VERTEX = """
+//! use mesh_vertex
+@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
+    return transformed_vertex(in, at, params.clip_from_world);
+}
+"""
+
+
+class ViewParams(Struct):
+    """The view that is drawn, of passes that ask for nothing else."""
+
+    clip_from_world = mat4x4f()
+
+
 class MeshPipeline(RasterPipeline):
     """One pipeline of a pass; subclasses give `slots` (the uniform first), targets, depth.
 
@@ -77,6 +92,7 @@ class MeshPipeline(RasterPipeline):
 
     second_slots = MATERIAL_SLOTS
     vertex_buffers = VERTEX_BUFFERS
+    vertices: ClassVar[str] = _VERTEX  # WGSL; empty where the file has its own
     depth = "depth32float"
     maps: ClassVar[tuple[str, ...]] = MAPS
 
@@ -96,16 +112,18 @@ class MeshPipeline(RasterPipeline):
             constants["HAS_MAP_TRANSFORM"] = float(has_map_transform)
         if self.second_slots:
             constants["IS_CUTOUT"] = float(is_cutout)
-        super().__init__(gpu, constants=constants, cull=cull, front_face=front_face)
+        super().__init__(
+            gpu, constants=constants, cull=cull, front_face=front_face, generated=self.vertices
+        )
         self._groups: dict[int, tuple[Any, Any]] = {}
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """The buffers of `vertex_buffers`, in their order."""
-        return (scene.positions, scene.vertices, scene.instances)
+        return (scene.vertices.positions, scene.vertices.vertices, scene.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
         """The index buffer."""
-        return scene.indices
+        return scene.vertices.indices
 
     def bind_textures(self, commands: Commands, encoder: Any, draw: Draw) -> None:
         """Set the material's bind group; each set of textures has one."""
@@ -125,13 +143,14 @@ class DepthPipeline(MeshPipeline):
 
     second_slots = ()
     vertex_buffers = (VERTEX_BUFFERS[0], INSTANCE_TRANSFORMS)
+    vertices = ""
     fragment_entry = ""
     maps = ()
     file = "shadow_opaque.wgsl"
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """Positions and instances alone."""
-        return (scene.positions, scene.instances)
+        return (scene.vertices.positions, scene.instances)
 
 
 class MeshPass:

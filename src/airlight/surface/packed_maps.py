@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..gpu.demands import largest_binding
 from ..gpu.device import Gpu
 from ..maths.colour import srgb_decode
 from ..scene.material import Material, Texture, Wrap
@@ -35,8 +36,7 @@ def most_texels(gpu: Gpu) -> int:
     Where a driver binds no more than 128 MB, a single map of 4096 x 4096 texels and its mip levels
     do not fit.
     """
-    limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
-    return min(_MOST_BYTES, *limits) // _TEXEL_BYTES
+    return min(_MOST_BYTES, largest_binding(gpu)) // _TEXEL_BYTES
 
 
 def is_packable(m: Material) -> bool:

@@ -17,12 +17,12 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, u32, vec3f
 from ..gpu.memory import Texture
+from ..gpu.raster import depth_attachment
 from ..gpu.slots import uniform
+from ..maths.half import HALF_MAX
 from .geometry import GpuScene
 from .light_views import LightView
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
-
-FARTHEST = 65504.0  # as far as half floats go
 
 
 class PaneParams(Struct):
@@ -66,15 +66,12 @@ class Panes:
             "view": self.light.layer(layer),
             "load_op": "clear",
             "store_op": "store",
-            "clear_value": (1.0, 1.0, 1.0, FARTHEST),
-        }
-        depth: dict[str, Any] = {
-            "view": self._depth.layer(layer),
-            "depth_load_op": "load",
-            "depth_store_op": "store",
+            "clear_value": (1.0, 1.0, 1.0, HALF_MAX),
         }
         with commands.render(
-            self.light.label, color_attachments=[color], depth_stencil_attachment=depth
+            self.light.label,
+            color_attachments=[color],
+            depth_stencil_attachment=depth_attachment(self._depth.layer(layer), 1.0, keep=True),
         ) as encoder:
             draws = scene.translucent(view.clip_from_world)
             self._pass.draw(commands, encoder, scene, draws, _params(view))

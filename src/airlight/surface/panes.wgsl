@@ -2,12 +2,6 @@
 
 // The transmittance of a translucent surface towards a light, and how far from it the surface is.
 
-override IS_CUTOUT: bool = true;
-
-@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
-    return transformed_vertex(in, at, params.clip_from_world);
-}
-
 @fragment fn fragment(in: VertexOut) -> @location(0) vec4f {
     let base = base_color_at(in);
     let m = materials[in.material];

@@ -3,12 +3,6 @@
 // The colour of light that passes a translucent surface: where it does not pass, the map shows the surface by chance
 // (`is_hole`), so that the mean of all channels is right already.
 
-override IS_CUTOUT: bool = true;
-
-@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
-    return transformed_vertex(in, at, params.clip_from_world);
-}
-
 @fragment fn fragment(in: VertexOut) -> @location(0) vec4f {
     let base = base_color_at(in);
     if (IS_CUTOUT && base.a < materials[in.material].alpha_cutoff) {

@@ -6,13 +6,11 @@ the first solid surface.
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, f32, mat4x4f, u32, vec3f
 from ..gpu.memory import Texture
-from ..gpu.raster import color_attachments
+from ..gpu.raster import color_attachments, depth_attachment
 from ..gpu.slots import texture, uniform
 from ..maths.transforms import F64
 from .gbuffer import GBuffer
@@ -76,13 +74,6 @@ class PeeledGBuffer(GBuffer):
         assert self._solid is not None, "begin comes first"
         # The layer before, and this one's, take turns in two textures.
         before, self.depth = self._depths[(self._index + 1) % 2], self._depths[self._index % 2]
-        depth: dict[str, Any] = {
-            "view": self.depth.resource,
-            "depth_load_op": "clear",
-            "depth_store_op": "store",
-            "depth_clear_value": 0.0,
-        }
-        targets = (self.albedo, self.normal, self.emission, self.taken)
         # The nearest fragments behind the layer before, in front of opaque surfaces.
         params = PeelParams(
             clip_from_world=clip_from_world,
@@ -92,8 +83,8 @@ class PeeledGBuffer(GBuffer):
         )
         with commands.render(
             "layer",
-            color_attachments=color_attachments(targets),
-            depth_stencil_attachment=depth,
+            color_attachments=color_attachments((*self._targets, self.taken)),
+            depth_stencil_attachment=depth_attachment(self.depth, 0.0),
         ) as encoder:
             draws = scene.translucent(clip_from_world)
             self._layer_pass.draw(

@@ -18,7 +18,7 @@ from ..gpu.device import Gpu
 from ..gpu.fullscreen import FullscreenPass
 from ..gpu.layout import Struct, f32, mat4x4f, pack_array, u32, vec2f, vec3f
 from ..gpu.memory import Texture
-from ..gpu.raster import color_attachments
+from ..gpu.raster import color_attachments, depth_attachment
 from ..gpu.rows import Table
 from ..gpu.slots import uniform
 from ..scene.lights import Light
@@ -163,12 +163,7 @@ class ReflectiveShadowMaps:
         self, layer: int, *, keep: bool = False
     ) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         views = (self.normal.layer(layer), self.flux.layer(layer))
-        depth = {
-            "view": self.depth.layer(layer),
-            "depth_load_op": "load" if keep else "clear",
-            "depth_store_op": "store",
-            "depth_clear_value": 1.0,
-        }
+        depth = depth_attachment(self.depth.layer(layer), 1.0, keep=keep)
         return color_attachments(views, keep=keep), depth
 
     def _draw(

@@ -2,15 +2,9 @@
 //! use mesh
 //! use reflected_power
 
-override IS_CUTOUT: bool = false;
-
 struct ReflectiveOut {
     @location(0) normal: vec4f,
     @location(1) flux: vec4f,
-}
-
-@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
-    return transformed_vertex(in, at, params.clip_from_world);
 }
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> ReflectiveOut {

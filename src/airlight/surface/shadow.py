@@ -9,26 +9,21 @@ from __future__ import annotations
 
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
-from ..gpu.layout import Struct, mat4x4f, pack_array
+from ..gpu.layout import pack_array
 from ..gpu.memory import Sampler, Texture
+from ..gpu.raster import depth_attachment
 from ..gpu.rows import Table
 from ..gpu.slots import uniform
 from .geometry import GpuScene
-from .light_views import LightView, LightViewData
-from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline
+from .light_views import LightView, LightViewData, stale_layers
+from .mesh_pass import MESH_SLOTS, DepthPipeline, MeshPass, MeshPipeline, ViewParams
 from .panes import Panes
 
 _LEAST_SIDE = 16
 
 
-class ShadowParams(Struct):
-    """The view that is drawn."""
-
-    clip_from_world = mat4x4f()
-
-
 class _CutoutPipeline(MeshPipeline):
-    slots = (uniform("params", ShadowParams), *MESH_SLOTS)
+    slots = (uniform("params", ViewParams), *MESH_SLOTS)
     depth_compare = "less"
     maps = ("base_color",)
     file = "shadow.wgsl"
@@ -70,15 +65,9 @@ class ShadowMaps:
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> None:
         """Draw those `views` that changed."""
         # A map holds as long as its view and the geometry do.
-        stale = []
-        for layer, view in enumerate(views):
-            key = (scene.version, view.clip_from_world.tobytes())
-            if self._drawn.get(layer) != key:
-                self._drawn[layer] = key
-                stale.append(layer)
+        stale = stale_layers(self._drawn, scene.version, views)
         if not stale:
             return
-
         # Views are uploaded together, maps drawn one by one.
         self.version += 1
         self.views.write(pack_array(LightViewData, [view.fields for view in views]))
@@ -87,24 +76,14 @@ class ShadowMaps:
             self.panes.draw(commands, scene, layer, views[layer])
 
     def _draw(self, commands: Commands, scene: GpuScene, layer: int, view: LightView) -> None:
-        depth = {
-            "view": self.depth.layer(layer),
-            "depth_load_op": "clear",
-            "depth_store_op": "store",
-            "depth_clear_value": 1.0,
-        }
+        depth = depth_attachment(self.depth.layer(layer), 1.0)
         # Depth alone: the nearest surface to the light at each texel.
         with commands.render(
             self.depth.label, color_attachments=[], depth_stencil_attachment=depth
         ) as encoder:
-            draws = scene.visible if self._is_thinned else scene.solid
-            self._pass.draw(
-                commands,
-                encoder,
-                scene,
-                draws(view.clip_from_world),
-                ShadowParams(clip_from_world=view.clip_from_world),
-            )
+            clip = view.clip_from_world
+            draws = scene.visible(clip) if self._is_thinned else scene.solid(clip)
+            self._pass.draw(commands, encoder, scene, draws, ViewParams(clip_from_world=clip))
 
 
 def affordable_side(asked: int, layers: int, most_texels: int) -> int:

@@ -1,10 +1,6 @@
 //! use mesh
 
-override IS_CUTOUT: bool = false;
-
-@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
-    return transformed_vertex(in, at, params.clip_from_world);
-}
+// The depth of materials with holes: what is not there casts no shadow.
 
 @fragment fn fragment(in: VertexOut) {
     if (IS_CUTOUT && is_hole(in, base_color_at(in))) {

@@ -24,12 +24,12 @@ from ..maths.latlong import (
 )
 from ..maths.sampling import fibonacci_sphere
 from ..maths.sunlight import SUN_RADIUS_DEG
+from ..scene.checks import F64
 from ..scene.environment import Environment
 from ..scene.fingerprint import array_digest
 from ..scene.lights import DirectionalLight
 from ..scene.map_suns import SunlessEnvironment
 
-F64 = NDArray[np.float64]
 _BAND_BYTES = 1 << 26
 _ROWS = 64  # of the map that is partitioned; finer detail is averaged first
 

@@ -13,17 +13,13 @@ from ..gpu.commands import Commands
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, mat4x4f, pack_array, u32
 from ..gpu.memory import Texture
+from ..gpu.raster import color_attachments, depth_attachment
 from ..gpu.rows import Table
 from ..gpu.slots import texture, uniform
-from ..maths.transforms import (
-    F64,
-    box_corners,
-    clip_from_view_perspective,
-    view_from_world,
-)
+from ..maths.transforms import F64, triple
 from ..scene.camera import Camera
 from .geometry import GpuScene
-from .light_views import LEAST_NEAR_M, LightView, LightViewData
+from .light_views import LightView, LightViewData, perspective, stale_layers
 from .mesh_pass import MESH_SLOTS, MeshPass, MeshPipeline
 
 _WIDEST_DEG = 140.0
@@ -71,12 +67,7 @@ class SurfelViews:
     def encode(self, commands: Commands, scene: GpuScene, views: list[LightView]) -> bool:
         """Draw those of `views` that changed; returns whether any did."""
         # Views whose camera or geometry changed since their layers were drawn.
-        stale = []
-        for index, view in enumerate(views):
-            key = (scene.version, view.clip_from_world.tobytes())
-            if self._drawn.get(index) != key:
-                self._drawn[index] = key
-                stale.append(index)
+        stale = stale_layers(self._drawn, scene.version, views)
         if stale:
             self.views.write(pack_array(LightViewData, [view.fields for view in views]))
         # Peel by peel, each behind the one before.
@@ -90,26 +81,14 @@ class SurfelViews:
     ) -> None:
         # A view's layers lie in a row.
         layer = index * self.peels + peel
-        colors = [
-            {
-                "view": t.layer(layer),
-                "load_op": "clear",
-                "store_op": "store",
-                "clear_value": (0, 0, 0, 0),
-            }
-            for t in (self.normal, self.reflectance)
-        ]
-        depth = {
-            "view": self.depth.layer(layer),
-            "depth_load_op": "clear",
-            "depth_store_op": "store",
-            "depth_clear_value": 1.0,
-        }
+        targets = (self.normal.layer(layer), self.reflectance.layer(layer))
         # Behind the layer before, of which the first has none.
         params = SurfelViewParams(clip_from_world=view.clip_from_world, is_peeled=int(peel > 0))
         previous = self.depth.layer(layer - 1) if peel else self._nothing
         with commands.render(
-            "surfel view", color_attachments=colors, depth_stencil_attachment=depth
+            "surfel view",
+            color_attachments=color_attachments(targets),
+            depth_stencil_attachment=depth_attachment(self.depth.layer(layer), 1.0),
         ) as encoder:
             draws = scene.visible(view.clip_from_world)
             self._pass.draw(commands, encoder, scene, draws, params, previous=previous)
@@ -120,13 +99,5 @@ def camera_view(camera: Camera, aspect: float, low: F64, high: F64, resolution: 
     # The wider side's angle, up to where a perspective would waste its texels on the rim.
     half = np.tan(np.radians(camera.fov_y_deg) / 2.0) * max(1.0, aspect)
     fov = float(min(2.0 * np.arctan(half), np.radians(_WIDEST_DEG)))
-    eye = np.asarray(camera.position, np.float64)
-
-    # Depth as far as the box's farthest corner.
-    far = float(np.linalg.norm(box_corners(low, high) - eye, axis=1).max()) * 1.01
-    look = np.subtract(camera.target, camera.position)
-    clip = clip_from_view_perspective(fov, max(1e-3 * far, LEAST_NEAR_M), far)
-    texel = 2.0 * float(np.tan(0.5 * fov)) / resolution
-    return LightView(
-        clip @ view_from_world(camera.position, look, camera.up), (texel, texel), True, 0
-    )
+    axes = triple(np.subtract(camera.target, camera.position)), camera.up
+    return perspective(camera.position, axes, fov, 0, (low, high), resolution)

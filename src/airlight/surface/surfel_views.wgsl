@@ -1,15 +1,9 @@
 // Surfels of a view: normal and reflectance of the surface that each texel shows, a layer behind the one before it.
 //! use mesh
 
-override IS_CUTOUT: bool = false;
-
 struct SurfelOut {
     @location(0) normal: vec4f,
     @location(1) reflectance: vec4f,
-}
-
-@vertex fn vertex(in: VertexIn, at: InstanceTransform) -> VertexOut {
-    return transformed_vertex(in, at, params.clip_from_world);
 }
 
 @fragment fn fragment(in: VertexOut, @builtin(front_facing) is_front: bool) -> SurfelOut {

@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..gpu.demands import largest_binding
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
-from ..gpu.memory import Buffer, buffer_of
+from ..gpu.memory import buffer_of
 from ..maths.chunks import chunks
+from ..maths.half import HALF_MAX
 from ..maths.tangent_angle import packed_normals
 from ..scene.material import Material
 from ..scene.mesh import Geometry
@@ -23,7 +25,7 @@ from .materials import IDENTITY_UV, uv_transform
 from .packed_maps import ONE_SIDED, Location, metallic_factor
 from .provoking import U32, unique_provoking
 from .textures import TextureStore
-from .vertices import geometry_digest
+from .vertices import geometry_digest, joined
 
 WORDS = 20  # of a triangle
 _MOST = 65535  # instances, and materials: a pixel has 16 bits for each
@@ -40,8 +42,7 @@ def has_rows(geometry: Geometry, material: Material) -> bool:
 
 def most_triangles(gpu: Gpu) -> int:
     """The most triangles of a scene; the others are rasterised without a visibility buffer."""
-    limits = (gpu.limits[f"max-{name}"] for name in ("storage-buffer-binding-size", "buffer-size"))
-    return min(limits) // (4 * WORDS)
+    return largest_binding(gpu) // (4 * WORDS)
 
 
 class InstanceIds(Struct):
@@ -73,7 +74,9 @@ class _Triangles:
 
     positions  of the vertices of `unique_provoking`
     indices    in the scene's order, into those
+    uvs        of the vertices, for holes
     triangles  WORDS u32 each, object space: corner and edges, uv and its edges, normals
+    base_vertex, first_index, first_triangle  where those of each geometry begin
     """
 
     def __init__(self, gpu: Gpu, geometries: Mapping[int, Geometry]) -> None:
@@ -93,16 +96,14 @@ class _Triangles:
             indices.append(corners.ravel())
         # What the first pass draws: positions and, for holes, texture coordinates.
         parts = list(geometries.values())
-        corners = _joined(indices, np.uint32, ())
+        corners = joined(indices, np.uint32)
         moved = [g.positions[self._sources[key]] for key, g in geometries.items()]
-        self.positions = buffer_of(
-            gpu, "seen positions", _joined(moved, np.float32, (3,)), vertex=True
-        )
+        self.positions = buffer_of(gpu, "seen positions", joined(moved, np.float32, 3), vertex=True)
         self.indices = buffer_of(gpu, "seen indices", corners, index=True)
         laid = [_uvs(g)[self._sources[key]] for key, g in geometries.items()]
-        self.uvs = buffer_of(gpu, "seen uvs", _joined(laid, np.float32, (2,)), vertex=True)
+        self.uvs = buffer_of(gpu, "seen uvs", joined(laid, np.float32, 2), vertex=True)
         # Rows of triangles, for the second pass.
-        rows = _joined([_triangles(g) for g in parts], np.uint32, (WORDS,))
+        rows = joined([_triangles(g) for g in parts], np.uint32, WORDS)
         self.triangles = buffer_of(gpu, "triangle table", rows)
 
     def write(self, base_vertex: int, geometry: Geometry, *, has_other_uvs: bool) -> None:
@@ -117,9 +118,9 @@ class _Triangles:
 class TriangleTable:
     """Buffers beside those of a `GpuScene`, of the geometries and materials that fit.
 
-    positions, indices, uvs, triangles  as `_Triangles` has them; scenes on one device share those
-                                        of the same geometries, until one of them moves vertices
-    instances                           InstanceIds, in the scene's order
+    shared     `_Triangles`; scenes on one device share those of the same geometries, until one of
+               them moves vertices
+    instances  InstanceIds, in the scene's order
     """
 
     def __init__(
@@ -144,36 +145,6 @@ class TriangleTable:
         self.instances = buffer_of(gpu, "seen instances", self._instances(instances), vertex=True)
         self._last = dict(geometries)
 
-    @property
-    def positions(self) -> Buffer:
-        """Of the vertices."""
-        return self.shared.positions
-
-    @property
-    def indices(self) -> Buffer:
-        """Into those."""
-        return self.shared.indices
-
-    @property
-    def uvs(self) -> Buffer:
-        """Of the vertices, for holes."""
-        return self.shared.uvs
-
-    @property
-    def triangles(self) -> Buffer:
-        """Rows of triangles, which the second pass reads."""
-        return self.shared.triangles
-
-    @property
-    def base_vertex(self) -> dict[int, int]:
-        """Of each geometry, by its first vertex in the scene's buffers."""
-        return self.shared.base_vertex
-
-    @property
-    def first_index(self) -> dict[int, int]:
-        """Likewise."""
-        return self.shared.first_index
-
     def shows(self, base_vertex: int, material: Material) -> bool:
         """Whether the table has instances of that geometry with that material."""
         geometry = self._last.get(base_vertex)
@@ -185,7 +156,7 @@ class TriangleTable:
 
         Returns whether that took other buffers, because other scenes show the old vertices.
         """
-        if base_vertex not in self.base_vertex:
+        if base_vertex not in self.shared.base_vertex:
             return False
         # A buffer that other scenes show is not written to; this scene gets one of its own.
         before = self.shared
@@ -198,16 +169,16 @@ class TriangleTable:
 
     def _instances(self, instances: list[tuple[int, int]]) -> NDArray[Any]:
         packed = np.zeros(max(1, len(instances)), InstanceIds.dtype)
-
+        shared = self.shared
         # From vertex numbers to those of triangles, counted from 1: 0 is the background.
         for index, (key, material) in enumerate(instances):
-            first = 1 + self.shared.first_triangle.get(key, 0) - self.base_vertex.get(key, 0)
+            first = 1 + shared.first_triangle.get(key, 0) - shared.base_vertex.get(key, 0)
             packed[index] = (first & 0xFFFFFFFF, (index & 0xFFFF) | (material & 0xFFFF) << 16)
         return packed
 
     def relight(self, row: int, material: Material) -> None:
         """Show the emission of a material that changed it."""
-        self._rows["emission"][row] = np.minimum(material.emission, _HALF_MAX)
+        self._rows["emission"][row] = np.minimum(material.emission, HALF_MAX)
         self.materials.write(self._rows[row : row + 1], row * MATERIAL.itemsize)
 
     def _take_materials(self, gpu: Gpu, materials: list[Material], store: TextureStore) -> None:
@@ -241,15 +212,12 @@ def _chosen(geometries: dict[int, Geometry], most: int) -> dict[int, Geometry]:
     return kept
 
 
-_HALF_MAX = 65504.0
-
-
 def _fields(m: Material, location: Location | None) -> tuple[Any, ...]:
     """The values of `MATERIAL`."""
     # Packed maps, and the factors that half floats hold.
     texels, size, flags, levels = location or (0, 1 | 1 << 16, 0, 1)
     metallic = m.metallic * (metallic_factor(m) or 0.0)
-    emission = np.minimum(m.emission, _HALF_MAX)
+    emission = np.minimum(m.emission, HALF_MAX)
     return (
         m.base_color,
         metallic,
@@ -286,9 +254,3 @@ def _triangles(g: Geometry) -> U32:
         if normals is not None:
             halves[part, 30:39] = normals[g.indices[part]].reshape(-1, 9)
     return rows
-
-
-def _joined(parts: list[NDArray[Any]], dtype: Any, row: tuple[int, ...]) -> NDArray[Any]:
-    if len(parts) == 1:
-        return np.ascontiguousarray(parts[0], dtype)
-    return np.concatenate(parts) if parts else np.zeros((0, *row), dtype)

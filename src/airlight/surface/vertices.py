@@ -32,13 +32,13 @@ def geometry_digest(g: Geometry) -> bytes:
     return known
 
 
-class _Buffers:
-    """Of `geometries`, one after the other."""
+class Vertices:
+    """Of `geometries`, one after the other, in a buffer each: positions, vertices and indices."""
 
     def __init__(self, gpu: Gpu, geometries: Sequence[Geometry]) -> None:
-        positions = _joined([g.positions for g in geometries], (0, 3), np.float32)
-        indices = _joined([g.indices.ravel() for g in geometries], (0,), np.uint32)
-        vertices = _joined([_vertex_data(g) for g in geometries], (0,), _VERTEX)
+        positions = joined([g.positions for g in geometries], np.float32, 3)
+        indices = joined([g.indices.ravel() for g in geometries], np.uint32)
+        vertices = joined([_vertex_data(g) for g in geometries], _VERTEX)
         self.positions: Buffer = buffer_of(gpu, "positions", positions, vertex=True)
         self.vertices: Buffer = buffer_of(gpu, "vertices", vertices, vertex=True)
         self.indices: Buffer = buffer_of(gpu, "indices", indices, index=True)
@@ -62,7 +62,7 @@ class VertexBuffers:
             vertex_count += len(geometry.positions)
         # All geometries in one buffer each, so that a draw names offsets only.
         key = ("vertices", *map(geometry_digest, geometries))
-        self._lease = gpu.uploads.lease(gpu, key, lambda scope: _Buffers(scope, geometries))
+        self._lease = gpu.uploads.lease(gpu, key, lambda scope: Vertices(scope, geometries))
         self.buffers = self._lease.value
         self.uploaded = {self.offsets[id(g)][1]: g for g in geometries}
         """By first vertex, the geometry as it was uploaded last."""
@@ -77,7 +77,7 @@ class VertexBuffers:
         # A buffer that other scenes show is not written to; this scene gets one of its own.
         before = self.buffers
         self._lease = self._lease.owned(
-            self.gpu, lambda scope: _Buffers(scope, list(self.uploaded.values()))
+            self.gpu, lambda scope: Vertices(scope, list(self.uploaded.values()))
         )
         self.buffers = self._lease.value
         self.buffers.positions.write(geometry.positions, 12 * first)
@@ -113,7 +113,8 @@ def _vertex_data(g: Geometry) -> NDArray[Any]:
     return data
 
 
-def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: Any) -> NDArray[Any]:
+def joined(parts: list[NDArray[Any]], dtype: Any, *row: int) -> NDArray[Any]:
+    """The parts' rows one after the other; of a single part there is no copy."""
     if len(parts) == 1:
         return np.ascontiguousarray(parts[0], dtype)
-    return np.concatenate(parts) if parts else np.zeros(empty, dtype)
+    return np.concatenate(parts) if parts else np.zeros((0, *row), dtype)

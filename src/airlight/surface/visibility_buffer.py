@@ -15,6 +15,7 @@ from ..gpu.device import Gpu
 from ..gpu.fullscreen import DepthTest, FullscreenPass
 from ..gpu.layout import Struct, mat4x4f, vec2f
 from ..gpu.memory import Buffer, Texture
+from ..gpu.raster import color_attachments
 from ..gpu.slots import Slot, storage, texture, uniform
 from ..maths.transforms import F64
 from .draw_parts import in_draw_order
@@ -27,14 +28,9 @@ from .mesh_pass import (
     VERTEX_BUFFERS,
     MeshPass,
     MeshPipeline,
+    ViewParams,
 )
 from .triangle_table import InstanceIds
-
-
-class TriangleIdParams(Struct):
-    """The camera's matrix."""
-
-    clip_from_world = mat4x4f()
 
 
 class VisibilityParams(Struct):
@@ -60,13 +56,14 @@ _UV: dict[str, Any] = {
 
 
 class _TriangleIds(MeshPipeline):
-    slots = (uniform("params", TriangleIdParams), *MESH_SLOTS)
+    slots = (uniform("params", ViewParams), *MESH_SLOTS)
     second_slots: ClassVar[tuple[Slot, ...]] = ()
     vertex_buffers: ClassVar[tuple[dict[str, Any], ...]] = (
         VERTEX_BUFFERS[0],
         INSTANCE_TRANSFORMS,
         _WHAT,
     )
+    vertices = ""
     # Of coincident surfaces the last drawn one is visible: see `in_draw_order`.
     depth_compare = "greater-equal"
     targets = ("rg32uint",)
@@ -75,11 +72,12 @@ class _TriangleIds(MeshPipeline):
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """Vertices with unique first corners, transforms, and ids of instances."""
-        return (scene.triangle_table.positions, scene.instances, scene.triangle_table.instances)
+        table = scene.triangle_table
+        return (table.shared.positions, scene.instances, table.instances)
 
     def indices_of(self, scene: GpuScene) -> Buffer:
         """Into those vertices."""
-        return scene.triangle_table.indices
+        return scene.triangle_table.shared.indices
 
 
 class _CutoutTriangleIds(_TriangleIds):
@@ -90,7 +88,7 @@ class _CutoutTriangleIds(_TriangleIds):
 
     def vertices_of(self, scene: GpuScene) -> tuple[Buffer, ...]:
         """The same, and texture coordinates."""
-        return (*super().vertices_of(scene), scene.triangle_table.uvs)
+        return (*super().vertices_of(scene), scene.triangle_table.shared.uvs)
 
 
 class _LightTriangleIds(_TriangleIds):
@@ -161,17 +159,17 @@ class VisibilityBuffer:
         Draws that only did not fit into memory are not ordered as `in_draw_order` asks.
         """
         # What the table holds is drawn from it; all else as ever.
-        shown = [scene.triangle_table.shows(draw.base_vertex, draw.material) for draw in draws]
+        table = scene.triangle_table
+        shown = [table.shows(draw.base_vertex, draw.material) for draw in draws]
         rest = [draw for draw, is_shown in zip(draws, shown, strict=True) if not is_shown]
 
         # The table has vertices and indices of its own, for which draws exchange theirs.
-        table = scene.triangle_table
         return (
             [
                 replace(
                     draw,
-                    base_vertex=table.base_vertex[draw.base_vertex],
-                    first_index=table.first_index[draw.base_vertex],
+                    base_vertex=table.shared.base_vertex[draw.base_vertex],
+                    first_index=table.shared.first_index[draw.base_vertex],
                 )
                 for draw, is_shown in zip(draws, shown, strict=True)
                 if is_shown
@@ -194,18 +192,13 @@ class VisibilityBuffer:
         `params` are those of the second pass.
         """
         # Which triangle each pixel sees.
-        color = {
-            "view": self.triangle_ids.resource,
-            "load_op": "clear",
-            "store_op": "store",
-            "clear_value": (0, 0, 0, 0),
-        }
         with commands.render(
-            "triangle ids", color_attachments=[color], depth_stencil_attachment=depth
+            "triangle ids",
+            color_attachments=color_attachments((self.triangle_ids,)),
+            depth_stencil_attachment=depth,
         ) as encoder:
-            self._pass.draw(
-                commands, encoder, scene, draws, TriangleIdParams(clip_from_world=clip_from_world)
-            )
+            view = ViewParams(clip_from_world=clip_from_world)
+            self._pass.draw(commands, encoder, scene, draws, view)
         # What that triangle is there.
         table = scene.triangle_table
 
@@ -220,7 +213,7 @@ class VisibilityBuffer:
             DepthTest(depth["view"], self.triangle_ids.size, depth["depth_clear_value"]),
             params=params,
             triangle_ids=self.triangle_ids,
-            triangles=table.triangles,
+            triangles=table.shared.triangles,
             instances=scene.instances,
             materials=table.materials,
             uv_transforms=table.uv_transforms,

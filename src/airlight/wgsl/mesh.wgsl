@@ -4,13 +4,15 @@
 //! use mesh_vertex
 //! use material_map
 
-// Materials of meshes. A pass that uses this binds `materials` and, as group 1, the four maps and
-// their samplers; the overrides say which maps a pipeline's materials have.
+// Materials of meshes, for passes whose vertex shader surface/mesh_pass.py has. A pass that uses this binds
+// `materials` and, as group 1, the four maps and their samplers; the overrides say which maps a pipeline's materials
+// have.
 
 override HAS_BASE_COLOR_MAP: bool = true;
 override HAS_METALLIC_ROUGHNESS_MAP: bool = true;
 override HAS_NORMAL_MAP: bool = true;
 override HAS_EMISSION_MAP: bool = true;
+override IS_CUTOUT: bool = true;        // they may have holes
 
 struct SurfacePoint {
     base_color: vec3f,

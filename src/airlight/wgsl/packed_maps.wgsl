@@ -23,6 +23,7 @@ struct TexelPair {
 
 // The two texels of a row, or of a column, of `count` around `u`. `wrap`: 0 repeat, 1 mirror, 2 clamp.
 fn texel_pair(u: f32, count: u32, wrap: u32) -> TexelPair {
+    // The coordinate as it is wrapped, in texels; one beyond the border is the one at it, or at the other side.
     let mirrored = abs(u - 2.0 * floor(u * 0.5 + 0.5));
     var s = select(fract(u), mirrored, wrap == 1u);
     s = select(s, clamp(u, 0.0, 1.0), wrap == 2u) * f32(count) - 0.5;

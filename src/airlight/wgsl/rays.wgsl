@@ -3,7 +3,7 @@
 
 // Rays against the triangles of a scene, through hierarchies laid out by rays/words.py: one of all that is static,
 // in the world, and one of the instances that have moved, whose leaves lead to those of meshes. Who uses it binds
-// RAY_SLOTS (rays/slots.py).
+// RAY_SLOTS (rays/rays.py).
 
 override RAYS_MEET_MASKS: bool = true;      // whether any instance has holes
 override RAYS_MEET_INSTANCES: bool = true;  // whether any has moved

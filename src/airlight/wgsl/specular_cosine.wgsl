@@ -20,6 +20,7 @@ fn specular_cosine(view_cosine: f32, alpha: f32) -> SpecularCosine {
     let c = min(u32(column), COSINE_SIDE - 2u);
     let v = row - f32(r);
     let u = column - f32(c);
+    // Bilinear between four entries of the table: the inverse's numbers, then the albedos.
     let m = mix(mix(cosine_entry(r, c, 0u), cosine_entry(r, c + 1u, 0u), u),
         mix(cosine_entry(r + 1u, c, 0u), cosine_entry(r + 1u, c + 1u, 0u), u), v);
     let albedos = mix(mix(cosine_entry(r, c, 1u), cosine_entry(r, c + 1u, 1u), u),

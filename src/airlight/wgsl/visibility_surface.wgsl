@@ -38,6 +38,7 @@ struct PackedMaterial {
     maps: vec4u,        // as packed_maps_at has them
 }
 
+// A row of `MATERIAL` (surface/triangle_table.py): half floats, two to a word, then where the maps lie.
 fn material_of(index: u32) -> PackedMaterial {
     let bits = materials[index];
     let color = two_words(bits.x);
@@ -68,6 +69,8 @@ fn clip_xyw(p: vec4f) -> vec3f {
     return (params.clip_from_world * p).xyw;
 }
 
+// From the words of a triangle's row. Cross products in clip space are planes through the eye: a pixel's distances to
+// them are the shares of both edges, in perspective.
 fn corner_of(a: vec4u, b: vec4u, c_x: u32, world_from_object: mat4x4f) -> Corner {
     let p = bitcast<vec4f>(a);
     let e = bitcast<vec4f>(b);
@@ -84,6 +87,7 @@ fn corner_of(a: vec4u, b: vec4u, c_x: u32, world_from_object: mat4x4f) -> Corner
     return made;
 }
 
+// Three normals of three 16-bit numbers, two to a word, between which `at` is the share of each edge.
 fn normals_at(d: vec4u, e: vec4u, at: vec2f) -> vec3f {
     let p0 = unpack2x16snorm(d.w);
     let p1 = unpack2x16snorm(e.x);
