@@ -84,7 +84,7 @@ def _file_options() -> Iterator[Decorator]:
     yield _grouped(
         "model",
         "--sequence-fps",
-        type=Number(min=0.0, min_open=True, max=1e4),
+        type=Number(1e-3, 1e4),
         metavar="N",
         help="Of grids that follow each other, files or a file's times: how many are shown in a "
         "second.  [default: 24; of NetCDF and zarr 12]",

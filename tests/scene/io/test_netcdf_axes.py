@@ -1,4 +1,4 @@
-"""Which way dimensions go: by attributes, units and names; what is left gets what is left."""
+"""Which way dimensions go: by attributes, units and names; the others get the remaining letters."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def axes(*letters):
         (("X", "X", "Z"), "d2 d0 d1", SAID, "d0, d1 are y, x"),
     ],
 )
-def test_axes_that_say_nothing_get_what_is_left(letters, order, how, told):
+def test_axes_that_say_nothing_get_the_remaining_letters(letters, order, how, told):
     found, upright, doubts = lettered(axes(*letters), "a.nc")
     assert [axis.letter for axis in found] == ["Z", "Y", "X"]
     assert " ".join(axis.name for axis in found) == order and upright == how
