@@ -399,3 +399,11 @@ def test_packed_numbers_are_unpacked(tmp_path):
         grid = read_volume(written(data, tmp_path / f"a{ending}"))
         expected = np.nan_to_num(VALUES * 1e-3).transpose(1, 0, 2)[::-1]
         np.testing.assert_allclose(grid.density, expected, atol=1e-6)
+
+
+def test_a_grid_as_thin_as_a_needle_is_doubted(tmp_path):
+    said = "thin as a needle: look at the units of its axes"
+    for units, is_told in (("m", False), ("km", True)):
+        data = dataset(z=("z", [150.0, 250.0], {"units": units}))
+        grid = read_volume(written(data, tmp_path / "a.nc"))
+        assert any(said in text for text in grid.warnings) == is_told

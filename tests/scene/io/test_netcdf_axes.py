@@ -19,6 +19,7 @@ from airlight.scene.io.netcdf_axes import Axis, is_downwards, is_measured, lette
         ("p", {"standard_name": "longitude"}, "X"),
         ("p", {"positive": "down"}, "Z"),
         ("p", {"units": "hPa"}, "Z"),
+        ("p", {"units": "millibars"}, "Z"),
         ("p", {"units": "degrees_north"}, "Y"),
         ("p", {"units": "hours since 2000-01-01"}, "T"),
         ("p", {"units": "s"}, "T"),
@@ -70,7 +71,7 @@ def test_depths_grow_downwards_unless_they_say_otherwise_or_are_below_0():
 
 
 def test_units_that_say_where_cells_are():
-    for units in ("m", "Km", "metres", "hPa", "degrees_east"):
+    for units in ("m", "Km", "metres", "Micrometers", "hPa", "millibars", "degrees_east"):
         assert is_measured({"units": units}), units
     for units in ("", "1", "level", "K"):
         assert not is_measured({"units": units}), units

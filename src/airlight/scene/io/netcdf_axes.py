@@ -13,9 +13,13 @@ from typing import Any
 from ..checks import F64
 from .dense_grid import SAID, TAKEN
 
-METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "km": 1e3, "kilometre": 1e3, "kilometer": 1e3}
-METRES |= {"cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "ft": 0.3048}
-PASCALS = {"pa": 1.0, "hpa": 100.0, "mb": 100.0, "mbar": 100.0, "millibar": 100.0}
+_PREFIXES = {"": 1.0, "kilo": 1e3, "centi": 0.01, "milli": 1e-3, "micro": 1e-6, "nano": 1e-9}
+_METRES = {f"{name}{end}": by for name, by in _PREFIXES.items() for end in ("metre", "meter")}
+_METRES |= {"m": 1.0, "km": 1e3, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6}
+_METRES |= {"micron": 1e-6, "nm": 1e-9, "angstrom": 1e-10, "ft": 0.3048, "foot": 0.3048}
+_METRES |= {"feet": 0.3048}
+_PASCALS = {"pa": 1.0, "pascal": 1.0, "hpa": 100.0, "hectopascal": 100.0, "kpa": 1e3}
+_PASCALS |= {"mb": 100.0, "mbar": 100.0, "millibar": 100.0}
 _STANDARD = {
     "X": ("projection_x_coordinate", "longitude", "grid_longitude"),
     "Y": ("projection_y_coordinate", "latitude", "grid_latitude"),
@@ -60,6 +64,22 @@ class Axis:
     doubt: str = ""
 
 
+def metres_of(units: str) -> float | None:
+    """How many metres a unit of length is; None of others."""
+    return _known(units, _METRES)
+
+
+def pascals_of(units: str) -> float | None:
+    """How many pascals a unit of pressure is; None of others."""
+    return _known(units, _PASCALS)
+
+
+def _known(units: str, known: dict[str, float]) -> float | None:
+    """In the singular or the plural, in capitals or not."""
+    text = units.strip().lower().rstrip(".")
+    return known.get(text, known.get(text.rstrip("s")))
+
+
 def letter_of(name: str, attributes: dict[str, Any]) -> str:
     """Which way a dimension goes by its coordinate's attributes, else by its name; "" unknown."""
     # By the conventions' attributes, then by units, then by the name alone.
@@ -81,7 +101,7 @@ def letter_of(name: str, attributes: dict[str, Any]) -> str:
         return "X"
     if units.startswith(("degree_n", "degrees_n")):
         return "Y"
-    if units in PASCALS:
+    if pascals_of(units):
         return "Z"
     return next((letter for letter, like in _NAMED if like.match(name)), "")
 
@@ -116,9 +136,8 @@ def lettered(axes: list[Axis], file: str) -> tuple[list[Axis], str, tuple[str, .
 
 def is_measured(attributes: dict[str, Any]) -> bool:
     """Whether a coordinate's units say where its cells are: a length, a pressure or degrees."""
-    units = str(attributes.get("units", "")).strip().lower().rstrip(".")
-    is_known = units in METRES or units.rstrip("s") in METRES or units in PASCALS
-    return is_known or units.startswith("degree")
+    units = str(attributes.get("units", ""))
+    return bool(metres_of(units) or pascals_of(units)) or units.strip().lower().startswith("degree")
 
 
 def is_downwards(name: str, attributes: dict[str, Any], centres: F64 | None) -> bool:
