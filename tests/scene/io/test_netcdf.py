@@ -407,3 +407,20 @@ def test_a_grid_as_thin_as_a_needle_is_doubted(tmp_path):
         data = dataset(z=("z", [150.0, 250.0], {"units": units}))
         grid = read_volume(written(data, tmp_path / "a.nc"))
         assert any(said in text for text in grid.warnings) == is_told
+
+
+def test_corners_of_cells_are_no_grid(tmp_path):
+    data = dataset()
+    data["lat"] = (("y", "x"), VALUES[0], {"units": "degrees_north", "bounds": "lat_bnds"})
+    data["lat_bnds"] = (("y", "x", "corner"), np.zeros((3, 4, 4), np.float32))
+    path = written(data, tmp_path / "a.nc")
+    assert grid_names(path) == ["ql"] and load(path).volumes[0].density.max() == 23
+
+
+def test_numbers_that_were_never_written_are_missing(tmp_path):
+    values = VALUES.copy()
+    values[1, 2, 3] = 9.9692099683868690e36
+    grid = read_volume(written(dataset(values=values), tmp_path / "a.nc"))
+    assert grid.density.max() == 22 and "has 1 missing values" in " ".join(grid.warnings)
+    values[1, 2, 3] = 1e20
+    assert "stands for no value" in refusal(written(dataset("1", values), tmp_path / "b.nc"))

@@ -45,3 +45,12 @@ def test_a_map_of_two_dimensions_is_taken_as_straight():
         np.testing.assert_allclose(np.diff(x.centres), 0.1)
         said = "'lat' is curved, and taken as straight along 'j'"
         assert y.doubt == (said if bend else "")
+
+
+def test_levels_that_are_shares_of_the_pressure_are_pressures():
+    levels = np.array([1.0, 0.5, 0.1])
+    for name, said in (("sigma", ""), ("k", "atmosphere_hybrid_sigma_pressure_coordinate")):
+        made = variable(**{name: ("k", levels, {"standard_name": said, "positive": "down"})})
+        axis = axis_of(made, "k", {})
+        assert (axis.letter, axis.units, axis.is_down) == ("Z", "Pa", False)
+        np.testing.assert_allclose(axis.centres, 101325.0 * levels)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
-from .files import naming
 
 LARGEST_VALUE_COUNT = 1 << 30
 """Values in one grid, channels counted; more would need over 4 GiB."""
@@ -109,8 +108,12 @@ def warnings_of(density: F32, path: Path) -> tuple[str, ...]:
             where=path,
             remedy="A density is at least 0: numpy.clip.",
         )
-    with naming(path):
-        checks.at_most(density, checks.MOST, "its density")
+    if most > checks.MOST:
+        raise SceneError(
+            f"its density holds {most:g}, at most {checks.MOST:g} can be used",
+            where=path,
+            remedy="Write it in another unit. A number that stands for no value is to be 0.",
+        )
     return (f"{path.name} holds no density at all: there is nothing to see",) if most == 0 else ()
 
 

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from ...errors import SceneError
 from ..checks import F32, F64, Bounds
 from .dense_grid import box_of
-from .netcdf_axes import Axis, metres_of, pascals_of
+from .netcdf_axes import SEA_LEVEL_PA, Axis, metres_of, pascals_of
 
 LARGEST_SIDE = 2048
 _DEGREE_M = 111_195.0  # of latitude
 _SCALE_HEIGHT_M = 7400.0
-_SEA_LEVEL_PA = 101_325.0
-_NEEDLE = 50.0  # times as long as wide
+_NEEDLE, _SHEET = 50.0, 1e4
+"""How many times as long as wide, and as wide as deep; the air of the globe is 1e3."""
 _FAR = 10.0  # times its size from the origin: a grid is moved there
 
 
@@ -62,11 +62,13 @@ def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
         ends[k] = _near(ends[k], name, doubts)
     (west, e), (low, high), (south, n) = ends
     box = box_of((west, low, -n), (e, high, -south), "Write its coordinates")
+    # What is as thin as this shows next to nothing, and units that are mixed up make it.
     size = np.subtract(box[1], box[0])
-    # A sheet is a map of weather; a needle shows next to nothing, and two units mixed up make one.
-    if np.sort(size)[2] > _NEEDLE * np.sort(size)[1]:
-        long = " x ".join(f"{side:.3g}" for side in size)
-        doubts.append(f"it is {long} m large, thin as a needle: look at the units of its axes")
+    least, middle, most = np.sort(size)
+    if most > _NEEDLE * middle or middle > _SHEET * least:
+        large = " x ".join(f"{side:.3g}" for side in size)
+        shape = "needle" if most > _NEEDLE * middle else "sheet"
+        doubts.append(f"it is {large} m large, thin as a {shape}: look at the units of its axes")
     return Placed(turned, box, height, tuple(f"{file}: {text}" for text in doubts))
 
 
@@ -101,7 +103,7 @@ def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
                 remedy=f"Mend its units, which are {axis.units}, or leave those levels out.",
             )
         doubts.append(f"heights of '{axis.name}' are estimated from its pressures")
-        return np.asarray(_SCALE_HEIGHT_M * np.log(_SEA_LEVEL_PA / (centres * pascals)))
+        return np.asarray(_SCALE_HEIGHT_M * np.log(SEA_LEVEL_PA / (centres * pascals)))
     # Degrees of longitude shrink by the cosine of the latitude.
     if units.startswith("degree"):
         doubts.append(f"degrees of '{axis.name}' are taken as metres on a flat ground")

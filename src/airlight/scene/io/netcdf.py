@@ -36,6 +36,7 @@ _LIKELY: tuple[str, ...] = (
     "q_liquid",
 )
 _IN_SPACE = "A density has numbers along height, y and x, more than one along each."
+_NEVER_WRITTEN = np.float32(9.9692099683868690e36)  # NC_FILL_FLOAT and NC_FILL_DOUBLE
 _CELSIUS: tuple[str, ...] = ("degc", "deg_c", "celsius", "°c", "degree_c", "degrees_c")
 _CELSIUS += ("degree_celsius", "degrees_celsius", "degrees celsius")
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
@@ -98,9 +99,15 @@ def _names(dataset: Any) -> list[str]:
     # Numbers along three axes at least that have more than one cell; times are no direction.
     return [
         str(name)
-        for name, variable in dataset.data_vars.items()
+        for name, variable in _fields(dataset).items()
         if _directions(variable) >= 3 and variable.dtype.kind in "fiub"
     ]
+
+
+def _fields(dataset: Any) -> dict[Any, Any]:
+    """The variables by name, without those that say where the corners of cells are."""
+    corners = {variable.attrs.get("bounds") for variable in dataset.variables.values()}
+    return {name: found for name, found in dataset.data_vars.items() if name not in corners}
 
 
 def _directions(variable: Any) -> int:
@@ -114,7 +121,7 @@ def _chosen(dataset: Any, wanted: str) -> str:
     # A flat field is named with its dimensions: maps of clouds hold no heights.
     flat = dataset.data_vars.get(wanted)
     if flat is None and not names:
-        flat = max(dataset.data_vars.values(), key=lambda v: (v.ndim, v.size), default=None)
+        flat = max(_fields(dataset).values(), key=lambda v: (v.ndim, v.size), default=None)
     if wanted not in names and flat is not None and flat.dtype.kind not in "fiub":
         remedy = f"Grids: {', '.join(names[:20])}." if names else _IN_SPACE
         raise SceneError(f"its variable '{flat.name}' holds no numbers", remedy=remedy)
@@ -197,8 +204,11 @@ def _mended(
 ) -> tuple[NDArray[np.float32], tuple[str, ...]]:
     """Missing values as none, and what rounding left below 0."""
     told = []
-    missing = int(np.isnan(values).sum())
+    # What was never written holds a number of its own, that xarray takes for a value.
+    is_missing = np.isnan(values) | (values == _NEVER_WRITTEN)
+    missing = int(is_missing.sum())
     if missing:
+        values = np.where(is_missing, np.float32(np.nan), values)
         values = np.nan_to_num(values, nan=0.0, posinf=np.inf, neginf=-np.inf)
         told.append(f"{file}: '{name}' has {missing:,} missing values, taken as 0")
     least, most = float(values.min(initial=0.0)), float(values.max(initial=0.0))

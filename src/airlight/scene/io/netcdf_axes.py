@@ -20,6 +20,7 @@ _METRES |= {"micron": 1e-6, "nm": 1e-9, "angstrom": 1e-10, "ft": 0.3048, "foot":
 _METRES |= {"feet": 0.3048}
 _PASCALS = {"pa": 1.0, "pascal": 1.0, "hpa": 100.0, "hectopascal": 100.0, "kpa": 1e3}
 _PASCALS |= {"mb": 100.0, "mbar": 100.0, "millibar": 100.0}
+SEA_LEVEL_PA = 101_325.0
 _STANDARD = {
     "X": ("projection_x_coordinate", "longitude", "grid_longitude"),
     "Y": ("projection_y_coordinate", "latitude", "grid_latitude"),

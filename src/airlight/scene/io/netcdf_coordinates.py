@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import F64
-from .netcdf_axes import Axis, is_downwards, is_measured, letter_of
+from .netcdf_axes import SEA_LEVEL_PA, Axis, is_downwards, is_measured, letter_of
 
 _STRAIGHT = 0.01  # of a coordinate's span: it may change by that along another dimension
 
@@ -39,7 +39,16 @@ def axis_of(variable: Any, name: str, lines: dict[str, F64]) -> Axis:
     letter = letter_of(found.name, found.attributes)
     is_down = is_downwards(found.name, found.attributes, found.centres)
     units = str(found.attributes.get("units", ""))
+    if _is_sigma(found):
+        return Axis(name, "Z", size, found.centres * SEA_LEVEL_PA, "Pa", doubt=found.doubt)
     return Axis(name, letter, size, found.centres, units, is_down, found.doubt)
+
+
+def _is_sigma(line: _Line) -> bool:
+    """Whether numbers are shares of the pressure at the ground, as levels of models are."""
+    said = str(line.attributes.get("standard_name", ""))
+    is_named = line.name.lower() == "sigma" or ("atmosphere" in said and "sigma" in said)
+    return is_named and 0.0 < float(line.centres.min()) <= float(line.centres.max()) <= 1.1
 
 
 def _own_or_beside(variable: Any, name: str) -> _Line | None:
