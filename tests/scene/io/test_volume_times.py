@@ -68,3 +68,12 @@ def test_times_of_a_file_follow_each_other_as_asked(tmp_path):
     assert "sequence_fps is left out" in " ".join(
         load(even, grid="density[2]", sequence_fps=3).warnings
     )
+
+
+def test_a_scene_file_that_is_written_shows_as_many_a_second(tmp_path):
+    smoke(tmp_path)
+    for number, (name, fps) in enumerate((("smoke.*.npy", 2.0), ("smoke.0001.npy", None))):
+        out = tmp_path / f"out{number}.toml"
+        assert run(["convert", str(tmp_path / name), str(out), "--sequence-fps", "2"]) == 0
+        moving = load(out).animation
+        assert (moving and moving.fps) == fps
