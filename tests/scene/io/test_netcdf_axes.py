@@ -25,6 +25,7 @@ from airlight.scene.io.netcdf_axes import Axis, is_downwards, is_measured, lette
         ("p", {"units": "s"}, "T"),
         ("p", {"units": "minutes"}, "T"),
         ("p", {"units": "m"}, ""),
+        ("z", {"units": "s"}, "Z"),
         ("ocean_time", {}, "T"),
         ("step", {}, "T"),
         ("altitude", {}, "Z"),
@@ -49,7 +50,7 @@ def axes(*letters):
     [
         ("XYZ", "d2 d1 d0", SAID, ""),
         (("", "", "Z"), "d2 d0 d1", SAID, "d0, d1 are y, x"),
-        (("X", "", "Y"), "d1 d2 d0", SAID, "d1 are height"),
+        (("X", "", "Y"), "d1 d2 d0", SAID, "d1 is height"),
         (("", "", ""), "d0 d1 d2", TAKEN, "d0, d1, d2 are height, y, x (--up y takes d1 as up)"),
         (("X", "", ""), "d1 d2 d0", TAKEN, "d1, d2 are height, y (--up y takes d2 as up)"),
         (("X", "X", "Z"), "d2 d0 d1", SAID, "d0, d1 are y, x"),

@@ -96,7 +96,7 @@ def letter_of(name: str, attributes: dict[str, Any]) -> str:
     if _UPWARDS.search(said) or str(attributes.get("positive", "")).lower() in ("up", "down"):
         return "Z"
     # Units tell times, degrees and pressures apart.
-    if " since " in units or units in _OF_TIME or units.rstrip("s") in _OF_TIME:
+    if " since " in units:
         return "T"
     if units.startswith(("degree_e", "degrees_e")):
         return "X"
@@ -104,7 +104,10 @@ def letter_of(name: str, attributes: dict[str, Any]) -> str:
         return "Y"
     if pascals_of(units):
         return "Z"
-    return next((letter for letter, like in _NAMED if like.match(name)), "")
+    named = next((letter for letter, like in _NAMED if like.match(name)), "")
+    # Seconds alone say it of an axis without a name: soundings have heights in them.
+    is_time = units in _OF_TIME or units.rstrip("s") in _OF_TIME
+    return named or ("T" if is_time else "")
 
 
 def lettered(axes: list[Axis], file: str) -> tuple[list[Axis], str, tuple[str, ...]]:
@@ -127,7 +130,8 @@ def lettered(axes: list[Axis], file: str) -> tuple[list[Axis], str, tuple[str, .
     if not others:
         return order, SAID, ()
     names, letters = ", ".join(a.name for a in others), ", ".join(_CALLED[a.letter] for a in others)
-    text = f"{file} does not say which way its axes go: {names} are {letters}"
+    verb = "is" if len(others) == 1 else "are"
+    text = f"{file} does not say which way its axes go: {names} {verb} {letters}"
     # Beside two axes that are known the third is what they are not.
     if "Z" in known or len(others) == 1:
         return order, SAID, (text.replace("its axes go", "all of its axes go"),)
