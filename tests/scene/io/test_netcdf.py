@@ -401,12 +401,18 @@ def test_packed_numbers_are_unpacked(tmp_path):
         np.testing.assert_allclose(grid.density, expected, atol=1e-6)
 
 
-def test_a_grid_as_thin_as_a_needle_is_doubted(tmp_path):
-    said = "thin as a needle: look at the units of its axes"
-    for units, is_told in (("m", False), ("km", True)):
-        data = dataset(z=("z", [150.0, 250.0], {"units": units}))
-        grid = read_volume(written(data, tmp_path / "a.nc"))
-        assert any(said in text for text in grid.warnings) == is_told
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [
+        ("m", ""),
+        ("km", "thin as a needle: look at the units of its axes"),
+        ("mm", "or stretch it by scale = [1, 200, 1] of a [[volume]]"),
+    ],
+)
+def test_a_grid_that_shows_next_to_nothing_is_told(tmp_path, units, said):
+    data = dataset(z=("z", [150.0, 250.0], {"units": units}))
+    told = " ".join(read_volume(written(data, tmp_path / "a.nc")).warnings)
+    assert said in told and ("thin as a" in told) == bool(said)
 
 
 def test_corners_of_cells_are_no_grid(tmp_path):

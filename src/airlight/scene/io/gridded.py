@@ -20,8 +20,7 @@ from .netcdf_axes import SEA_LEVEL_PA, Axis, metres_of, pascals_of
 LARGEST_SIDE = 2048
 _DEGREE_M = 111_195.0  # of latitude
 _SCALE_HEIGHT_M = 7400.0
-_NEEDLE, _SHEET = 50.0, 1e4
-"""How many times as long as wide, and as wide as deep; the air of the globe is 1e3."""
+_NEEDLE, _SHEET = 50.0, 300.0  # times as long as wide, and as wide as deep
 _FAR = 10.0  # times its size from the origin: a grid is moved there
 
 
@@ -62,14 +61,24 @@ def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
         ends[k] = _near(ends[k], name, doubts)
     (west, e), (low, high), (south, n) = ends
     box = box_of((west, low, -n), (e, high, -south), "Write its coordinates")
-    # What is as thin as this shows next to nothing, and units that are mixed up make it.
-    size = np.subtract(box[1], box[0])
-    least, middle, most = np.sort(size)
-    if most > _NEEDLE * middle or middle > _SHEET * least:
-        large = " x ".join(f"{side:.3g}" for side in size)
-        shape = "needle" if most > _NEEDLE * middle else "sheet"
-        doubts.append(f"it is {large} m large, thin as a {shape}: look at the units of its axes")
+    doubts += _thin(np.subtract(box[1], box[0]))
     return Placed(turned, box, height, tuple(f"{file}: {text}" for text in doubts))
+
+
+def _thin(size: F64) -> list[str]:
+    """What to tell of a box (3,), metres, so thin that it shows next to nothing.
+
+    Units that are mixed up make one, and the air of large maps is one.
+    """
+    least, middle, most = np.sort(size)
+    large = f"it is {' x '.join(f'{side:.3g}' for side in size)} m large, thin as a"
+    if most > _NEEDLE * middle:
+        return [f"{large} needle: look at the units of its axes"]
+    if middle > _SHEET * least:
+        factor = [f"{middle / (10.0 * least):.1g}" if side == least else "1" for side in size]
+        by = f"scale = [{', '.join(f'{float(f):g}' for f in factor)}] of a [[volume]]"
+        return [f"{large} sheet: look at the units of its axes, or stretch it by {by}"]
+    return []
 
 
 def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
