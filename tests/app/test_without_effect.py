@@ -38,6 +38,7 @@ OPTIONS = {
     "--param": ["--param", "size=2"],
     "--grid": ["--grid", "smoke"],
     "--channels": ["--channels", "g"],
+    "--sequence-fps": ["--sequence-fps", "2"],
 }
 EXPECTED = {
     "model.obj": [
@@ -48,6 +49,7 @@ EXPECTED = {
         DOES,
         DOES,
         FOR_MITSUBA,
+        FOR_GRIDS,
         FOR_GRIDS,
         FOR_GRIDS,
     ],
@@ -61,6 +63,7 @@ EXPECTED = {
         FOR_MITSUBA,
         FOR_GRIDS,
         FOR_GRIDS,
+        FOR_GRIDS,
     ],
     "smoke.npy": [
         DOES,
@@ -72,6 +75,7 @@ EXPECTED = {
         FOR_MITSUBA,
         "its only grid has no name",
         "there is no channel 'g'",
+        "sequence_fps is left out",
     ],
     "scene.toml": [
         FOR_FILES,
@@ -83,8 +87,20 @@ EXPECTED = {
         FOR_MITSUBA,
         FOR_GRIDS,
         FOR_GRIDS,
+        FOR_GRIDS,
     ],
-    "scene.xml": [FOR_FILES, FOR_FILES, FOR_MESHES, DOES, SAYS, ALONE, DOES, FOR_GRIDS, FOR_GRIDS],
+    "scene.xml": [
+        FOR_FILES,
+        FOR_FILES,
+        FOR_MESHES,
+        DOES,
+        SAYS,
+        ALONE,
+        DOES,
+        FOR_GRIDS,
+        FOR_GRIDS,
+        FOR_GRIDS,
+    ],
     "builtin:cornell": [
         FOR_FILES,
         FOR_FILES,
@@ -93,6 +109,7 @@ EXPECTED = {
         SAYS,
         ALONE,
         FOR_MITSUBA,
+        FOR_GRIDS,
         FOR_GRIDS,
         FOR_GRIDS,
     ],

@@ -58,7 +58,8 @@ def _file_options() -> Iterator[Decorator]:
         "model",
         "--up",
         type=click.Choice(["y", "z"]),
-        help="Of a mesh file or grid: the axis that points upwards.  [default: y]",
+        help="Of a mesh file or grid: the axis that points upwards.  [default: what a grid's axes "
+        "say, else y]",
     )
     yield _grouped(
         "model",
@@ -79,6 +80,14 @@ def _file_options() -> Iterator[Decorator]:
         "--channels",
         type=click.Choice(["r", "g", "b", "a"]),
         help="Of a grid with several channels: which is the density.",
+    )
+    yield _grouped(
+        "model",
+        "--sequence-fps",
+        type=Number(1e-3, 1e4),
+        metavar="N",
+        help="Of grids that follow each other, files or a file's times: how many are shown in a "
+        "second.  [default: 24; of NetCDF and zarr 12]",
     )
     yield _grouped(
         "model",

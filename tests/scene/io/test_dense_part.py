@@ -10,6 +10,7 @@ import pytest
 from airlight.scene import Emission, Mesh, Scene, Volume
 from airlight.scene.animation import Animation
 from airlight.scene.animation.density import MadeDensity, VolumeTrack
+from airlight.scene.io import load
 from airlight.scene.io.defaults import with_default_camera
 from airlight.scene.io.dense_part import dense_box
 from airlight.scene.shapes import box
@@ -63,6 +64,28 @@ def test_what_grows_is_framed_whole():
     moving = Animation((VolumeTrack(0, MadeDensity(grown, 1.0)),))
     low, high = dense_box(Scene(volumes=(of(grown(0.0)),), animation=moving))
     np.testing.assert_allclose((low, high), BOX, atol=0.4)
+
+
+def test_each_of_the_files_of_a_sequence_is_framed(tmp_path):
+    """A puff that is elsewhere in one of many files."""
+    count, odd = 30, 11
+    for k in range(count):
+        where = slice(18, 20) if k == odd else slice(0, 2)
+        np.save(tmp_path / f"a{k:02d}.npy", grid((where, where, where), shape=(20, 20, 20)))
+    low, high = dense_box(load(tmp_path))
+    np.testing.assert_allclose((low, high), ((-1, -1, -1), (1, 1, 1)), atol=0.02)
+
+
+def test_of_large_grids_a_few_files_are_framed(tmp_path, monkeypatch):
+    seen = []
+    for k in range(30):
+        np.save(tmp_path / f"a{k:02d}.npy", np.ones((4, 4, 4), np.float32))
+    scene, at = load(tmp_path), Scene.at
+    monkeypatch.setattr(Scene, "at", lambda self, time: (seen.append(time), at(self, time))[1])
+    monkeypatch.setattr("airlight.scene.io.dense_part._VOXELS", 500)
+    dense_box(scene)
+    # Evenly through them, at the very times of files, and the last one.
+    np.testing.assert_allclose(np.array(seen) * 24, np.linspace(0, 29, 7).round())
 
 
 def test_a_small_cloud_in_a_large_domain_fills_the_view():

@@ -8,13 +8,14 @@ from airlight.errors import SceneError
 from airlight.scene.io.model_options import fitting_options, model_keys
 
 ALL = {"up": "z", "scale": 2.0, "grid": "ql", "channels": "r", "variant": "red"}
+ALL["sequence_fps"] = 6.0
 ALL |= {"parameters": {"spp": 4}, "sun": "30,120", "ground": True}
 
 
 @pytest.mark.parametrize(
     ("file", "names"),
     [
-        ("a.vdb", {"up", "scale", "grid", "channels"}),
+        ("a.vdb", {"up", "scale", "grid", "channels", "sequence_fps"}),
         ("a.GLB", {"up", "scale", "variant"}),
         ("a.xml", {"parameters"}),
         ("a.toml", set()),

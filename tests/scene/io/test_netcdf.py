@@ -146,7 +146,7 @@ def test_a_map_by_time_is_no_grid_and_time_is_no_height(tmp_path):
     flat = dataset(values=VALUES, dims=("time", "y", "x"), time=("time", [0.0, 60.0]), name="cod")
     path = written(flat, tmp_path / "a.nc")
     assert grid_names(path) == []
-    with pytest.raises(SceneError, match=r"'cod': that is time \(2\) x y \(3\) x x \(4\)"):
+    with pytest.raises(SceneError, match=r"'cod': that is time \(2 times\) x y \(3\) x x \(4\)"):
         read_volume(path)
     both = times(VALUES, VALUES)
     both["cod"] = flat["cod"]
@@ -350,3 +350,83 @@ def test_what_cannot_be_read_is_one_message(tmp_path):
             read_volume(tmp_path / name)
         assert message in str(caught.value), caught.value
     assert grid_names(tmp_path / "g.nc") == ["a", "b"]
+
+
+def refusal(path, name="density") -> str:
+    with pytest.raises(SceneError) as caught:
+        load(path) if name == "density" else read_volume(path, name)
+    assert str(path) in str(caught.value)
+    return str(caught.value)
+
+
+def test_what_is_no_grid_is_told_with_what_to_do(tmp_path):
+    import xarray
+
+    dataset().to_netcdf(tmp_path / "group.nc4", engine="h5netcdf", group="run1")
+    assert "in groups (run1), which are not read" in refusal(tmp_path / "group.nc4")
+    dataset().to_zarr(tmp_path / "group.zarr", group="run2", zarr_format=2)
+    assert "group='run2'" in refusal(tmp_path / "group.zarr")
+    (tmp_path / "empty.nc").write_bytes(b"")
+    assert "is empty" in refusal(tmp_path / "empty.nc")
+    flat = xarray.Dataset({"ql": (("y", "x"), VALUES[0])})
+    assert "more than one along each" in refusal(written(flat, tmp_path / "flat.nc"))
+    text = xarray.Dataset({"ql": (("z", "y", "x"), VALUES.astype("U2"))})
+    assert "'ql' holds no numbers" in refusal(written(text, tmp_path / "text.nc4"))
+    many = dataset(values=np.stack([VALUES] * 2, -1), dims=("z", "y", "x", "member"))
+    assert "isel(member=0)" in refusal(written(many, tmp_path / "many.nc"))
+    faint = dataset("1", VALUES * 1e-30)
+    assert "too small to be seen" in refusal(written(faint, tmp_path / "faint.nc"))
+    for heights, remedy in (([1.0, 1.0], "drop_duplicates('z')"), ([1.0, 1e30], "larger unit")):
+        odd = dataset(z=("z", heights, {"units": "m"}))
+        assert remedy in refusal(written(odd, tmp_path / "odd.nc"))
+    swapped = dataset(x=("x", [1.0, 3.0, 2.0, 4.0], {"units": "m"}))
+    assert "sortby('x')" in refusal(written(swapped, tmp_path / "swapped.nc"))
+
+
+def test_longitudes_go_on_beyond_360_degrees(tmp_path):
+    lon = ("x", [359.8, 359.9, 0.0, 0.1], {"units": "degrees_east"})
+    lat = ("y", [-0.1, 0.0, 0.1], {"units": "degrees_north"})
+    grid = read_volume(written(dataset(x=lon, y=lat), tmp_path / "a.nc"))
+    np.testing.assert_allclose(np.subtract(*grid.bounds[::-1])[0], 0.4 * 111195, rtol=1e-3)
+
+
+def test_packed_numbers_are_unpacked(tmp_path):
+    data = dataset("kg m-3", VALUES * 1e-3)
+    packing = {"dtype": "int16", "scale_factor": 1e-3, "add_offset": 0.01, "_FillValue": -999}
+    data["ql"].encoding = packing
+    data["ql"].values[0, 0, 0] = np.nan
+    for ending in (".nc", ".nc4"):
+        grid = read_volume(written(data, tmp_path / f"a{ending}"))
+        expected = np.nan_to_num(VALUES * 1e-3).transpose(1, 0, 2)[::-1]
+        np.testing.assert_allclose(grid.density, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("units", "said"),
+    [
+        ("m", ""),
+        ("km", "thin as a needle: look at the units of its axes"),
+        ("mm", "or stretch it by scale = [1, 200, 1] of a [[volume]]"),
+    ],
+)
+def test_a_grid_that_shows_next_to_nothing_is_told(tmp_path, units, said):
+    data = dataset(z=("z", [150.0, 250.0], {"units": units}))
+    told = " ".join(read_volume(written(data, tmp_path / "a.nc")).warnings)
+    assert said in told and ("thin as a" in told) == bool(said)
+
+
+def test_corners_of_cells_are_no_grid(tmp_path):
+    data = dataset()
+    data["lat"] = (("y", "x"), VALUES[0], {"units": "degrees_north", "bounds": "lat_bnds"})
+    data["lat_bnds"] = (("y", "x", "corner"), np.zeros((3, 4, 4), np.float32))
+    path = written(data, tmp_path / "a.nc")
+    assert grid_names(path) == ["ql"] and load(path).volumes[0].density.max() == 23
+
+
+def test_numbers_that_were_never_written_are_missing(tmp_path):
+    values = VALUES.copy()
+    values[1, 2, 3] = 9.9692099683868690e36
+    grid = read_volume(written(dataset(values=values), tmp_path / "a.nc"))
+    assert grid.density.max() == 22 and "has 1 missing values" in " ".join(grid.warnings)
+    values[1, 2, 3] = 1e20
+    assert "stands for no value" in refusal(written(dataset("1", values), tmp_path / "b.nc"))

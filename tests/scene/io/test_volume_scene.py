@@ -40,7 +40,7 @@ def test_a_bare_grid_gets_a_camera_daylight_and_a_word_about_its_depth(tmp_path)
     stops = scene.camera.exposure_stops
     assert stops is not None and stops < -2.0  # by the light that was added
     assert scene.camera == replace(framing_box(*dense_box(scene)), exposure_stops=stops)
-    assert scene.warnings[-1] == (
+    assert scene.warnings[-2] == (
         f"plume.npy says nothing about light: sigma_t = {volume.sigma_t[0]:g} m^-1 and albedo = "
         "0.9 were chosen; a scene file with [[volume]] sets them"
     )

@@ -161,3 +161,24 @@ def test_a_sequence_may_grow_and_move(tmp_path):
         np.testing.assert_array_equal(found.density, grid.density)
     # Half of each where they meet, on a box around both.
     assert scene.at(0.5).volumes[0].density.shape == (4, 3, 4)
+
+
+def test_points_that_follow_each_other_downwards_are_turned_round(tmp_path):
+    text = " ".join(f"{v:g}" for v in VALUES.ravel())
+    path = tmp_path / "a.vti"
+    path.write_bytes(vti(element("ascii", text), image='Origin="0 0 5" Spacing="1 1 -2"'))
+    grid = read_volume(path)
+    np.testing.assert_array_equal(grid.density, VALUES[::-1])
+    np.testing.assert_allclose(grid.bounds, ((-0.5, -0.5, 2), (3.5, 2.5, 6)))
+
+
+def test_a_spacing_that_means_nothing_and_a_flat_image_are_told(tmp_path):
+    text = " ".join(f"{v:g}" for v in VALUES.ravel())
+    path = tmp_path / "a.vti"
+    for spacing, said in (("1 1 0", "its Spacing '1 1 0' has a 0"), ("1 1 1e12", "larger unit")):
+        path.write_bytes(vti(element("ascii", text), image=f'Spacing="{spacing}"'))
+        with pytest.raises(SceneError, match=said):
+            read_volume(path)
+    flat = " ".join(f"{v:g}" for v in VALUES[0].ravel())
+    path.write_bytes(vti(element("ascii", flat), extent="0 3 0 2 0 0"))
+    assert "a.vti is flat: it has one layer along z" in read_volume(path).warnings

@@ -80,7 +80,11 @@ def shown_by(options: Mapping[str, Any]) -> dict[str, Any]:
 @click.option("--frames", metavar="N|A-B", help="How many, or which: 0-59.  [default: all]")
 @click.option("--start", "start_s", type=SECONDS, metavar="SECONDS", help="The first frame's time.")
 @click.option("--end", "end_s", type=SECONDS, metavar="SECONDS", help="When it ends.")
-@click.option("--fps", type=Number(1e-3, 1e4), help="Frames per second.")
+@click.option(
+    "--fps",
+    type=Number(1e-3, 1e4),
+    help="Frames per second; --sequence-fps says how fast grids follow each other.",
+)
 @camera_options()
 @display_options()
 @frame_kind_options()

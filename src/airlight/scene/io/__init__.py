@@ -26,9 +26,11 @@ images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes b
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
                  texture_bake draws one again where gltf_frames brings coordinates together
 volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree, vti
-                 and netcdf, netcdf_* (gridded: its axes, cloud_water: its units) -> dense_grid;
-                 coefficient_files, emission_files: the grids beside a density; grid_series: those
-                 of a folder; grid_times: those of a sequence; volume_scene: grids as a scene
+                 and netcdf, netcdf_* (_coordinates and _axes: where cells are, and which way they
+                 go, gridded: in metres, cloud_water: their units) -> dense_grid; upright: which way
+                 is up; coefficient_files, emission_files: the grids beside a density; grid_series:
+                 those of a folder; grid_times: those of a sequence; volume_scene: grids as a scene,
+                 volume_times: that follow each other
 model_options    what may be asked for beside each kind of file
 defaults         a camera where there is none: framing, viewpoint, by the scene's outline, or the
                  dense_part of air; where there is no light a studio, in rooms daylight; ground
@@ -60,27 +62,42 @@ OTHER_SUFFIXES = (".fbx", ".dae", ".blend", ".3ds", ".abc")
 """Of other programs' scenes, which are not read."""
 _BUILTIN = "For a scene that ships with airlight, write builtin:NAME."
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
+_AS_GRIDS = {
+    **dict.fromkeys(
+        (".vtk", ".vtu", ".vtr", ".vts", ".pvti", ".pvd"),
+        "Save it as .vti: ParaView's filter Resample To Image makes a grid of it.",
+    ),
+    **dict.fromkeys((".grib", ".grib2", ".grb", ".grb2"), "Write it as .nc, by xarray and cfgrib."),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf"), "Write it as .nc, by xarray's to_netcdf."),
+    **dict.fromkeys(
+        (".tif", ".tiff", ".nii", ".nrrd", ".mhd", ".fits", ".mat", ".raw"),
+        "Write its numbers as .npy (z, y, x), by numpy.save.",
+    ),
+}
+"""Of files of grids that are not read: what is."""
 SCENE_SUFFIXES = (".toml", ".xml", *MESH_SUFFIXES, *VOLUME_SUFFIXES)
 
 
 def load(
     path: str | Path,
     *,
-    up: Literal["y", "z"] = "y",
+    up: Literal["y", "z"] | None = None,
     scale: float = 1.0,
     variant: str | None = None,
     grid: str | None = None,
     channels: str | None = None,
+    sequence_fps: float | None = None,
     sun: Sky | str | None = None,
     ground: bool | None = False,
     parameters: Mapping[str, Any] | None = None,
 ) -> Scene:
     """A scene from the file at `path`, or from `builtin:NAME`. A folder of grids is a sequence.
 
-    Of a mesh file or a density grid, `up` is the axis that points upwards and `scale` how many
-    metres its unit is; of a glTF file `variant` names one of its material variants. `grid` and
-    `channels` choose among several grids of a file, as keys of a [[volume]] do. Scene files say
-    so themselves, and grids of NetCDF and zarr which way is up. Coefficients of a grid are per
+    Of a mesh file or a density grid, `up` is the axis that points upwards (None: y, unless the file
+    says it) and `scale` how many metres its unit is; of a glTF file `variant` names one of its
+    material variants. `grid` and `channels` choose among several grids of a file, and of grids that
+    follow each other `sequence_fps` are shown in a second (None: 24, of NetCDF and zarr 12), as
+    keys of a [[volume]] have it. Scene files say so themselves. Coefficients of a grid are per
     metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
     $names in a Mitsuba file; they win over its defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
@@ -96,15 +113,9 @@ def load(
 
     # Options that do not go with this kind of file are refused before anything is read.
     written = checks.path_text(path, "a scene that is loaded")
-    model = model_keys(
-        written,
-        up=up,
-        scale=scale,
-        variant=variant,
-        grid=grid,
-        channels=channels,
-        parameters=parameters,
-    )
+    asked = {"up": up, "scale": scale, "variant": variant, "grid": grid, "channels": channels}
+    asked["sequence_fps"] = sequence_fps
+    model = model_keys(written, parameters=parameters, **asked)
     sky = chosen_sky(sun)
     # Scenes that ship are made, not read; like scene files they say everything themselves.
     if written.startswith(BUILTIN_PREFIX):
@@ -225,7 +236,9 @@ def _mesh_reader(file: Path) -> Callable[[Path], Scene]:
     raise SceneError(
         f"a scene file cannot end in '{file.suffix}'",
         where=file,
-        remedy=_EXPORT if suffix in OTHER_SUFFIXES else nearest(suffix, SCENE_SUFFIXES),
+        remedy=_EXPORT
+        if suffix in OTHER_SUFFIXES
+        else _AS_GRIDS.get(suffix, nearest(suffix, SCENE_SUFFIXES)),
     )
 
 

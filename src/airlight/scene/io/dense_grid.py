@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError, nearest
-from ..checks import F64, Bounds
+from .. import checks
+from ..checks import F32, F64, Bounds
 
 LARGEST_VALUE_COUNT = 1 << 30
 """Values in one grid, channels counted; more would need over 4 GiB."""
+SAID, TAKEN = "said", "taken"
+"""Of which axis is the height of a grid: the file says it, or the first one stands for it."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +39,8 @@ class DenseGrid:
 
     `bounds` is its box in metres, None where the file has none; `world_from_volume` (4, 4) comes
     after it. `optics` is None where the file's units say nothing of light, `time` where it is
-    static, else which of its times this is.
+    static, else which of its times this is. `upright`: whether height goes along +Y because the
+    file says it (SAID), or since an axis that has no name was TAKEN; else the axes are as they are.
     """
 
     values: NDArray[Any]
@@ -43,6 +49,7 @@ class DenseGrid:
     warnings: tuple[str, ...] = ()
     optics: Optics | None = None
     time: int | None = None
+    upright: str = ""
 
 
 def check_count(count: int) -> None:
@@ -52,6 +59,15 @@ def check_count(count: int) -> None:
             f"has {count:,} values, at most {LARGEST_VALUE_COUNT:,} can be used",
             remedy="Downsample it.",
         )
+
+
+def box_of(low: Any, high: Any, how: str) -> Bounds:
+    """The box from `low` to `high` (3,), metres. Raises SceneError, with `how` that is mended."""
+    try:
+        return checks.bounds((low, high), "its box")
+    except SceneError as error:
+        remedy = f"{how} so that lengths are metres, or in a larger unit and give the grid a scale."
+        raise SceneError(error.problem, remedy=remedy) from None
 
 
 def chosen_name(wanted: str, names: list[str], likely: tuple[str, ...]) -> str:
@@ -70,6 +86,35 @@ def chosen_name(wanted: str, names: list[str], likely: tuple[str, ...]) -> str:
         known = nearest(wanted, names)
         raise SceneError(f"has no grid '{wanted}'", remedy=known + HOW)
     return found[0]
+
+
+def warnings_of(density: F32, path: Path) -> tuple[str, ...]:
+    """Warnings of values that mean nothing. Raises SceneError for those that cannot be used."""
+    if density.size == 0:
+        raise SceneError(f"is empty: its shape is {density.shape}", where=path)
+    # A minimum and a maximum see NaN as well, without a mask of the whole grid.
+    least, most = float(density.min()), float(density.max())
+    if not math.isfinite(least) or not math.isfinite(most):
+        count = int((~np.isfinite(density)).sum())
+        raise SceneError(
+            f"{count:,} of its {density.size:,} values {'is' if count == 1 else 'are'} NaN or "
+            "infinite",
+            where=path,
+            remedy="Repair it: numpy.nan_to_num makes them 0.",
+        )
+    if least < 0.0:
+        raise SceneError(
+            f"has negative densities, down to {least:g}",
+            where=path,
+            remedy="A density is at least 0: numpy.clip.",
+        )
+    if most > checks.MOST:
+        raise SceneError(
+            f"its density holds {most:g}, at most {checks.MOST:g} can be used",
+            where=path,
+            remedy="Write it in another unit. A number that stands for no value is to be 0.",
+        )
+    return (f"{path.name} holds no density at all: there is nothing to see",) if most == 0 else ()
 
 
 HOW = ' --grid NAME, or grid = "NAME" of a [[volume]] in a scene file, chooses one.'

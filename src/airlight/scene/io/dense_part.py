@@ -9,12 +9,16 @@ import numpy as np
 
 from ...errors import SceneError
 from ...maths.transforms import box_corners, transformed
+from ..animation import Animation
 from ..animation.density import VolumeTrack
 from ..checks import F32, F64
 from ..scene import Scene
 from ..volume import Volume
 
-_MOMENTS = 5
+_MOMENTS, _MOST_MOMENTS = 5, 48
+_VOXELS = 1 << 25
+"""Of all moments that are looked at together, unless their grids are so large that _MOMENTS have
+more."""
 _LEFT_OUT = 0.005
 """Of all there is, beyond each of a box's six sides."""
 _ROOM = 0.03
@@ -24,8 +28,9 @@ _ROOM = 0.03
 def dense_box(scene: Scene) -> tuple[F64, F64]:
     """Lower and upper corner (3,), metres, of the boxes that hold nearly all of each volume.
 
-    What glows counts as well as what is dense; of what moves, a few moments. Scenes of empty
-    grids have `whole_bounds`.
+    What glows counts as well as what is dense; of files that follow each other all are looked at,
+    of many or large ones some, evenly through them, and the last; of what moves otherwise a few
+    moments. Scenes of empty grids have `whole_bounds`.
     """
     found = [_corners(v) for moment in _moments(scene) for v in moment.volumes if _holds_any(v)]
     if not found:
@@ -51,7 +56,7 @@ def air_beside(scene: Scene, points: F64) -> F64:
 
 
 def _moments(scene: Scene) -> Iterator[Scene]:
-    """The scene, and as it is at a few more times where its volumes change.
+    """The scene, and as it is at more times where its volumes change.
 
     A file that cannot be read is told of when it is shown.
     """
@@ -59,9 +64,24 @@ def _moments(scene: Scene) -> Iterator[Scene]:
     moving = scene.animation
     if moving is None or not any(isinstance(track, VolumeTrack) for track in moving.tracks):
         return
-    for time in np.linspace(moving.start_s, moving.last_s, _MOMENTS):
+    # Between them grids are mixed, and fill no more than the two boxes: each file's own time, as
+    # many as are read soon.
+    size = max((v.density.size for v in scene.volumes if v.density is not None), default=0)
+    most = int(np.clip(_VOXELS // max(size, 1), _MOMENTS, _MOST_MOMENTS))
+    for time in _times(moving, most):
         with suppress(SceneError):
             yield scene.at(float(time))
+
+
+def _times(moving: Animation, most: int) -> F64:
+    """Seconds at which an animation is looked at, at most `most`: those of its files where it has
+    any, else a few."""
+    count, start_s, fps = moving.steps
+    if not count:
+        return np.linspace(moving.start_s, moving.last_s, _MOMENTS)
+    # Files before the start, as those without any density, are not shown.
+    numbers = np.unique(np.linspace(0, count - 1, min(most, count)).round())
+    return np.clip(start_s + numbers / fps, moving.start_s, moving.last_s).astype(np.float64)
 
 
 def _grids(volume: Volume) -> list[F32]:

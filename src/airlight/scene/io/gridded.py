@@ -1,13 +1,11 @@
-"""Axes of scientific grids: which dimension points where, in metres, and evenly spaced.
+"""Scientific grids in the world: their axes in metres, and evenly spaced.
 
-Conventions: CF (axis, standard_name, units, positive), and the names that models use. A world here
-has +Y up, so a file's x goes along +X, its height along +Y and its y (north) along -Z.
+A world here has +Y up, so a file's x goes along +X, its height along +Y and its y (north) along -Z.
 """
 
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,66 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from ..checks import F32, F64, Bounds, bounds
+from ..checks import F32, F64, Bounds
+from .dense_grid import box_of
+from .netcdf_axes import SEA_LEVEL_PA, Axis, metres_of, pascals_of
 
 LARGEST_SIDE = 2048
-_METRES = {"m": 1.0, "metre": 1.0, "meter": 1.0, "km": 1e3, "kilometre": 1e3, "kilometer": 1e3}
-_METRES |= {"cm": 0.01, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "ft": 0.3048}
-_PASCALS = {"pa": 1.0, "hpa": 100.0, "mb": 100.0, "mbar": 100.0, "millibar": 100.0}
 _DEGREE_M = 111_195.0  # of latitude
 _SCALE_HEIGHT_M = 7400.0
-_SEA_LEVEL_PA = 101_325.0
-_STANDARD = {
-    "X": ("projection_x_coordinate", "longitude", "grid_longitude"),
-    "Y": ("projection_y_coordinate", "latitude", "grid_latitude"),
-    "Z": ("height", "altitude", "depth", "air_pressure", "model_level_number", "geometric_height"),
-    "T": ("time", "forecast_reference_time"),
-}
-_NAMED = (
-    (
-        "T",
-        re.compile(r"^((valid_)?time|n?t$|date|xtime|steps?$|frames?$|year|month|day|hour)", re.I),
-    ),
-    ("X", re.compile(r"^(x|lon|west_east|east|ni$|i$|nx)", re.I)),
-    ("Y", re.compile(r"^(y|lat|south_north|north|nj$|j$|ny)", re.I)),
-    ("Z", re.compile(r"^(z|lev|height|alt|bottom_top|depth|pfull|plev|isobaric|k$|nz|hgt)", re.I)),
-)
+_NEEDLE, _SHEET = 50.0, 300.0  # times as long as wide, and as wide as deep
 _FAR = 10.0  # times its size from the origin: a grid is moved there
-
-
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """A dimension: `letter` X, Y, Z or T ("" unknown), its cells' centres in units of the file."""
-
-    name: str
-    letter: str
-    size: int
-    centres: F64 | None
-    units: str
-    is_down: bool = False
-
-
-def letter_of(name: str, attributes: dict[str, Any]) -> str:
-    """Which way a dimension goes by its coordinate's attributes, else by its name; "" unknown."""
-    # By the conventions' attributes, then by units, then by the name alone.
-    axis = str(attributes.get("axis", "")).upper()
-    if axis in _STANDARD:
-        return axis
-    said = attributes.get("standard_name", "")
-    units = str(attributes.get("units", "")).lower()
-    for letter, names in _STANDARD.items():
-        if said in names:
-            return letter
-    # Units tell times, degrees and pressures apart.
-    if " since " in units:
-        return "T"
-    if units.startswith(("degree_e", "degrees_e")):
-        return "X"
-    if units.startswith(("degree_n", "degrees_n")):
-        return "Y"
-    if units in _PASCALS:
-        return "Z"
-    return next((letter for letter, like in _NAMED if like.match(name)), "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +60,25 @@ def placed(values: NDArray[Any], axes: list[Axis], file: str) -> Placed:
     for k, name in ((0, "x"), (2, "y")):
         ends[k] = _near(ends[k], name, doubts)
     (west, e), (low, high), (south, n) = ends
-    box = bounds(((west, low, -n), (e, high, -south)), "its box")
+    box = box_of((west, low, -n), (e, high, -south), "Write its coordinates")
+    doubts += _thin(np.subtract(box[1], box[0]))
     return Placed(turned, box, height, tuple(f"{file}: {text}" for text in doubts))
+
+
+def _thin(size: F64) -> list[str]:
+    """What to tell of a box (3,), metres, so thin that it shows next to nothing.
+
+    Units that are mixed up make one, and the air of large maps is one.
+    """
+    least, middle, most = np.sort(size)
+    large = f"it is {' x '.join(f'{side:.3g}' for side in size)} m large, thin as a"
+    if most > _NEEDLE * middle:
+        return [f"{large} needle: look at the units of its axes"]
+    if middle > _SHEET * least:
+        factor = [f"{middle / (10.0 * least):.1g}" if side == least else "1" for side in size]
+        by = f"scale = [{', '.join(f'{float(f):g}' for f in factor)}] of a [[volume]]"
+        return [f"{large} sheet: look at the units of its axes, or stretch it by {by}"]
+    return []
 
 
 def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
@@ -123,26 +87,39 @@ def _metres(axis: Axis, latitude: float, doubts: list[str]) -> F64:
     if axis.centres is None:
         doubts.append(f"'{axis.name}' has no coordinates: its cells are taken as 1 m")
         return np.asarray(np.arange(axis.size) + 0.5, np.float64)
+    doubts += [axis.doubt] if axis.doubt else []
     # Coordinates have to go one way, so that values between them have a place.
     units = axis.units.strip().lower().rstrip(".")
     centres = np.asarray(axis.centres, np.float64)
+    # Longitudes may pass from 360 to 0.
+    if units.startswith("degree") and axis.letter == "X" and np.isfinite(centres).all():
+        centres = np.unwrap(centres, period=360.0)
     if not np.isfinite(centres).all() or (np.sign(np.diff(centres)) == 0).any():
-        raise SceneError(f"its coordinate '{axis.name}' has equal or missing values")
+        raise SceneError(
+            f"its coordinate '{axis.name}' has equal or missing values",
+            remedy=f"xarray: drop_duplicates('{axis.name}'), or dropna('{axis.name}').",
+        )
     if np.unique(np.sign(np.diff(centres))).size > 1:
-        raise SceneError(f"its coordinate '{axis.name}' goes up and down")
+        raise SceneError(
+            f"its coordinate '{axis.name}' goes up and down",
+            remedy=f"xarray: sortby('{axis.name}').",
+        )
     # h = H ln(p0 / p), the isothermal atmosphere.
-    if units in _PASCALS:
+    if (pascals := pascals_of(units)) is not None:
         if float(centres.min()) <= 0.0:
-            raise SceneError(f"its pressure '{axis.name}' is not above 0")
+            raise SceneError(
+                f"its pressure '{axis.name}' is not above 0",
+                remedy=f"Mend its units, which are {axis.units}, or leave those levels out.",
+            )
         doubts.append(f"heights of '{axis.name}' are estimated from its pressures")
-        return np.asarray(_SCALE_HEIGHT_M * np.log(_SEA_LEVEL_PA / (centres * _PASCALS[units])))
+        return np.asarray(_SCALE_HEIGHT_M * np.log(SEA_LEVEL_PA / (centres * pascals)))
     # Degrees of longitude shrink by the cosine of the latitude.
     if units.startswith("degree"):
         doubts.append(f"degrees of '{axis.name}' are taken as metres on a flat ground")
         shrunk = math.cos(math.radians(latitude)) if axis.letter == "X" else 1.0
         return np.asarray(centres * _DEGREE_M * shrunk)
-    # Lengths, in the singular or the plural; unknown units pass for metres.
-    factor = _METRES.get(units, _METRES.get(units.rstrip("s")))
+    # Unknown units pass for metres.
+    factor = metres_of(units)
     if factor is None:
         doubts.append(f"units '{axis.units}' of '{axis.name}' are taken as metres")
         factor = 1.0

@@ -13,7 +13,7 @@ _BOTH = ("mesh files and density grids", (*MESH_SUFFIXES, *VOLUME_SUFFIXES))
 _GRIDS = ("density grids", VOLUME_SUFFIXES)
 _KINDS = {
     **dict.fromkeys(("up", "scale"), _BOTH),
-    **dict.fromkeys(("grid", "channels"), _GRIDS),
+    **dict.fromkeys(("grid", "channels", "sequence_fps"), _GRIDS),
     "variant": ("mesh files", MESH_SUFFIXES),
     "parameters": ("Mitsuba's files", (".xml",)),
 }
@@ -21,19 +21,13 @@ _KINDS = {
 
 
 def model_keys(
-    path: str,
-    *,
-    up: str = "y",
-    scale: float = 1.0,
-    variant: str | None = None,
-    grid: str | None = None,
-    channels: str | None = None,
-    parameters: Mapping[str, Any] | None = None,
+    path: str, *, parameters: Mapping[str, Any] | None = None, **given: Any
 ) -> dict[str, Any]:
     """What is asked for beside the file, by the names of keys of [[mesh]] and [[volume]], checked;
     `parameters` among them.
 
-    Raises SceneError where it is no file that has them.
+    `given`: up, scale, variant, grid, channels and sequence_fps, as `load` has them. Raises
+    SceneError where it is no file that has them.
     """
     from .toml_media_tables import VOLUME
     from .toml_tables import MESH
@@ -42,10 +36,9 @@ def model_keys(
     if parameters and not _is_of(path, "parameters"):
         raise SceneError("parameters are for Mitsuba's files (.xml)", where=path)
     texts = {name: str(value) for name, value in (parameters or {}).items()}
-    given = {"up": up, "scale": scale, "variant": variant, "grid": grid, "channels": channels}
-    usual = {"up": "y", "scale": 1.0}
-    # An option left as it is by default says nothing, and is allowed for every file.
-    asked = {name: value for name, value in given.items() if value != usual.get(name)}
+    # An option left as it is by default says nothing, and is allowed for every file; grids differ.
+    usual = {"up": None if _is_of(path, "grid") else "y", "scale": 1.0}
+    asked = {name: value for name, value in given.items() if value not in (None, usual.get(name))}
     # Variants are of mesh files, names of grids; how a file lies and how large it is, of both.
     is_grid = kind_of(path) in VOLUME_SUFFIXES
     wrong = [name for name in asked if not _is_of(path, name)]

@@ -6,7 +6,6 @@ and units are the file's own (`gridded`); water contents become extinction.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,9 @@ from ...errors import SceneError
 from ..checks import F64
 from .cloud_water import as_opaque, is_length, optical, radius_of
 from .dense_grid import DenseGrid, check_count, chosen_name
-from .gridded import Axis, letter_of, placed
+from .gridded import placed
+from .netcdf_axes import Axis, lettered
+from .netcdf_coordinates import axis_of
 from .netcdf_opened import opened_dataset
 from .netcdf_times import at_one_time, name_and_number
 from .netcdf_wrf import wrf_lines
@@ -34,6 +35,8 @@ _LIKELY: tuple[str, ...] = (
     "LWC",
     "q_liquid",
 )
+_IN_SPACE = "A density has numbers along height, y and x, more than one along each."
+_NEVER_WRITTEN = np.float32(9.9692099683868690e36)  # NC_FILL_FLOAT and NC_FILL_DOUBLE
 _CELSIUS: tuple[str, ...] = ("degc", "deg_c", "celsius", "°c", "degree_c", "degrees_c")
 _CELSIUS += ("degree_celsius", "degrees_celsius", "degrees celsius")
 _LIKELY += ("cloud_water", "rcloud", "QN", "smoke", "soot")
@@ -55,7 +58,7 @@ def read_xarray(path: Path, wanted: str, shown: int | None = None) -> DenseGrid:
         count = _count(dataset[name])
         variable, number, timed = at_one_time(dataset[name], time, number, shown, path.name)
         lines = wrf_lines(dataset, time, number)
-        values, axes, told = _along_axes(variable, lines, path.name)
+        values, axes, upright, told = _along_axes(variable, lines, path.name)
         values, told_k = _kelvin(values, dataset[name], path.name)
         values, sized, radius = _sized(dataset, dataset[name], time, number, values, path.name)
         made = placed(values, axes, path.name)
@@ -66,7 +69,8 @@ def read_xarray(path: Path, wanted: str, shown: int | None = None) -> DenseGrid:
     density, optics = optical(made.values, made.heights_m, units, radius)
     density, mended = _mended(density, name, path.name)
     at = number if count > 1 else None
-    return DenseGrid(density, made.box, warnings=(*told, *mended), optics=optics, time=at)
+    told = (*told, *mended)
+    return DenseGrid(density, made.box, warnings=told, optics=optics, time=at, upright=upright)
 
 
 def xarray_names(path: Path) -> list[str]:
@@ -95,13 +99,19 @@ def _names(dataset: Any) -> list[str]:
     # Numbers along three axes at least that have more than one cell; times are no direction.
     return [
         str(name)
-        for name, variable in dataset.data_vars.items()
+        for name, variable in _fields(dataset).items()
         if _directions(variable) >= 3 and variable.dtype.kind in "fiub"
     ]
 
 
+def _fields(dataset: Any) -> dict[Any, Any]:
+    """The variables by name, without those that say where the corners of cells are."""
+    corners = {variable.attrs.get("bounds") for variable in dataset.variables.values()}
+    return {name: found for name, found in dataset.data_vars.items() if name not in corners}
+
+
 def _directions(variable: Any) -> int:
-    axes = (_axis(variable, str(name), {}) for name in variable.dims)
+    axes = (axis_of(variable, str(name), {}) for name in variable.dims)
     return sum(axis.size > 1 and axis.letter != "T" for axis in axes)
 
 
@@ -111,25 +121,30 @@ def _chosen(dataset: Any, wanted: str) -> str:
     # A flat field is named with its dimensions: maps of clouds hold no heights.
     flat = dataset.data_vars.get(wanted)
     if flat is None and not names:
-        flat = max(dataset.data_vars.values(), key=lambda v: (v.ndim, v.size), default=None)
+        flat = max(_fields(dataset).values(), key=lambda v: (v.ndim, v.size), default=None)
+    if wanted not in names and flat is not None and flat.dtype.kind not in "fiub":
+        remedy = f"Grids: {', '.join(names[:20])}." if names else _IN_SPACE
+        raise SceneError(f"its variable '{flat.name}' holds no numbers", remedy=remedy)
     if wanted not in names and flat is not None and flat.ndim > 0:
-        along = " x ".join(f"{name} ({size})" for name, size in flat.sizes.items())
+        axes = (axis_of(flat, str(name), {}) for name in flat.dims)
+        along = " x ".join(
+            f"{axis.name} ({axis.size}{' times' if axis.letter == 'T' else ''})" for axis in axes
+        )
         raise SceneError(
             f"holds no grid of three dimensions in '{flat.name}': that is {along}",
-            remedy=f"Grids in space: {', '.join(names[:20])}." if names else "",
+            remedy=f"Grids in space: {', '.join(names[:20])}." if names else _IN_SPACE,
         )
     return likeliest(wanted, names)
 
 
 def _along_axes(
     variable: Any, lines: dict[str, F64], file: str
-) -> tuple[NDArray[Any], list[Axis], tuple[str, ...]]:
-    """Values along Z, Y and X, their axes, and what was left out. Raises SceneError.
+) -> tuple[NDArray[Any], list[Axis], str, tuple[str, ...]]:
+    """Values along Z, Y and X, and `lettered` axes. Raises SceneError.
 
     `lines` has coordinates in metres of dimensions without any.
     """
-    axes = [_axis(variable, str(name), lines) for name in variable.dims]
-    told: list[str] = []
+    axes = [axis_of(variable, str(name), lines) for name in variable.dims]
     kept: list[Axis] = []
     # Dimensions of one cell are dropped where there are more than three.
     for k, axis in enumerate(axes):
@@ -140,16 +155,14 @@ def _along_axes(
     check_count(variable.size)
     if len(kept) != 3:
         have = " x ".join(f"{axis.name} ({axis.size})" for axis in kept)
-        raise SceneError(f"its variable '{variable.name}' has the dimensions {have}, not three")
-    # Axes that do not say which they are count as height, y, x.
-    if sorted(axis.letter for axis in kept) != ["X", "Y", "Z"]:
-        kept = [replace(axis, letter=letter) for axis, letter in zip(kept, "ZYX", strict=True)]
-        names = ", ".join(axis.name for axis in kept)
-        told.append(f"{file} does not say which way its axes go: {names} are height, y, x")
-    # Height first, as grids of the world come here.
-    order = [next(a for a in kept if a.letter == letter) for letter in "ZYX"]
+        odd = next((axis.name for axis in kept if not axis.letter), kept[-1].name)
+        raise SceneError(
+            f"its variable '{variable.name}' has the dimensions {have}, not three",
+            remedy=f"Write one of '{odd}' into a file of its own: xarray's isel({odd}=0).",
+        )
+    order, upright, told = lettered(kept, file)
     values = variable.transpose(*(axis.name for axis in order)).values
-    return values, order, tuple(told)
+    return values, order, upright, told
 
 
 def _kelvin(values: NDArray[Any], variable: Any, file: str) -> tuple[NDArray[Any], tuple[str, ...]]:
@@ -176,27 +189,14 @@ def _sized(
         text = f"{file}: '{name}' is no radius of droplets: its units '{units}' are no length"
         return values, (text,), ""
     at = radius if time is None else radius.isel({time: number})
-    sizes, _, _ = _along_axes(at, wrf_lines(dataset, time, number), file)
+    sizes, *_ = _along_axes(at, wrf_lines(dataset, time, number), file)
     return as_opaque(values, sizes, radius), (f"{file}: '{name}' is the droplets' radius",), name
 
 
 def _time_axis(variable: Any) -> str | None:
     """The dimension of times, if there is one."""
-    axes = (_axis(variable, str(name), {}) for name in variable.dims)
+    axes = (axis_of(variable, str(name), {}) for name in variable.dims)
     return next((axis.name for axis in axes if axis.letter == "T"), None)
-
-
-def _axis(variable: Any, name: str, lines: dict[str, F64]) -> Axis:
-    size = int(variable.sizes[name])
-    centres, attributes = lines.get(name), {"units": "m"} if name in lines else {}
-    # Coordinates of the dimension itself win over those from WRF's attributes.
-    if name in variable.coords and variable.coords[name].ndim == 1:
-        found = variable.coords[name]
-        if found.dtype.kind in "fiu":
-            centres, attributes = np.asarray(found.values, np.float64), dict(found.attrs)
-    letter = letter_of(name, attributes)
-    is_down = str(attributes.get("positive", "up")).lower() == "down"
-    return Axis(name, letter, size, centres, str(attributes.get("units", "")), is_down)
 
 
 def _mended(
@@ -204,8 +204,11 @@ def _mended(
 ) -> tuple[NDArray[np.float32], tuple[str, ...]]:
     """Missing values as none, and what rounding left below 0."""
     told = []
-    missing = int(np.isnan(values).sum())
+    # What was never written holds a number of its own, that xarray takes for a value.
+    is_missing = np.isnan(values) | (values == _NEVER_WRITTEN)
+    missing = int(is_missing.sum())
     if missing:
+        values = np.where(is_missing, np.float32(np.nan), values)
         values = np.nan_to_num(values, nan=0.0, posinf=np.inf, neginf=-np.inf)
         told.append(f"{file}: '{name}' has {missing:,} missing values, taken as 0")
     least, most = float(values.min(initial=0.0)), float(values.max(initial=0.0))

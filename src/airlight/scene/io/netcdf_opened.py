@@ -33,6 +33,8 @@ def opened_dataset(path: Path) -> Iterator[Any]:
             with xarray.open_dataset(
                 path, engine=engine, decode_times=False, cache=False
             ) as dataset:
+                if not dataset.variables:
+                    raise _nothing(path)
                 yield dataset
     except AirlightError:
         raise
@@ -55,6 +57,28 @@ def _unreadable(error: Exception) -> SceneError:
     return SceneError(f"is not readable ({type(error).__name__}: {text})", remedy="Write it again.")
 
 
+def _nothing(path: Path) -> SceneError:
+    """What is wrong with a file that has no variables: all of them may be in groups."""
+    if path.suffix.lower() == ZARR:
+        named = sorted(p.parent.name for n in (".zgroup", "zarr.json") for p in path.glob(f"*/{n}"))
+    else:
+        try:
+            import h5py
+
+            with h5py.File(path, "r") as file:
+                named = [str(name) for name in file if isinstance(file.get(name), h5py.Group)]
+        except Exception:  # NetCDF 3 has no groups
+            named = []
+    if not named:
+        return SceneError("holds no variables", remedy="Write it again.")
+    listed = ", ".join(named[:20])
+    return SceneError(
+        f"holds its variables in groups ({listed}), which are not read",
+        remedy=f"Write one into a file of its own: xarray's open_dataset(..., group='{named[0]}') "
+        "and to_netcdf.",
+    )
+
+
 def _engine(path: Path) -> str:
     """xarray's name of what reads the file, which names nothing outside of itself."""
     if path.suffix.lower() == ZARR:
@@ -62,10 +86,15 @@ def _engine(path: Path) -> str:
         return "zarr"
     with opened(path) as stream:
         start = stream.read(8)
+    if not start:
+        raise SceneError("is empty", remedy="Write it again.")
     if start.startswith(b"CDF"):
         return "scipy"
     if start != b"\x89HDF\r\n\x1a\n":
-        raise SceneError("is no NetCDF: it begins neither as NetCDF 3 nor as HDF5")
+        raise SceneError(
+            "is no NetCDF: it begins neither as NetCDF 3 nor as HDF5",
+            remedy="xarray's to_netcdf writes one.",
+        )
     _check_hdf5(path)
     return "h5netcdf"
 

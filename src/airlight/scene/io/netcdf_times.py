@@ -60,7 +60,18 @@ def at_one_time(
         return found, 0, ()
     which = f"number {chosen} is read, the first that holds any" if chosen else "the first is read"
     text = f'{file} has {count} times, {which} (grid = "{variable.name}[-1]" takes the last)'
-    return found, chosen, (text,)
+    return found, chosen, (text, *_unevenly(variable, axis, file))
+
+
+def _unevenly(variable: Any, axis: str, file: str) -> tuple[str, ...]:
+    """What to tell of times that are not evenly spaced: a sequence shows them evenly."""
+    times = variable.coords.get(axis)
+    if times is None or times.ndim != 1 or times.dtype.kind not in "fiu" or times.size < 3:
+        return ()
+    steps = np.diff(np.asarray(times.values, np.float64))
+    if np.ptp(steps) <= 0.01 * abs(float(steps.mean())):
+        return ()
+    return (f"{file}: '{axis}' is not evenly spaced: a sequence shows its times evenly",)
 
 
 def _holds_any(variable: Any) -> bool:

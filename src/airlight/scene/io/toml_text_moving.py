@@ -72,6 +72,10 @@ def name_grids(raw: Mapping[str, Any], original: Scene, source: str) -> None:
             table = tables[track.index]
             table["sequence"] = table.pop("file")
             table |= {"sequence_fps": of.fps, "sequence_start_s": of.start_s}
+    # One that was asked for so many a second, and is alone, is none.
+    for table in raw.get("volume", ()):
+        if "file" in table:
+            table.pop("sequence_fps", None)
 
 
 def _place(track: Any) -> tuple[type, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,8 @@ from .toml_media_tables import VOLUME
 from .toml_meshes import existing_file, upright_from_file, world_from_mesh
 from .toml_schema import check_table, inside
 from .toml_volume_shapes import shape_volume
-from .volumes import NOWHERE, UPRIGHT_SUFFIXES, VolumeGrid, is_grid_file
+from .upright import upright_from_grid
+from .volumes import NOWHERE, VolumeGrid, is_grid_file
 
 _PLACING = ("translate", "rotate_deg", "scale", "matrix")
 _OF_FILES = ("grid", "channels")
@@ -48,7 +48,7 @@ def placed_volume(
             if key.name in values:
                 raise SceneError(f"{label}: {key.name} belongs to a sequence")
     matrix = world_from_mesh(values, label)
-    turn = {"up": values.pop("up", "y")}
+    turn = {"up": values.pop("up")} if "up" in values else {}
     values = {name: value for name, value in values.items() if name not in _PLACING}
     # A shape is complete here: it has no file to be read and no times.
     if "shape" in values:
@@ -76,23 +76,13 @@ def placed_volume(
             values, grid = _with_coefficients(values, given, files[first], grid, grids)
     # Into the world: upright first, as the file has its axes, then where the table places it.
     sequence = file_sequence(values, files, times, grid, glowing, grids)
-    upright, told = upright_from_grid(turn, files[0])
+    upright, told = upright_from_grid(turn, grid, files[first])
     values, warnings = _in_its_box(values, grid, matrix @ upright, upright)
     with inside(label):
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
         if first:  # a sequence may begin empty
             volume = sequence.of(volume, sequence.start_s)
     return volume, (*told, *warnings), None if is_file else sequence
-
-
-def upright_from_grid(values: Mapping[str, Any], file: Path) -> tuple[F64, tuple[str, ...]]:
-    """(4, 4): the turn that the key `up` asks for of the grid in `file`.
-
-    Where the file's axes say which way is up, there is none, which a text tells.
-    """
-    if values.get("up", "y") != "y" and file.suffix.lower() in UPRIGHT_SUFFIXES:
-        return np.eye(4), (f"{file.name}: up is left out: its own axes say which is up",)
-    return upright_from_file(values), ()
 
 
 def _in_its_box(

@@ -5,16 +5,15 @@ before any scene file is written.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..animation import Animation
+from ...errors import SceneError
 from ..animation.animation import DEFAULT_FPS
-from ..animation.density import VolumeTrack
-from ..checks import F32, F64, Bounds
+from ..checks import F32, F64, MOST, Bounds
 from ..emission import Emission
 from ..scene import Scene
 from ..volume import IDENTITY, Volume
@@ -23,7 +22,7 @@ from .dense_grid import Optics
 from .emission_files import on_one_grid, told_beside
 from .grid_series import series_name
 from .ledger import note_read
-from .netcdf_times import name_and_number
+from .volume_times import Series, with_times
 from .volumes import (
     NOWHERE,
     UPRIGHT_SUFFIXES,
@@ -55,14 +54,17 @@ DENSITY = "density"
 def load_volume_scene(file: Path, keys: Mapping[str, Any] | None = None) -> Scene:
     """The grid in `file` as whitish smoke; no light, no camera. Raises SceneError.
 
-    `keys` are up, scale, grid and channels, as a [[volume]] has them; of grids with several times
-    that follow each other the scene is a sequence. Unless its units say how dense density 1 is,
-    sigma_t is chosen for the grid as it stands then, and a warning says so; what units say is per
-    metre whatever the scale. Where the file has flames or temperatures, too, it is a fire.
+    `keys` are up, scale, grid, channels and sequence_fps, as a [[volume]] has them; of grids with
+    several times that follow each other the scene is a sequence. Unless its units say how dense
+    density 1 is, sigma_t is chosen for the grid as it stands then, and a warning says so; what
+    units say is per metre whatever the scale. Where the file has flames or temperatures, too, it is
+    a fire.
     """
-    scene, grid = _shown(file, keys or {})
-    series = _Series((file,), file.name, FPS, -(grid.time or 0) / FPS)
-    return _with_times(scene, series, grid, keys or {})
+    keys = keys or {}
+    scene, grid = _shown(file, keys)
+    fps = keys.get("sequence_fps", FPS)
+    series = Series((file,), file.name, fps, -(grid.time or 0) / fps)
+    return with_times(scene, series, grid, keys, keys_of(scene.volumes[0], file))
 
 
 def load_series_scene(
@@ -76,9 +78,11 @@ def load_series_scene(
     keys = keys or {}
     note_read(*files)  # those, too, that are read later
     scene, grid = _shown(_fullest(files, keys), keys)
-    fps = FPS if files[0].suffix.lower() in UPRIGHT_SUFFIXES else DEFAULT_FPS
+    usual = FPS if files[0].suffix.lower() in UPRIGHT_SUFFIXES else DEFAULT_FPS
+    fps = keys.get("sequence_fps", usual)
     scene = replace(scene, name=series_name(named))
-    return _with_times(scene, _Series(files, str(named), fps), grid, keys)
+    beside = keys_of(scene.volumes[0], Path(scene.volumes[0].source))
+    return with_times(scene, Series(files, str(named), fps), grid, keys, beside)
 
 
 def _fullest(files: tuple[Path, ...], keys: Mapping[str, Any]) -> Path:
@@ -96,16 +100,16 @@ def _shown(file: Path, keys: Mapping[str, Any]) -> tuple[Scene, VolumeGrid]:
     """One file's grid as a static scene, and that grid."""
     # A scene file's functions, which this module must not need to be loaded.
     from .toml_meshes import world_from_mesh
-    from .toml_volumes import upright_from_grid
+    from .upright import upright_from_grid
 
     name, channels = keys.get("grid", DENSITY), keys.get("channels", DENSITY)
-    upright, said = upright_from_grid(keys, file)
-    matrix = world_from_mesh(keys, file.name) @ upright
     read = read_volume(file, name, channels)
+    upright, said = upright_from_grid(keys, read, file, is_bare=True)
+    matrix = world_from_mesh(keys, file.name) @ upright
     grid, emission, told = _with_emission(read, file, matrix, name)
     volume, chosen = grid_volume(grid, file, matrix, name)
     shown = replace(volume, emission=emission)
-    scene = Scene(volumes=(shown,), name=file.stem, warnings=(*said, *told, *chosen))
+    scene = Scene(volumes=(shown,), name=file.stem, warnings=(*told, *chosen, *said))
     return scene, grid
 
 
@@ -121,55 +125,6 @@ def keys_of(volume: Volume, file: Path) -> dict[str, Any]:
     if volume.albedo_grid is not None:
         keys["albedo_grid"] = colours_of(file)
     return keys
-
-
-@dataclass(frozen=True)
-class _Series:
-    """Files that follow each other, how a message calls them, their times a second, and when the
-    first is shown, seconds."""
-
-    files: tuple[Path, ...]
-    name: str
-    fps: float
-    start_s: float = 0.0
-
-
-def _with_times(scene: Scene, series: _Series, grid: VolumeGrid, keys: Mapping[str, Any]) -> Scene:
-    """The scene as a sequence of its files and their times, if those are several.
-
-    `grid`: the one that the scene shows at rest.
-    """
-    from .grid_times import frames_of
-    from .toml_animation import file_sequence
-
-    (volume,) = scene.volumes
-    file = Path(volume.source)
-    name, is_one = keys.get("grid", DENSITY), len(series.files) == 1
-    # A number behind the name asks for one time, of what lies beside the density, too.
-    if is_one and name_and_number(name, [])[1] is not None and name not in grid_names(file):
-        return scene
-    # What lies beside the density changes with it.
-    beside = keys_of(volume, file)
-    glowing = beside.get("emission_grid", beside.get("temperature_grid"))
-    colours = {"albedo": beside["albedo_grid"]} if "albedo_grid" in beside else {}
-    files, times = frames_of(series.files, name, colours, glowing)
-    if len(files) == 1:
-        return scene
-    asked = {
-        "sequence_fps": series.fps,
-        "sequence_start_s": series.start_s,
-        "grid": name,
-        "channels": keys.get("channels", DENSITY),
-    }
-    sequence = file_sequence(asked, files, times, grid, glowing, colours)
-    # Nobody asked for a sequence: it is told, and how to see the rest of it.
-    what = "its times" if is_one else f"{len(files):,} grids"
-    text = f"{series.name}: {what} follow each other {series.fps:g} a second"
-    text += " (airlight sequence, --time)"
-    text += "" if is_one else f"; {file.name} is shown, the fullest of a few"
-    # A frame for each time.
-    moving = Animation((VolumeTrack(0, sequence),), fps=series.fps)
-    return replace(scene, animation=moving, warnings=(*scene.warnings, text))
 
 
 def grid_volume(
@@ -207,6 +162,11 @@ def grid_volume(
 def _chosen_optics(grid: VolumeGrid, world_from_volume: F64) -> Optics:
     """Whitish smoke as deep as smoke is, for a grid that says nothing about light."""
     sigma_t = fitting_sigma_t(grid.density, grid.bounds, world_from_volume)
+    if sigma_t > MOST:
+        raise SceneError(
+            f"its densities are too small to be seen: {float(grid.density.max()):g} at most",
+            remedy="Write them in another unit, or give the grid a larger scale.",
+        )
     text = (
         f"says nothing about light: sigma_t = {sigma_t:g} m^-1 and albedo = {ALBEDO} "
         "were chosen; a scene file with [[volume]] sets them"

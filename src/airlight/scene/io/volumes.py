@@ -5,7 +5,6 @@ Every header is checked against the file's size before anything is allocated.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, cast
@@ -17,7 +16,7 @@ from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
 from ..one_grid import LONGEST_SIDE
-from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics
+from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, warnings_of
 from .files import is_file, is_folder, naming
 from .nanovdb import SparseGrid, read_nanovdb
 from .netcdf import read_xarray, xarray_names
@@ -44,6 +43,7 @@ class VolumeGrid:
     box 2 m along its longest side where the file gives none, which `warnings` then says.
     `world_from_volume` (4, 4) comes after the box, where the file turns it. `optics`: the medium
     that the file's units say it is. `time`: which of the file's times is shown, if it has several.
+    `upright` as a DenseGrid has it.
     """
 
     density: F32
@@ -52,6 +52,7 @@ class VolumeGrid:
     world_from_volume: F64 = field(default_factory=lambda: np.eye(4))
     optics: Optics | None = None
     time: int | None = None
+    upright: str = ""
 
 
 def read_volume(
@@ -86,7 +87,8 @@ def read_volume(
         if found.bounds is not None:
             placed = VolumeGrid(density, found.bounds, found.warnings, found.world_from_volume)
         named = _unnamed(path, grid)
-        placed = replace(placed, optics=found.optics, time=found.time if time is None else time)
+        shown = found.time if time is None else time
+        placed = replace(placed, optics=found.optics, time=shown, upright=found.upright)
         return _fitting(replace(placed, warnings=(*placed.warnings, *named)), path)
 
 
@@ -185,38 +187,13 @@ def _from_sparse(grid: SparseGrid) -> VolumeGrid:
     return VolumeGrid(density, checks.bounds((low, high), "its box"), (), matrix)
 
 
-def _sound(density: F32, path: Path) -> tuple[str, ...]:
-    """Warnings of values that mean nothing. Raises SceneError for those that cannot be used."""
-    if density.size == 0:
-        raise SceneError(f"is empty: its shape is {density.shape}", where=path)
-    # A minimum and a maximum see NaN as well, without a mask of the whole grid.
-    least, most = float(density.min()), float(density.max())
-    if not math.isfinite(least) or not math.isfinite(most):
-        count = int((~np.isfinite(density)).sum())
-        raise SceneError(
-            f"{count:,} of its {density.size:,} values {'is' if count == 1 else 'are'} NaN or "
-            "infinite",
-            where=path,
-            remedy="Repair it: numpy.nan_to_num makes them 0.",
-        )
-    if least < 0.0:
-        raise SceneError(
-            f"has negative densities, down to {least:g}",
-            where=path,
-            remedy="A density is at least 0: numpy.clip.",
-        )
-    with naming(path):
-        checks.at_most(density, checks.MOST, "its density")
-    return (f"{path.name} holds no density at all: there is nothing to see",) if most == 0 else ()
-
-
 def _fitting(grid: VolumeGrid, path: Path) -> VolumeGrid:
     """Sides beyond what devices take averaged over whole numbers of voxels, and said so.
 
     Raises SceneError for values that are no densities.
     """
     density = grid.density
-    warned = _sound(density, path)
+    warned = warnings_of(density, path)
     grid = replace(grid, warnings=(*grid.warnings, *warned)) if warned else grid
     # Means over runs of voxels, the last one of as many as there are.
     for axis, size in enumerate(density.shape):

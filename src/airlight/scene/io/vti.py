@@ -13,7 +13,7 @@ import lzma
 import math
 import re
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from ..checks import Bounds, bounds
-from .dense_grid import DenseGrid, check_count, chosen_name
+from ..checks import Bounds
+from .dense_grid import DenseGrid, box_of, check_count, chosen_name
 from .files import read_bytes
 
 _TYPES = {
@@ -80,7 +80,10 @@ def read_vti(path: Path, wanted: str) -> DenseGrid:
         arrays, active = _arrays(file.image)
         name = chosen_name(wanted, list(arrays), (*_LIKELY, *active))
         warned = () if name == wanted else (f"{path.name}: its array '{name}' is the density",)
-        return _grid(file, arrays[name], warned)
+        grid = _grid(file, arrays[name], warned)
+        flat = " and ".join(a for a, n in zip("zyx", grid.values.shape, strict=False) if n == 1)
+        told = (f"{path.name} is flat: it has one layer along {flat}",) if flat else ()
+        return replace(grid, warnings=(*warned, *told))
     except (ElementTree.ParseError, KeyError, ValueError, zlib.error, lzma.LZMAError) as error:
         raise SceneError(
             f"is not a readable .vti: {error}", remedy="Copy or export it again."
@@ -178,7 +181,8 @@ def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
     assert values is not None
     box, matrix = _place(file.image, whole, array.is_of_points)
     shown = values[..., 0] if channels == 1 else values
-    return DenseGrid(shown, box, matrix, warned)
+    downwards = tuple(2 - k for k in range(3) if _spacing(file.image)[k] < 0.0)
+    return DenseGrid(np.flip(shown, downwards), box, matrix, warned)
 
 
 def _counts(extent: NDArray[np.int64], is_of_points: bool) -> tuple[int, int, int]:
@@ -195,19 +199,30 @@ def _place(
 ) -> tuple[Bounds, NDArray[np.float64]]:
     """The box in the image's own axes, and the matrix from there. Points are voxels' centres."""
     origin = _numbers(image, "Origin", 3, float, "0 0 0")
-    spacing = _numbers(image, "Spacing", 3, float, "1 1 1")
+    spacing = _spacing(image)
     turn = _numbers(image, "Direction", 9, float, "1 0 0 0 1 0 0 0 1").reshape(3, 3)
     half = 0.5 if is_of_points else 0.0
-    # Points are the centres of voxels, so the box reaches half a spacing beyond them.
-    low = spacing * (whole[::2] - half)
-    high = spacing * (np.maximum(whole[1::2], whole[::2] + (not is_of_points)) + half)
+    # Points are the centres of voxels, so the box reaches half a spacing beyond them;
+    # points may follow each other downwards.
+    first = spacing * (whole[::2] - half)
+    last = spacing * (np.maximum(whole[1::2], whole[::2] + (not is_of_points)) + half)
+    low, high = np.minimum(first, last), np.maximum(first, last)
     matrix = np.eye(4)
     # A turned image keeps its own axes, and a matrix leads to the world.
     if np.array_equal(turn, np.eye(3)):
         low, high = low + origin, high + origin
     else:
         matrix[:3, :3], matrix[:3, 3] = turn, origin
-    return bounds((low, high), "its box"), matrix
+    return box_of(low, high, "Write its Spacing and Origin"), matrix
+
+
+def _spacing(image: ElementTree.Element) -> NDArray[np.float64]:
+    """Metres from point to point along x, y and z; below 0 where they follow downwards."""
+    spacing = _numbers(image, "Spacing", 3, float, "1 1 1")
+    if (spacing == 0.0).any():
+        how = "Write how far its points are from each other along x, y and z."
+        raise SceneError(f"its Spacing '{image.get('Spacing')}' has a 0", remedy=how)
+    return spacing
 
 
 def _numbers(
