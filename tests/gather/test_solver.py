@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from airlight.gather.points import MOST_POINTS, reduction
-from airlight.gather.solver import JITTERS, GatherSolver
+from airlight.gather.solver import GatherSolver
 from airlight.gpu.pipelines import Pipelines
 from airlight.lighting.view import View
 from airlight.rendering import Renderer, render
