@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from airlight.maths import gather, sampling
+from airlight.maths import gather, gather_turning, sampling
 from airlight.maths.sampling import fibonacci_sphere
 
 RNG = np.random.default_rng(17)
@@ -112,11 +112,11 @@ def test_flux_of_rays_is_the_irradiance_of_turned_normals():
     axis = np.array([0.6, 0.0, 0.8])
     d = gather.cosine_direction(np.tile(UP, (200_000, 1)), RNG.random((200_000, 2)))
     radiance = np.where(d @ axis > 0.95, 3.0, 0.0)
-    flux = np.pi * (radiance[:, None] * gather.flux_along(UP, d)).mean(axis=0)
+    flux = np.pi * (radiance[:, None] * gather_turning.flux_along(UP, d)).mean(axis=0)
     solid_angle = 2.0 * np.pi * 0.05
     # The mean of directions in a cone is along its axis, (1 + cos) / 2 long.
     np.testing.assert_allclose(flux, 3.0 * solid_angle * 0.975 * axis, atol=0.015)
-    np.testing.assert_allclose(gather.flux_along(UP, d) @ UP, 1.0)
+    np.testing.assert_allclose(gather_turning.flux_along(UP, d) @ UP, 1.0)
 
 
 def test_what_differs_by_its_noise_is_the_same():
@@ -138,24 +138,24 @@ def test_light_of_points_turned_to_another_normal():
     angles = np.radians([0.0, 20.0, 45.0, 70.0, 90.0])
     normals = np.stack([np.sin(angles), np.zeros(5), np.cos(angles)], axis=-1)
     even = (1.0 + np.cos(angles)) / 2.0
-    np.testing.assert_allclose(gather.turn_ratio(up, normals), even, rtol=1e-12)
+    np.testing.assert_allclose(gather_turning.turn_ratio(up, normals), even, rtol=1e-12)
     # A beam of a cosine to the points' normal, turned towards it and away from it by 20 degrees.
     for degrees, off in ((80.0, 0.02), (60.0, 0.15), (30.0, 0.5)):
         beam = np.array([np.tan(np.radians(degrees)), 0.0, 1.0])
         for side in (-1.0, 1.0):
             n = np.array([side * np.sin(np.radians(20.0)), 0.0, np.cos(np.radians(20.0))])
             true = max(float(beam @ n), 0.0)
-            assert gather.turn_ratio(beam, n) - 1.0 == pytest.approx(true - 1.0, rel=off)
+            assert gather_turning.turn_ratio(beam, n) - 1.0 == pytest.approx(true - 1.0, rel=off)
     # Of light without a direction nothing follows.
-    assert gather.turn_ratio(np.zeros(3), up) == 1.0
+    assert gather_turning.turn_ratio(np.zeros(3), up) == 1.0
 
 
 def test_detail_follows_a_smooth_field_where_that_has_light():
-    assert gather.detailed(2.0, 3.0, 3.0) == 2.0
-    assert gather.detailed(1.0, 10.0, 20.0) == pytest.approx(2.0, rel=0.01)
-    assert gather.detailed(1.0, 0.0, 0.01) == pytest.approx(1.1)
-    assert gather.detailed(1.0, 1.0, 0.0) == 0.25
-    assert gather.detailed(0.0, 0.0, 0.0) == 0.0
+    assert gather_turning.detailed(2.0, 3.0, 3.0) == 2.0
+    assert gather_turning.detailed(1.0, 10.0, 20.0) == pytest.approx(2.0, rel=0.01)
+    assert gather_turning.detailed(1.0, 0.0, 0.01) == pytest.approx(1.1)
+    assert gather_turning.detailed(1.0, 1.0, 0.0) == 0.25
+    assert gather_turning.detailed(0.0, 0.0, 0.0) == 0.0
 
 
 @pytest.mark.parametrize(("rays", "sky_rays"), [(8, 4), (1, 3), (16, 0)])
@@ -261,7 +261,7 @@ def test_twins(wgsl):
     alike = wgsl("gather", "far_likeness", 0.5 * like, n, m, returns="f32")
     np.testing.assert_allclose(alike, gather.far_likeness(0.5 * like, n, m), rtol=2e-3, atol=1e-6)
     along = wgsl("gather", "flux_along", n, m, returns="vec3f")
-    np.testing.assert_allclose(along, gather.flux_along(n, m), rtol=1e-3, atol=1e-5)
+    np.testing.assert_allclose(along, gather_turning.flux_along(n, m), rtol=1e-3, atol=1e-5)
     a, b = np.exp(RNG.normal(size=(2, 500)))
     spread = wgsl("gather", "variance_of_sum", a, a * a, x % 9 + 1, returns="f32")
     twin = [gather.variance_of_sum(s, s * s, int(i)) for s, i in zip(a, x % 9 + 1, strict=True)]
@@ -271,9 +271,11 @@ def test_twins(wgsl):
     three = np.exp(RNG.normal(size=(3, 500, 3)))
     flux, normal = three[0] - three[1], three[2] / np.linalg.norm(three[2], axis=-1, keepdims=True)
     turned = wgsl("gather", "turn_ratio", flux, normal, returns="f32")
-    np.testing.assert_allclose(turned, gather.turn_ratio(flux, normal), rtol=1e-4, atol=1e-6)
+    np.testing.assert_allclose(
+        turned, gather_turning.turn_ratio(flux, normal), rtol=1e-4, atol=1e-6
+    )
     detail = wgsl("gather", "detailed", *three, returns="vec3f")
-    np.testing.assert_allclose(detail, gather.detailed(*three), rtol=1e-5)
+    np.testing.assert_allclose(detail, gather_turning.detailed(*three), rtol=1e-5)
     shares = np.exp(RNG.normal(size=(3, 500)))
     factor = wgsl("gather", "calibration", *shares, returns="f32")
     twin = [gather.calibration(*map(float, row)) for row in shares.T]

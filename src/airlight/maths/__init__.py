@@ -1,8 +1,8 @@
 """The formulas of the package as NumPy float64 truths; no GPU, nothing else of the package.
 
    light       sh, phase, reflection, solid_angle, area_light, light_sizes, occlusion, sampling,
-               gather, gather_history, gather_orphans, light_guide, ggx_sampling, translucency,
-               cosines_fit (of area_light's table)
+               gather, gather_history, gather_orphans, gather_turning, light_guide, ggx_sampling,
+               translucency, cosines_fit (of area_light's table)
    sky         sun_position, sunlight, atmosphere; blackbody, observer, spectra: as colours
    lattices    lattice6 (Kaplanyan2010); lattice26, lattice26_walls, regions
                (Billeter2012); flat_surfaces: before which light enters farther
