@@ -246,8 +246,8 @@ def test_blocks_of_pixels_keep_their_relief(monkeypatch):
     blocks = fine.reshape(5, 6, 16, 6, 3)
     means = np.broadcast_to(blocks.mean(axis=(1, 3), keepdims=True), blocks.shape)
     off = [np.linalg.norm(found - fine) for found in (coarse, means.reshape(fine.shape))]
-    # A third of what one value for each block would be off: .361. Beams, as here, follow a normal by
-    # a little less than they do, so that even light does not follow by too much (without it .34).
+    # A third of what one value for each block would be off: .361. Beams, as here, follow a normal
+    # by a little less than they do, so that even light does not by too much (without it .34).
     assert off[0] < 0.38 * off[1]
     # Passes reach over all of 16 x 11 points, and blur the bright strip before the wall. Beside the
     # mean of 400 samples they had .909 of the light (now .92), points of pixels .964.
