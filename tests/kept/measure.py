@@ -32,10 +32,13 @@ from airlight.techniques import TECHNIQUES
 FOLDER = Path(__file__).parent
 CEILINGS = FOLDER / "ceilings.toml"
 SHRINK = 2  # images of 96 x 54: quick, and a quarter of the references' noise
-SAMPLES = 24
+SAMPLES = 8
+GATHERED = {"gather_rays": 16, "gather_air": 8}
+"""As many rays as the ceilings were measured with; by default samples are more, of half as many."""
 ALIKE = {"single": "direct", "pop": "direct", "lpv-march": "lpv", "lpv-sum": "lpv", "auto": "lpv"}
 """Techniques that are another one where there is no air."""
 ERRORS = ("relative_l2", "energy_error")
+GATHERS = ("lpv", "lpv-scatter", "auto")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,11 +67,12 @@ def techniques_for(scene: Scene) -> list[str]:
 
 
 def measure(name: str, technique: str, *, perceptual: bool = False) -> dict[str, Score]:
-    """The scores of a technique on a kept scene, by layer; settings are the defaults."""
+    """The scores of a technique on a kept scene, by layer, with `GATHERED`."""
     scene = STORED[name].load()
     reference = load_stored(FOLDER / f"{name}.exr", shrink=SHRINK)
     size = (reference.radiance.shape[1], reference.radiance.shape[0])
-    image, _ = render_technique(scene, technique, size, SAMPLES)
+    settings = GATHERED if technique in GATHERS else {}
+    image, _ = render_technique(scene, technique, size, SAMPLES, settings=settings)
     whole = compare(image, reference, perceptual=perceptual)
     scores = {"whole": whole, **whole.layers}
     return {

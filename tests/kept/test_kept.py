@@ -23,7 +23,6 @@ CEILINGS = measure.read_ceilings()
 SLOW = ("room", "atrium")
 SLOW_PAIRS = tuple((name, "lpv-scatter") for name in ("cornell", "wall-floor"))
 """Lattices of scattered light without air, which `cornell-area` has, too."""
-GATHERS = ("lpv", "lpv-scatter", "auto")
 NO_LIGHT = {"relative_l2": 1.0, "energy_error": 1.0}
 """How far off a black image is."""
 BRIGHTEST = 3.0
@@ -56,7 +55,7 @@ def test_errors_stay_below_their_ceilings(gpu, name, technique):
         if layer != "measured":
             for error, limit in limits.items():
                 assert getattr(scores[layer], error) <= limit, (layer, error)
-    if technique in GATHERS:
+    if technique in measure.GATHERS:
         for layer, score in scores.items():
             assert score.brightest <= BRIGHTEST, layer
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from airlight import Renderer, Scene
-from airlight.lighting import surfaces
+from airlight.lighting import lighting
 from airlight.scene import Environment, Medium
 
 SIZE = (16, 16)
@@ -98,6 +98,6 @@ def test_many_volumes_are_the_same(monkeypatch, everything, technique):
 def test_lights_and_the_rest_are_the_whole(monkeypatch, foggy_box, technique):
     scene = dataclasses.replace(foggy_box, environment=Environment((0.4, 0.4, 0.4)))
     whole = drawn(monkeypatch, scene, technique, SMALL, "auto")
-    monkeypatch.setattr(surfaces, "fits", lambda gpu, slots: False)
+    monkeypatch.setattr(lighting, "fits", lambda gpu, slots: False)
     parts = drawn(monkeypatch, scene, technique, SMALL, "auto")
     np.testing.assert_allclose(parts, whole, rtol=1e-5, atol=1e-6)

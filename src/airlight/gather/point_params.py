@@ -14,7 +14,6 @@ class PointParams(Struct):
     scale = u32("pixels along a side of a texel")
     size = vec2f("px")
     reduced = vec2u("texels, one for each block of pixels")
-    moved = vec2f("px, from where pixels are to where the points' own image has what they show")
     sample = u32("of the still")
     texel = f32("m, how wide a texel is one metre away")
     rays = u32("of a point")

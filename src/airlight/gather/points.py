@@ -49,8 +49,6 @@ class Points:
         )
         self.normals = Texture(gpu, "gather normals", self.reduced, "rgba16float", written=True)
         self.planes = Texture(gpu, "gather planes", self.reduced, "rgba16float", written=True)
-        # Of the image whose pixels they are.
-        self._jitter_px = (0.0, 0.0)
         self._pass = _Points(gpu, constants={"HAS_OCCLUSION": float(is_occluded)})
 
     @property
@@ -70,7 +68,6 @@ class Points:
             scale=self.scale,
             size=self.size,
             reduced=self.blocks,
-            moved=np.subtract(self._jitter_px, view.jitter_px),
             sample=view.sample,
             texel=self.texel_m(view),
             rays=rays,
@@ -81,7 +78,6 @@ class Points:
 
     def encode(self, commands: Commands, view: View) -> None:
         """Choose a pixel of each block; the view's G-buffer and its occlusion are drawn."""
-        self._jitter_px = view.jitter_px
         params = self.params(view)
         # With its normal goes how much of the hemisphere the near field leaves open.
         bound = {

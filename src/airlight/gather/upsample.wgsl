@@ -38,7 +38,7 @@ fn around(position: vec2f, p: vec3f, n: vec3f, reach: i32, kin_weight: f32) -> A
     // The points around the pixel: 2 reach of them along each axis, the nearer the more.
     let texel_m = params.texel * length(p - params.eye);
     let last = vec2i(params.reduced) - 1;
-    let middle = (position + params.moved) / f32(params.scale) - 0.5;
+    let middle = position / f32(params.scale) - 0.5;
     let base = vec2i(floor(middle)) + 1 - reach;
     var out: Around;
     var k = 0;
