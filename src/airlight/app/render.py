@@ -38,7 +38,7 @@ _STARTED_S = time.perf_counter()
 @output_option("FILE", "Image to write: .exr and .hdr are linear, .png and .jpg tone mapped.")
 @solving_options()
 @size_option()
-@samples_option(None, "Jittered samples per pixel.  [default: 12; media alone 8, a lens 64]")
+@samples_option(None, "Jittered samples per pixel.  [default: 12; media 8; lens or shutter 64]")
 @click.option(
     "--time",
     "time_s",
