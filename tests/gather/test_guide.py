@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.gather.guide import LightPatch
-from airlight.gpu.memory import Buffer, buffer_of
+from airlight.gather.guide import LightPatch, LitTile, PatchesOfTiles, PatchParams
+from airlight.gpu.memory import Buffer, Texture, buffer_of
 from airlight.gpu.slots import storage
 from airlight.maths.gather import lobe_density
 from airlight.maths.light_guide import PATCHES, guide_density, guided_share
@@ -56,15 +56,73 @@ def test_where_light_is_wide_nothing_is_guided():
     np.testing.assert_array_equal(indirect(light, 1, 2), indirect(light, 1, 0))
 
 
+def patches_of(gpu, commands, tiles):
+    """What one workgroup makes of `tiles`, seen by a point 1 m above each of 4 x 4 places."""
+    x, z = np.meshgrid(np.linspace(-3.0, 3.0, 4), np.linspace(-3.0, 3.0, 4))
+    places = np.stack([x, np.full_like(x, 2.0), z, np.ones_like(x)], axis=-1)
+    normals = np.broadcast_to([0.0, -1.0, 0.0, 0.0], places.shape)
+    made = Buffer(gpu, "patches", LightPatch.dtype.itemsize * (PATCHES + 1))
+    PatchesOfTiles(gpu).dispatch(
+        commands,
+        (256,),
+        params=PatchParams(reduced=(4, 4), count=len(tiles)),
+        places=image_of(gpu, places),
+        normals=image_of(gpu, normals),
+        tiles=buffer_of(gpu, "tiles", tiles),
+        lit_patches=made,
+    )
+    commands.submit()
+    return made.read(LightPatch.dtype)
+
+
+def image_of(gpu, values):
+    made = Texture(gpu, "points", values.shape[1::-1], "rgba32float")
+    made.write(np.ascontiguousarray(values, dtype=np.float32))
+    return made
+
+
+def lit_tiles(centres, seen):
+    tiles = np.zeros(len(centres), LitTile.dtype)
+    tiles["centre"], tiles["radius"], tiles["flux"] = centres, 0.1, 1.0
+    tiles["normal"], tiles["seen"] = (0.0, 1.0, 0.0), seen
+    return tiles
+
+
+def test_patches_are_of_tiles_that_are_near_to_each_other(gpu, commands):
+    """Four spots of .4 m, 2 m apart, whose tiles lie in no order: no patch reaches two of them."""
+    rng = np.random.default_rng(11)
+    spots = np.array([(-1.0, 0.0, -1.0), (1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0)])
+    offsets = rng.uniform(-0.2, 0.2, (320, 3)) * (1.0, 0.0, 1.0)
+    found = patches_of(gpu, commands, lit_tiles(spots[rng.permutation(320) % 4] + offsets, 1.0))
+    lit = found[:PATCHES]
+    assert found["radius"][PATCHES] == PATCHES
+    # All light is in them, each within a spot, and no larger than half of one and a tile.
+    assert lit["flux"].sum() == pytest.approx(320.0, rel=1e-3)
+    nearest = np.linalg.norm(lit["centre"][:, None] - spots, axis=2).min(axis=1)
+    assert nearest.max() < 0.3
+    assert np.median(lit["radius"]) < 0.1 + 0.5 * 0.4
+
+
+def test_what_no_point_sees_makes_no_patch(gpu, commands):
+    """Tiles of one block on two planes, as on the both sides of a wall: one side alone counts."""
+    centres = np.zeros((64, 3))
+    centres[:, 0] = np.linspace(-0.5, 0.5, 64)
+    centres[1::2, 1] = -0.5
+    seen = np.where(np.arange(64) % 2, 0.0, 1.0)
+    lit = patches_of(gpu, commands, lit_tiles(centres, seen))[:PATCHES]
+    np.testing.assert_allclose(lit["centre"][:, 1], 0.0, atol=1e-6)
+    assert lit["flux"].sum() == pytest.approx(32.0, rel=1e-3)
+
+
 DENSITY = """
 //! use light_guide
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= arrayLength(&result)) { return; }
-    let found = guide_density(vec3f(0.5, 0.0, -0.5), vec3f(0.0, 1.0, 0.0), asked[id.x].xyz);
+    let density = guide_density(vec3f(0.5, 0.0, -0.5), vec3f(0.0, 1.0, 0.0), asked[id.x].xyz);
     var cones: PatchCones;
     let choice = guide_choice(vec3f(0.5, 0.0, -0.5), vec3f(0.0, 1.0, 0.0), 0.5, &cones);
     let again = density_of_cones(&cones, choice.total, asked[id.x].xyz);
-    result[id.x] = vec4f(found.density, found.found, again, choice.found);
+    result[id.x] = vec4f(density, again, choice.found, 0.0);
 }
 """
 
@@ -105,9 +163,9 @@ def test_rays_are_guided_as_densely_as_the_twin_says(gpu, kernel, commands):
     got = answers(gpu, kernel, commands, DENSITY, rows, asked)
     want, found = guide_density(rows[:PATCHES], (0.5, 0.0, -0.5), (0.0, 1.0, 0.0), directions)
     assert want.max() > 0.0
-    np.testing.assert_allclose(got[:, 1], found, rtol=1e-4)
+    np.testing.assert_allclose(got[:, 2], found, rtol=1e-4)
     # Where a patch has been chosen, its cone and the others' are known already.
-    np.testing.assert_allclose(got[:, 2:], got[:, :2], rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(got[:, 1], got[:, 0], rtol=1e-5, atol=1e-6)
     # At a cone's very edge single precision may say otherwise.
     off = np.abs(got[:, 0] - want) > 1e-3 * want + 1e-5
     assert off.mean() < 2e-3

@@ -50,9 +50,8 @@ fn first_share(texel: vec2u, hit: vec4f) -> f32 {
     let n = textureLoad(normals, at, 0).xyz;
     let origin = start.xyz;
     let direction = normalize(hit.xyz - origin);
-    let guide = guide_density(origin, n, direction);
-    let share = sky_share(dot(direction, n), guide.density, sky.rays, params.guided);
-    return select(1.0, share, is_guided(guide.found));
+    let density = guide_density(origin, n, direction);
+    return sky_share(dot(direction, n), density, sky.rays, params.guided);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -1,8 +1,8 @@
 """Where lights shine on surfaces, as far as the image sees it: what guides rays of a gather.
 
 Texels of reflective shadow maps are what lights shine on. Tiles of them, weighted by what points
-of the image get of their light, are put together to a few patches that send about as much each:
-spheres, towards which rays are sent (`maths.light_guide`).
+of the image get of their light, are put together to a few patches of tiles that are near to each
+other (k-means): spheres, towards which rays are sent (`maths.light_guide`).
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ class LightPatch(Struct):
 
 
 class LitTile(Struct):
-    """What a light shines on in a tile of texels of its map."""
+    """What a light shines on in a tile of texels of its map, on the near side of its edges."""
 
     centre = vec3f("m")
     radius = f32("m")
     normal = vec3f("mean")
-    flux = f32("W, luminance")
+    flux = f32("W, luminance, of all of its texels")
     seen = f32("m^-2, what some points of the image get of its light, per unit of that")
     weight = f32("what tiles around give to points, by its flux")
     running = f32("sum of the weights up to it")
@@ -80,7 +80,9 @@ class _Tiles(ComputePass):
     file = "lit_tiles.wgsl"
 
 
-class _Patches(ComputePass):
+class PatchesOfTiles(ComputePass):
+    """Lit tiles -> patches of them."""
+
     slots = (
         uniform("params", PatchParams),
         texture("places", "2d", "unfilterable-float"),
@@ -101,7 +103,7 @@ class LightGuide:
         # Compiled for what rays meet in the scene, and again where that is other.
         self._pass: _Tiles | None = None
         self._constants: dict[str, float] = {}
-        self._patches = _Patches(gpu)
+        self._patches = PatchesOfTiles(gpu)
         self._tiles: Buffer | None = None
         self.patches = Buffer(gpu, "lit patches", LightPatch.dtype.itemsize * (PATCHES + 1))
 

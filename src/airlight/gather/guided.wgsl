@@ -18,7 +18,7 @@
         var cones: PatchCones;
         let choice = guide_choice(origin, n, numbers.x, &cones);
         let direction = cone_direction(choice.chosen.along, choice.chosen.height, vec2f(choice.number, numbers.y));
-        if (choice.total > 0.0 && is_guided(choice.found) && dot(direction, n) > 0.0) {
+        if (choice.total > 0.0 && dot(direction, n) > 0.0) {
             found = gather_hit(origin, direction);
         }
     }

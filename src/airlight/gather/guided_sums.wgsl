@@ -20,7 +20,7 @@
         let hit = textureLoad(hit_positions, texel, 0);
         if (start.w > 0.0 && hit.w > 0.0) {
             let direction = normalize(hit.xyz - origin);
-            let density = guide_density(origin, n, direction).density;
+            let density = guide_density(origin, n, direction);
             let share = sky_share(dot(direction, n), density, params.rays, params.guided);
             let passed = passed_by_ray(2u * (texel.y * params.reduced.x + texel.x));
             let found = share * passed * textureLoad(direct_light, texel, 0).rgb;

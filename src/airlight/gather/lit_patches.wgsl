@@ -1,12 +1,23 @@
-// Tiles of what lights shine on, put together: patches that send about as much to the image each. One workgroup.
+// Tiles of what lights shine on, put together to patches of those that are near to each other. One workgroup.
 //! use sampling
 //! use light_guide
 
 const PROBES = 4u;          // points of the image for each lane
 const MOST_SPREAD = 1.5;    // of a patch: its radius over the root of its mean squared reach
 const BLOCK = 16u;          // tiles that are seen alike, 4 x 4 of them
+const ALIKE = 0.8;          // cosine between the normals of such
+
+const CANDIDATES = 64u;     // tiles of which some become centres
+const EACH = WX / CANDIDATES;
+const ROUNDS = 3u;          // of moving centres to the middles of what is nearest to them
 
 var<workgroup> sums: array<f32, WX>;
+// A tile for each lane, each for an equal part of all weight, and the patch it belongs to.
+var<workgroup> chosen: array<u32, WX>;
+var<workgroup> spheres: array<vec4f, WX>;           // m: centre, radius
+var<workgroup> near2: array<f32, WX>;               // m^2: squared distance to the nearest of the patches' centres
+var<workgroup> member_of: array<u32, WX>;
+var<workgroup> centres: array<vec3f, LIT_PATCHES>;  // m
 
 // The first tile whose running sum is beyond u, by bisection.
 fn tile_at(u: f32) -> u32 {
@@ -19,54 +30,105 @@ fn tile_at(u: f32) -> u32 {
     return low;
 }
 
-// Of a tile's weight, what lies between two running sums.
-fn between(tile: LitTile, low: f32, high: f32) -> f32 {
-    return max(min(tile.running, high) - max(tile.running - tile.weight, low), 0.0);
+// The tiles' spheres, and squared distances at first: beyond any between two of them.
+fn choose_tiles(lane: u32, total: f32) {
+    chosen[lane] = tile_at(total * (f32(lane) + 0.5) / f32(WX));
+    let tile = tiles[chosen[lane]];
+    spheres[lane] = vec4f(tile.centre, tile.radius);
+    workgroupBarrier();
+    var far2 = 0.0;
+    for (var i = 0u; i < WX; i++) {
+        let offset = spheres[i].xyz - spheres[0].xyz;
+        far2 = max(far2, dot(offset, offset));
+    }
+    near2[lane] = 4.0 * far2;
+    workgroupBarrier();
 }
 
-fn put_together(low: f32, high: f32) -> LightPatch {
-    // The tiles from `low` to `high` of the running weight, those at the ends in part: their means.
-    let first = tile_at(low);
-    var weight = 0.0;
-    var flux = 0.0;
-    var centre = vec3f(0.0);
-    var normal = vec3f(0.0);
-    let origin = tiles[first].centre;
-    for (var i = first; i < params.count; i++) {
-        let tile = tiles[i];
-        let part = between(tile, low, high);
-        weight += part;
-        centre += part * (tile.centre - origin);
-        normal += part * tile.normal;
-        flux += part * tile.flux / max(tile.weight, 1e-30);
-        if (tile.running >= high) { break; }
-    }
-    centre = origin + centre / max(weight, 1e-30);
-    // A sphere around all of it, but for what is far off and sends little.
-    var radius = 0.0;
-    var squares = 0.0;
-    for (var i = first; i < params.count; i++) {
-        let tile = tiles[i];
-        let part = between(tile, low, high);
-        if (part > 0.0) {
-            let reach = distance(tile.centre, centre) + tile.radius;
-            radius = max(radius, reach);
-            squares += part * reach * reach;
+// One after the other the tile that brings all of them nearest to a centre (greedy k-means).
+fn choose_centres(lane: u32) {
+    for (var k = 0u; k < LIT_PATCHES; k++) {
+        // Every fourth tile may become one; lanes that are not asked cost nothing.
+        if (lane < CANDIDATES) {
+            var gain = 0.0;
+            for (var i = 0u; i < WX; i++) {
+                let offset = spheres[i].xyz - spheres[EACH * lane].xyz;
+                gain += max(near2[i] - dot(offset, offset), 0.0);
+            }
+            sums[lane] = gain;
         }
-        if (tile.running >= high) { break; }
+        workgroupBarrier();
+        if (lane == 0u) {
+            var best = 0u;
+            for (var i = 1u; i < CANDIDATES; i++) {
+                best = select(best, i, sums[i] > sums[best]);
+            }
+            best *= EACH;
+            centres[k] = spheres[best].xyz;
+        }
+        workgroupBarrier();
+        let offset = centres[k] - spheres[lane].xyz;
+        near2[lane] = min(near2[lane], dot(offset, offset));
+        workgroupBarrier();
     }
-    radius = min(radius, MOST_SPREAD * sqrt(squares / max(weight, 1e-30)));
-    return LightPatch(centre, radius, normal / max(weight, 1e-30), flux);
 }
 
-// Few points are looked for from each tile, so those around have their say.
+// Each tile joins the nearest centre.
+fn join(lane: u32) {
+    var least2 = 1e30;
+    for (var k = 0u; k < LIT_PATCHES; k++) {
+        let offset = centres[k] - spheres[lane].xyz;
+        let d2 = dot(offset, offset);
+        if (d2 < least2) {
+            least2 = d2;
+            member_of[lane] = k;
+        }
+    }
+    workgroupBarrier();
+}
+
+// A centre moves to the middle of its tiles (Lloyd1982).
+fn move_centre(k: u32) {
+    var sum = vec4f(0.0);
+    for (var i = 0u; i < WX; i++) {
+        if (member_of[i] == k) { sum += vec4f(spheres[i].xyz - centres[k], 1.0); }
+    }
+    centres[k] += sum.xyz / max(sum.w, 1.0);
+}
+
+fn put_together(k: u32, share: f32) -> LightPatch {
+    // The sphere is around all of its tiles, but for what is far off and sends little.
+    var out = LightPatch(centres[k], 0.0, vec3f(0.0), 0.0);
+    var squares = 0.0;
+    var count = 0.0;
+    for (var i = 0u; i < WX; i++) {
+        if (member_of[i] != k) { continue; }
+        let tile = tiles[chosen[i]];
+        let reach = distance(tile.centre, centres[k]) + tile.radius;
+        out.radius = max(out.radius, reach);
+        squares += reach * reach;
+        out.normal += tile.normal;
+        out.flux += tile.flux * share / max(tile.weight, 1e-30);
+        count += 1.0;
+    }
+    out.radius = min(out.radius, MOST_SPREAD * sqrt(squares / max(count, 1.0)));
+    out.normal /= max(count, 1.0);
+    return out;
+}
+
+// Few points are looked for from each tile, so those around on about the same plane have their say.
 fn weight_of(k: u32) -> f32 {
+    let own = tiles[k];
     let first = k / BLOCK * BLOCK;
     var sum = vec2f(0.0);
     for (var i = first; i < min(first + BLOCK, params.count); i++) {
-        sum += tiles[i].flux * vec2f(tiles[i].seen, 1.0);
+        let its = tiles[i];
+        let off_plane = abs(dot(its.centre - own.centre, own.normal));
+        if (dot(its.normal, own.normal) > ALIKE && off_plane <= own.radius) {
+            sum += its.flux * vec2f(its.seen, 1.0);
+        }
     }
-    return tiles[k].flux * sum.x / max(sum.y, 1e-30);
+    return own.flux * sum.x / max(sum.y, 1e-30);
 }
 
 @compute @workgroup_size(WX, WY, WZ) fn main(@builtin(local_invocation_index) lane: u32) {
@@ -94,13 +156,18 @@ fn weight_of(k: u32) -> f32 {
     }
     storageBarrier();
     workgroupBarrier();
-    // A lane for each patch: an equal part of the sum.
+    // A lane for each of the tiles that stand for all, then one for each patch of them.
+    choose_tiles(lane, total);
+    choose_centres(lane);
+    join(lane);
+    for (var round = 0u; round < ROUNDS; round++) {
+        if (lane < LIT_PATCHES) { move_centre(lane); }
+        workgroupBarrier();
+        join(lane);
+    }
     if (lane < LIT_PATCHES) {
         var lit = LightPatch(vec3f(0.0), 0.0, vec3f(0.0), 0.0);
-        if (total > 0.0) {
-            let share = total / f32(LIT_PATCHES);
-            lit = put_together(share * f32(lane), share * f32(lane + 1u));
-        }
+        if (total > 0.0) { lit = put_together(lane, total / f32(WX)); }
         lit_patches[lane] = lit;
     }
     if (lane == LIT_PATCHES) {

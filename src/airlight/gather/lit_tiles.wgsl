@@ -5,6 +5,8 @@
 //! use tone
 
 const TRIED = 8u;           // points of the image
+const NEAR = 10.0;          // of a texel's reach: how far off the rest of a tile is that belongs to it; its corners are 16 apart
+const SPREAD = 1.73;        // from the root of the mean squared distance to the corners of an even square
 const ABOVE = 1e-3;        // of the distance to a point: where rays start above a lit surface
 
 // Even bits of a Morton code.
@@ -75,41 +77,40 @@ fn lit_texel(texel: vec2u, layer: u32) -> LitTexel {
     let layer = id.x / each;
     let code = id.x % each;
     let first = TILE * vec2u(even_bits(code), even_bits(code >> 1u));
+    // One lit texel, by its flux, from which points are looked for.
     var total = 0.0;
-    var centre = vec3f(0.0);
-    var normals_sum = vec3f(0.0);
-    var origin = vec3f(0.0);
-    var start = vec3f(0.0);
-    var start_normal = vec3f(0.0);
+    var start = LitTexel();
     var number = uniform_from_hash(pcg_hash(id.x));
     for (var k = 0u; k < TILE * TILE; k++) {
         let lit = lit_texel(first + vec2u(k % TILE, k / TILE), layer);
         if (lit.flux <= 0.0) { continue; }
-        // Moments about the first lit texel, so that small patches far away keep their place.
-        if (total <= 0.0) { origin = lit.place; }
         total += lit.flux;
-        centre += lit.flux * (lit.place - origin);
-        normals_sum += lit.flux * lit.normal;
-        // One lit texel, by its flux, from which points are looked for.
         let share = lit.flux / total;
         let is_taken = number < share;
         number = select((number - share) / max(1.0 - share, 1e-9), number / share, is_taken);
-        start = select(start, lit.place, is_taken);
-        start_normal = select(start_normal, lit.normal, is_taken);
+        if (is_taken) { start = lit; }
     }
     var out: LitTile;
     if (total > 0.0) {
-        out.centre = origin + centre / total;
-        out.flux = total;
-        out.normal = normals_sum / total;
-        // As far as its farthest texel goes.
+        // What is near to it stands for the tile: others, behind an edge, are as likely to have been taken as they are bright.
+        var sum = 0.0;
+        var squares = 0.0;
         for (var k = 0u; k < TILE * TILE; k++) {
             let lit = lit_texel(first + vec2u(k % TILE, k / TILE), layer);
-            if (lit.flux > 0.0) {
-                out.radius = max(out.radius, distance(lit.place, out.centre) + lit.reach);
+            let offset = lit.place - start.place;
+            if (lit.flux > 0.0 && length(offset) <= NEAR * start.reach) {
+                sum += lit.flux;
+                squares += lit.flux * dot(offset, offset);
+                out.centre += lit.flux * offset;
+                out.normal += lit.flux * lit.normal;
             }
         }
-        out.seen = seen_by_points(params.first_tile + id.x, start, start_normal, params.near2);
+        let middle = out.centre / sum;
+        out.centre = start.place + middle;
+        out.normal /= sum;
+        out.flux = total;
+        out.radius = SPREAD * sqrt(max(squares / sum - dot(middle, middle), 0.0)) + start.reach;
+        out.seen = seen_by_points(params.first_tile + id.x, start.place, start.normal, params.near2);
     }
     tiles[params.first_tile + id.x] = out;
 }

@@ -23,7 +23,7 @@ class GatherSettings:
         8, "rays of a gather point in a sample of the image", low=1, high=1024
     )
     gather_guided: int = setting(
-        2,
+        1,
         "rays of a point beside these that are led to what lights shine on, where that is small; "
         "0: none are, nor those of later bounces and of cells of media",
         low=0,

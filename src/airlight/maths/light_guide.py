@@ -18,9 +18,11 @@ F64 = NDArray[np.float64]
 PATCHES = 16
 """Spheres around all that lights shine on."""
 RARE = 0.03
-"""Share of cosine-distributed rays that find lit patches at which half as many are guided."""
+"""Share of cosine-distributed rays that find a lit patch at which it is chosen half as often."""
 COMMON = 0.25
-"""The share from which on none are."""
+"""The share that finds any of them, on average over an image, from which on no ray is guided."""
+HALVING = 0.3
+"""Such a share at which half as many rays in the air and of later segments are guided."""
 MOST_GUIDED = 0.5
 """Of rays in the air and of later segments, where the patches are as small as can be."""
 _LEAST_SINE2 = 1e-6
@@ -49,7 +51,7 @@ def guided_share(found: ArrayLike) -> F64:
     `found`: the share of all other rays that would find it by themselves.
     """
     f = np.asarray(found, dtype=np.float64)
-    return np.asarray(np.where(f < COMMON, MOST_GUIDED / (1.0 + f / RARE), 0.0))
+    return np.asarray(MOST_GUIDED / (1.0 + f / HALVING))
 
 
 def guide_density(

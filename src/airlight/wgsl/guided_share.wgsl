@@ -3,6 +3,7 @@
 
 const RARE = 0.03;
 const COMMON = 0.25;
+const HALVING = 0.3;
 const MOST_GUIDED = 0.5;
 
 fn cone_direction(axis: vec3f, height: f32, numbers: vec2f) -> vec3f {
@@ -17,5 +18,5 @@ fn is_guided(found: f32) -> bool {
 }
 
 fn guided_share(found: f32) -> f32 {
-    return select(0.0, MOST_GUIDED / (1.0 + found / RARE), is_guided(found));
+    return MOST_GUIDED / (1.0 + found / HALVING);
 }

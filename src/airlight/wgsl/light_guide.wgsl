@@ -108,26 +108,17 @@ fn density_of_cones(cones: ptr<function, PatchCones>, total: f32, direction: vec
     return inside / max(total, 1e-30);
 }
 
-struct GuideDensity {
-    density: f32,           // sr^-1
-    found: f32,             // as in `GuideChoice`
-}
-
-// At which a direction is chosen.
-fn guide_density(place: vec3f, facing: vec3f, direction: vec3f) -> GuideDensity {
+// At which a direction is chosen, sr^-1.
+fn guide_density(place: vec3f, facing: vec3f, direction: vec3f) -> f32 {
     var total = 0.0;
-    var light = 0.0;
-    var noise = 0.0;
     var inside = 0.0;
     let count = u32(lit_patches[LIT_PATCHES].radius);
     for (var k = 0u; k < count; k++) {
         let seen = patch_sight(k, place, facing);
-        light += seen.light;
-        noise += seen.light * seen.light / seen.found;
         total += seen.weight;
         inside += cone_density(direction, seen.along, seen.sine2, seen.weight / (6.2831853 * seen.height));
     }
-    return GuideDensity(inside / max(total, 1e-30), select(1.0, light * light / noise, noise > 0.0));
+    return inside / max(total, 1e-30);
 }
 
 // Whether there are any patches.
@@ -139,7 +130,7 @@ fn has_guide() -> bool {
 struct Led { part: f32, is_led: bool, rest: f32 }
 
 fn led(choice: GuideChoice, number: f32) -> Led {
-    let part = guided_share(choice.found);
+    let part = select(0.0, guided_share(choice.found), choice.total > 0.0);
     let is_led = number < part;
     return Led(part, is_led, select((number - part) / (1.0 - part), number / max(part, 1e-9), is_led));
 }
