@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64
+
 if TYPE_CHECKING:
     from .light_field import LatticeLight
 
-F64 = NDArray[np.float64]
 
 WHOLE_BEFORE = 0.75
 """As in wgsl/lattice_space.wgsl: cells before a surface where the walls beside it are looked up."""

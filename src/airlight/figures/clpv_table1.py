@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..app.bench.frames import PAPER_LATTICE, Case, measure
-from ..app.compare.images import U8
+from ..maths.arrays import U8
 from ..scene.builtin import atrium, cornell
 from ..scene.scene import Scene
 from .clpv_7 import MODES

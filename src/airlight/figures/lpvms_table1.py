@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..app.bench.frames import moved
-from ..app.compare.images import U8
+from ..maths.arrays import U8
 from ..maths.transforms import F64
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.mesh import Mesh

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..app.compare.images import U8, contact_sheet, shown
+from ..app.compare.images import contact_sheet, shown
+from ..maths.arrays import U8
 from ..maths.colour import luminance
 from ..maths.tone import auto_exposure
 from ..scene.camera import Camera

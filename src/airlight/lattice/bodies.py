@@ -11,12 +11,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64, I64
 from ..maths.chunks import chunks
 from ..maths.weld import open_vertices, welded
 from ..scene.mesh import Geometry, Mesh
-
-F64 = NDArray[np.float64]
-Edges = NDArray[np.int64]
 
 _OPEN_EDGES = 0.01  # share of edges without a partner up to which a body counts as closed
 _SAME = 2.0**-20  # of the scene's extent: edges so near to each other meet
@@ -87,8 +85,8 @@ def is_sealed(meshes: Sequence[Mesh]) -> bool:
     return bool(_met(_between_points(np.concatenate(points), ends))[1].all())
 
 
-def _between_points(placed: F64, ends: Edges) -> Edges:
-    """Edges `ends` between points that are one where they are the same but for rounding."""
+def _between_points(placed: F64, ends: I64) -> I64:
+    """I64 `ends` between points that are one where they are the same but for rounding."""
     step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
     edges = welded(np.round(placed / step))[ends]
     return np.asarray(edges[edges[:, 0] != edges[:, 1]], np.int64)
@@ -115,7 +113,7 @@ def _handedness(mesh: Mesh) -> float:
     return 1.0 if np.linalg.det(mesh.world_from_object[:3, :3]) >= 0.0 else -1.0
 
 
-def _unmatched_edges(corners: NDArray[np.int64]) -> int:
+def _unmatched_edges(corners: I64) -> int:
     """How many edges of triangles `corners` (T, 3) have no partner in the opposite direction."""
     # Both ends of an edge without a partner are open.
     is_open = open_vertices(corners)
@@ -158,7 +156,7 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     return []
 
 
-def _placed(mesh: Mesh) -> tuple[F64, Edges]:
+def _placed(mesh: Mesh) -> tuple[F64, I64]:
     """The points (V, 3), m, of a mesh's triangles, and the edges (E, 2) between them; what mirrors
     swaps the ends."""
     linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
@@ -171,7 +169,7 @@ def _placed(mesh: Mesh) -> tuple[F64, Edges]:
     return placed, ends if _handedness(mesh) > 0.0 else ends[:, ::-1]
 
 
-def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
+def _met(edges: I64) -> tuple[I64, NDArray[np.bool_]]:
     """The place of each of the `edges` (E, 2), and whether as many run there either way."""
     # An edge and its reverse are at one place; they balance where each has the other.
     low, high = edges.min(axis=1), edges.max(axis=1)
@@ -180,7 +178,7 @@ def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
     return which, balance[which] == 0.0
 
 
-def _connected(left: list[int], owner: NDArray[np.int64], which: Edges) -> list[list[int]]:
+def _connected(left: list[int], owner: I64, which: I64) -> list[list[int]]:
     """Groups of those `left` that have edges at the same places."""
     # Meshes that share an edge, as pairs; groups are what the pairs join.
     order = np.argsort(which, kind="stable")

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..maths.arrays import F64
 from ..maths.chunks import chunks
 from ..maths.transforms import triple
 from ..scene.mesh import Geometry, Mesh
-from .placement import F64, STRAIGHT, Axes
+from .placement import STRAIGHT, Axes
 
 _NEAR = np.cos(np.radians(2.0))
 """Normals so near to an axis face along it."""

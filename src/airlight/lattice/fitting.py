@@ -13,10 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..maths.arrays import F64
 from ..maths.chunks import chunks
 from ..maths.transforms import triple
 from ..scene.mesh import Mesh
-from .placement import F64, Axes, Placement, tiled
+from .placement import Axes, Placement, tiled
 
 Walls = tuple[tuple[F64, F64], ...]
 """For each axis the coordinates (n,), metres, of what faces along it, and its areas (n,), m^2."""

@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64
 from ..scene.mesh import Mesh
-from .placement import F64, Axes
+from .placement import Axes
 from .surfels import samples_of, triangle_areas
 
 FEWEST_CELLS = 2.0

@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64
 from ..maths.chunks import chunks
 from ..scene.light_shapes import LightMesh
 from ..scene.mesh import Mesh
 from .bodies import closed_bodies, is_sealed, winding_number
-
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

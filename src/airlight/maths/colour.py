@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 # Relative luminance of the Rec.709 primaries with white D65, ITU-R BT.709-6.
 REC709_LUMINANCE: F64 = np.array([0.2126, 0.7152, 0.0722])

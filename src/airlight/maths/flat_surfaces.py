@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import F64
 from .lattice6 import hops
 
-F64 = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 ON_PLANE, OFF_PLANE, WALL, BEFORE_FLAT = 0.1, 0.25, 0.6, 1.0

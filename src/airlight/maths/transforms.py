@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64 as F64
+
 Vector = Sequence[float] | NDArray[Any]
 _CORNERS = np.array(np.meshgrid(*[(0, 1)] * 3)).reshape(3, 8).T  # 0 the lower, 1 the upper
 

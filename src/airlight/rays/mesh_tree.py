@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..maths.arrays import U32
 from ..scene.mesh import Geometry, Mesh
 from ..surface.instances import is_mirrored, normal_matrix
 from .cached import built
-from .hierarchy import U32, Hierarchy, child_boxes, cost
+from .hierarchy import Hierarchy, child_boxes, cost
 from .words import (
     HOLES,
     INSTANCE_MASK,

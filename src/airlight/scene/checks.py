@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
+from ..maths.arrays import F32 as F32
+from ..maths.arrays import F64 as F64
+from ..maths.arrays import I64 as I64
 
 Vec3 = tuple[float, float, float]
 Rgb = tuple[float, float, float]
 Bounds = tuple[Vec3, Vec3]
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 
 MOST = 1e15

@@ -8,8 +8,9 @@ from typing import Protocol
 
 import numpy as np
 
+from ..maths.arrays import I64
 from ..maths.closing import closed_surface, is_oriented, surface_area
-from ..maths.solid_voxels import I64, solid_voxels
+from ..maths.solid_voxels import solid_voxels
 from ..maths.transforms import triple
 from .checks import F32, F64, Bounds
 from .mesh import Geometry
