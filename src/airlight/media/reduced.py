@@ -44,3 +44,19 @@ def reduced(medium: AnyMedium) -> AnyMedium:
         for w, c, k in zip(medium.albedo, medium.g, kept, strict=True)
     )
     return dataclasses.replace(medium, sigma_t=(r, g, b), albedo=(x, y, z))
+
+
+def absorbing_volumes(scene: Scene) -> Scene:
+    """`scene` with volumes of sigma_t = sigma_a, which neither scatter nor emit.
+
+    What a lattice sees of those whose light another solver knows: light that they scatter goes
+    straight on there, as most does that is scattered forwards, so the lattice lacks what they
+    absorb, and nothing else.
+    """
+    return dataclasses.replace(scene, volumes=tuple(_absorbing(v) for v in scene.volumes))
+
+
+def _absorbing(volume: Volume) -> Volume:
+    r, g, b = (t * (1.0 - w) for t, w in zip(volume.sigma_t, volume.albedo, strict=True))
+    none = (0.0, 0.0, 0.0)
+    return dataclasses.replace(volume, sigma_t=(r, g, b), albedo=none, g=none, emission=None)
