@@ -8,13 +8,35 @@ Source: similarity theory (Wyman1989), order one.
 from __future__ import annotations
 
 import dataclasses
-from typing import TypeVar
+import operator
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
 
 AnyMedium = TypeVar("AnyMedium", Medium, Volume)
+
+
+class ChangedMedia:
+    """Scenes whose media are changed; a volume that stays the same object stays one, by which later
+    stages know it.
+    """
+
+    def __init__(self, change: Callable[[Any], Any]) -> None:
+        """`change`: gives the medium or volume that stands for another one."""
+        self._change = change
+        self._made: dict[int, tuple[Volume, Volume]] = {}
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene with its media so; itself where all of them stay."""
+        known = self._made
+        self._made = {id(v): known.get(id(v)) or (v, self._change(v)) for v in scene.volumes}
+        volumes = tuple(self._made[id(v)][1] for v in scene.volumes)
+        medium = None if scene.medium is None else self._change(scene.medium)
+        is_same = medium is scene.medium and all(map(operator.is_, volumes, scene.volumes))
+        return scene if is_same else dataclasses.replace(scene, medium=medium, volumes=volumes)
 
 
 def reduced_scene(scene: Scene) -> Scene:
