@@ -20,21 +20,25 @@ AnyMedium = TypeVar("AnyMedium", Medium, Volume)
 
 
 class ChangedMedia:
-    """Scenes whose media are changed; a volume that stays the same object stays one, by which later
+    """Scenes whose media are changed; one that stays the same object stays one, by which later
     stages know it.
     """
 
-    def __init__(self, change: Callable[[Any], Any]) -> None:
-        """`change`: gives the medium or volume that stands for another one."""
-        self._change = change
-        self._made: dict[int, tuple[Volume, Volume]] = {}
+    def __init__(self, change: Callable[[Any], Any], *, has_medium: bool = True) -> None:
+        """`change`: gives the medium or volume that stands for another one.
+
+        `has_medium`: whether the scene's own medium is changed, too.
+        """
+        self._change, self._has_medium = change, has_medium
+        self._made: dict[int, tuple[Any, Any]] = {}
 
     def of(self, scene: Scene) -> Scene:
         """The scene with its media so; itself where all of them stay."""
-        known = self._made
-        self._made = {id(v): known.get(id(v)) or (v, self._change(v)) for v in scene.volumes}
+        own, known = scene.medium if self._has_medium else None, self._made
+        media = (*scene.volumes, *((own,) if own else ()))
+        self._made = {id(m): known.get(id(m)) or (m, self._change(m)) for m in media}
         volumes = tuple(self._made[id(v)][1] for v in scene.volumes)
-        medium = None if scene.medium is None else self._change(scene.medium)
+        medium = self._made[id(own)][1] if own else scene.medium
         is_same = medium is scene.medium and all(map(operator.is_, volumes, scene.volumes))
         return scene if is_same else dataclasses.replace(scene, medium=medium, volumes=volumes)
 
