@@ -195,8 +195,7 @@ def _clearance(body: Sequence[Mesh], point: F64) -> float:
     # A lower bound suffices: within it no triangle lies between two points.
     nearest = np.inf
     for mesh in body:
-        linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-        corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
+        corners = mesh.world_positions - point
         for part in chunks(len(mesh.geometry.indices)):
             three = corners[mesh.geometry.indices[part]]
             # Per axis, how far the triangle's box is away; 0 where the point is beside it.

@@ -93,11 +93,31 @@ def box_corners(low: Vector, high: Vector) -> F64:
     return np.array((low, high), dtype=np.float64)[_CORNERS, (0, 1, 2)]
 
 
+def placed_points(points: NDArray[Any], matrix: NDArray[np.floating[Any]]) -> F64:
+    """(..., 3) points through an affine 4x4 matrix."""
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
+
+
 def transformed(points: F64, matrix: F64) -> F64:
     """(n, 3) points through a 4x4 matrix, with the perspective division."""
-    homogeneous = points @ matrix[:3, :3].T + matrix[:3, 3]
     w = points @ matrix[3, :3] + matrix[3, 3]
-    return np.asarray(homogeneous / w[..., None])
+    return np.asarray(placed_points(points, matrix) / w[..., None])
+
+
+def cofactors(linear: F64) -> F64:
+    """(..., 3, 3): det * inverse transpose of matrices, which turns areas' normals as `linear`
+    turns the areas; it exists for those without volume, too."""
+    a, b, c = np.moveaxis(linear, -1, 0)
+    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+
+
+def normal_matrix(world_from_object: F64) -> F64:
+    """(..., 4, 4): for normals of surfaces, as long as the placement stretches their area."""
+    linear = world_from_object[..., :3, :3]
+    normal = np.broadcast_to(np.eye(4), world_from_object.shape).copy()
+    sign = np.where(np.linalg.det(linear) < 0.0, -1.0, 1.0)
+    normal[..., :3, :3] = cofactors(linear) * sign[..., None, None]
+    return normal
 
 
 def rotation_xyz(angles_deg: Vector) -> F64:

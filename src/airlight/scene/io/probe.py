@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...maths.chunks import chunks
+from ...maths.transforms import placed_points
 from ..checks import F32, F64
 from ..mesh import Mesh
 from ..scene import Scene
@@ -224,7 +225,7 @@ def _largest_triangles(mesh: Mesh, count: int) -> F64:
         return np.zeros((0, 3, 3))
     matrix, indices = mesh.world_from_object, mesh.geometry.indices
     # Areas in the world, as placements scale meshes.
-    placed = mesh.geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
+    placed = placed_points(mesh.geometry.positions, matrix)
     area = np.empty(len(indices))
     for part in chunks(len(indices)):
         area[part] = _areas(placed[indices[part]])[1]

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from ...maths.sampling import orthonormal_frame
+from ...maths.transforms import placed_points
 from .. import checks
 from ..checks import F64, Rgb, Vec3
 from ..keys import one_of, within
@@ -187,7 +188,7 @@ class AreaLight(LightType):
             facing = replace(self, shape="disk", direction=(x, y, z))
         # The unit shape's corners, placed.
         placed = world_from_unit(facing)
-        corners: F64 = 0.5 * unit @ placed[:3, :3].T + placed[:3, 3]
+        corners: F64 = placed_points(0.5 * unit, placed)
         return corners
 
     def moved(self, matrix: F64) -> Self:
