@@ -126,11 +126,6 @@ def known(technique: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in settings.items() if name in names}
 
 
-def milliseconds(value: float) -> str:
-    """Three digits, and never an exponent."""
-    return f"{value:.3g}" if value < 999.5 else f"{value:,.0f}"
-
-
 def mean_light(radiance: F32) -> float:
     """The mean luminance, W m^-2 sr^-1."""
     return float(np.mean(luminance(radiance)))

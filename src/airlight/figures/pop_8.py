@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..app.bench.tables import milliseconds
 from ..scene.image import Image
 from ..scene.scene import Scene
 from .panels import (
@@ -17,7 +18,6 @@ from .panels import (
     exposed,
     exposure_of,
     mean_light,
-    milliseconds,
     renderer,
     sheet,
 )
