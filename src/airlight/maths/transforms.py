@@ -29,6 +29,12 @@ def triple(v: Any) -> tuple[float, float, float]:
     return (float(v[0]), float(v[1]), float(v[2]))
 
 
+def smoothstep(low: float, high: float, x: F64) -> F64:
+    """0 below `low`, 1 above `high`, a cubic between them."""
+    t = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
+
+
 def _cross(a: Vector, b: Vector) -> F64:
     """np.cross of two vectors, without its looking at shapes."""
     (ax, ay, az), (bx, by, bz) = a, b
