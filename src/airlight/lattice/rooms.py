@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..maths.arrays import F64
 from ..maths.chunks import chunks
+from ..scene.fingerprint import is_same
 from ..scene.light_shapes import LightMesh
 from ..scene.mesh import Mesh
 from .bodies import closed_bodies, is_sealed, winding_number
@@ -100,7 +101,7 @@ class Rooms:
         """Whether no light and no camera sees through a body as it is; a lid may have opened."""
         body = [meshes[index] for index in self._bodies[number]]
         known, parts = self._parting.get(number, ([], False))
-        if len(known) != len(body) or any(a is not b for a, b in zip(known, body, strict=True)):
+        if not is_same(body, known):
             parts = all(map(_is_opaque, body)) and is_sealed(body)
             self._parting[number] = body, parts
         return parts
@@ -157,11 +158,7 @@ class Rooms:
         """Whether a body holds a point."""
         body = tuple(meshes[index] for index in self._bodies[number])
         # What was found of these very meshes, at a point with no triangle between.
-        kept = [
-            known
-            for known in self._known[number]
-            if all(a is b for a, b in zip(known.meshes, body, strict=True))
-        ]
+        kept = [known for known in self._known[number] if is_same(body, known.meshes)]
         for known in kept:
             if float(np.linalg.norm(point - known.point)) < known.reach_m:
                 return known.holds

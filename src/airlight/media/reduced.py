@@ -8,10 +8,10 @@ Source: similarity theory (Wyman1989), order one.
 from __future__ import annotations
 
 import dataclasses
-import operator
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from ..scene.fingerprint import is_same
 from ..scene.medium import Medium
 from ..scene.scene import Scene
 from ..scene.volume import Volume
@@ -39,8 +39,9 @@ class ChangedMedia:
         self._made = {id(m): known.get(id(m)) or (m, self._change(m)) for m in media}
         volumes = tuple(self._made[id(v)][1] for v in scene.volumes)
         medium = self._made[id(own)][1] if own else scene.medium
-        is_same = medium is scene.medium and all(map(operator.is_, volumes, scene.volumes))
-        return scene if is_same else dataclasses.replace(scene, medium=medium, volumes=volumes)
+        if is_same((medium, *volumes), (scene.medium, *scene.volumes)):
+            return scene
+        return dataclasses.replace(scene, medium=medium, volumes=volumes)
 
 
 def reduced_scene(scene: Scene) -> Scene:
