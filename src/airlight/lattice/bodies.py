@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..maths.arrays import F64, I64
 from ..maths.chunks import chunks
+from ..maths.solid_angle import signed_solid_angle
 from ..maths.transforms import placed_points
 from ..maths.weld import open_vertices, welded
 from ..scene.mesh import Geometry, Mesh, is_mirrored
@@ -44,7 +45,7 @@ def closed_bodies(meshes: Sequence[Mesh]) -> tuple[list[int], list[list[int]]]:
 def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
     """How often meshes wind around a point: 1 inside a closed body, 0 outside.
 
-    The sum of the triangles' solid angles (VanOosterom1983) over 4 pi, without its sign.
+    The sum of the triangles' solid angles over 4 pi, without its sign.
     """
     angle = 0.0
     for mesh in [meshes] if isinstance(meshes, Mesh) else meshes:
@@ -52,12 +53,7 @@ def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
         corners = mesh.world_positions - point
         indices, own = mesh.geometry.indices, 0.0
         for part in chunks(len(indices)):
-            a, b, c = (corners[indices[part, k]] for k in range(3))
-            # VanOosterom1983 eq. 8: the triple product over this sum is tan of half the angle.
-            la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-            volume = np.einsum("nk,nk->n", a, np.cross(b, c))
-            dots = lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
-            own += float(2.0 * np.arctan2(volume, la * lb * lc + dots).sum())
+            own += float(signed_solid_angle(corners[indices[part]]).sum())
         angle += own * _handedness(mesh)
     return abs(angle) / (4.0 * np.pi)
 
