@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..maths.arrays import F64
 from ..maths.chunks import chunks
+from ..maths.transforms import box_around
 from ..scene.fingerprint import is_same
 from ..scene.light_shapes import LightMesh
 from ..scene.mesh import Mesh
@@ -149,10 +150,8 @@ class Rooms:
     def _place(self, meshes: Sequence[Mesh]) -> None:
         """Find the bodies' boxes where the `meshes` are others than before."""
         if self._bodies and meshes is not self._placed:
-            bounds = [[meshes[i].world_bounds for i in body] for body in self._bodies]
-            low = [np.min([box[0] for box in boxes], axis=0) for boxes in bounds]
-            high = [np.max([box[1] for box in boxes], axis=0) for boxes in bounds]
-            self._placed, self._boxes = meshes, np.array([low, high])
+            boxes = [box_around([meshes[i].world_bounds for i in body]) for body in self._bodies]
+            self._placed, self._boxes = meshes, np.array(boxes).swapaxes(0, 1)
 
     def _holds(self, number: int, meshes: Sequence[Mesh], point: F64) -> bool:
         """Whether a body holds a point."""

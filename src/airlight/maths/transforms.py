@@ -159,6 +159,11 @@ def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
     return matrix
 
 
+def box_around(boxes: Sequence[Sequence[Any]]) -> tuple[F64, F64]:
+    """Lower and upper corner of the box around `boxes`, which are pairs of corners."""
+    return np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+
+
 def box_along(axes: F64, low: Vector, high: Vector) -> tuple[F64, F64]:
     """The box along `axes` (3, 3), unit vectors in rows, around the box low..high; metres.
 

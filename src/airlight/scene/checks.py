@@ -249,3 +249,18 @@ def array(
         a = a.view()
     a.flags.writeable = False
     return a
+
+
+def grid(values: Any, name: str, *, signed: bool = False) -> F32:
+    """`array` of a grid's voxels, (z, y, x) or of three channels (z, y, x, 3).
+
+    Raises SceneError where it has none, or where they are negative unless `signed`.
+    """
+    shape = (None, None, None, 3) if dimensions(values) == 4 else (None, None, None)
+    found: F32 = array(values, name, shape=shape, dtype=np.float32)
+    if found.size == 0:
+        raise SceneError(f"{name} is empty")
+    if not signed and float(found.min()) < 0.0:
+        raise SceneError(f"{name} is negative (down to {float(found.min()):g})")
+    at_most(found, MOST, name)
+    return found

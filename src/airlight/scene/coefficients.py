@@ -40,9 +40,7 @@ def coefficient_grid(
     Raises SceneError, where its voxels are not those of the density, `shape`.
     """
     # One channel stands for three of the same.
-    colours = checks.dimensions(values) == 4
-    wanted = (None, None, None, 3) if colours else (None, None, None)
-    grid = checks.array(values, name, shape=wanted, dtype=np.float32)
+    grid = checks.grid(values, name, signed=True)
     if grid.shape[:3] != shape:
         have, want = (" x ".join(map(str, s[::-1])) for s in (grid.shape[:3], shape))
         raise SceneError(f"{name} has {have} voxels, the volume's density has {want}")
@@ -50,7 +48,7 @@ def coefficient_grid(
     if least < low or most > high:
         off = least if least < low else most
         raise SceneError(f"{name} must lie in [{low:g}, {high:g}], it has {off:g}")
-    return grid if colours else np.ascontiguousarray(np.repeat(grid[..., None], 3, axis=-1))
+    return grid if grid.ndim == 4 else np.ascontiguousarray(np.repeat(grid[..., None], 3, axis=-1))
 
 
 def density_and_tint(sigma: F32) -> tuple[F32, F32 | None]:

@@ -44,13 +44,7 @@ def _mark(node: Node) -> str:
 
 
 def _is_matte(made: Material) -> bool:
-    images = (
-        made.base_color_texture,
-        made.metallic_roughness_texture,
-        made.normal_texture,
-        made.emission_texture,
-    )
-    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not any(images)
+    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not made.textures
 
 
 def _placed(node: Node, made: Material) -> AreaLight | None:
