@@ -56,9 +56,11 @@ _MOST_EMITTERS = 20
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
     """Counts, bounds in metres, and every light, as plain values."""
+    from ..scene.material import textures_of
+
     # Meshes share materials and materials share textures; each is counted once.
     materials = {id(mesh.material): mesh.material for mesh in scene.meshes}.values()
-    textures = {id(t): t for material in materials for t in material.textures}.values()
+    textures = {id(t): t for material in materials for t in textures_of(material)}.values()
     low, high = scene.bounds
     sky = scene.environment
     return {

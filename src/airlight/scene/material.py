@@ -102,12 +102,6 @@ class Material:
             put(self, name, checks.boolean(getattr(self, name), name))
 
     @property
-    def textures(self) -> list[Texture]:
-        """All that it has."""
-        named = (getattr(self, f"{name}_texture") for name in _MAPS)
-        return [texture for texture in named if texture is not None]
-
-    @property
     def is_emissive(self) -> bool:
         """Whether the surface gives light of its own."""
         return max(self.emission) > 0.0
@@ -143,6 +137,12 @@ SIDES: Mapping[str, dict[str, Any]] = {
 """Which sides of a surface reflect, and what cameras see of its back; the fields that say so."""
 
 DEFAULT_MATERIAL: Material = Material(name="default")
+
+
+def textures_of(material: Material) -> list[Texture]:
+    """All that it has."""
+    named = (getattr(material, f"{name}_texture") for name in _MAPS)
+    return [texture for texture in named if texture is not None]
 
 
 def specular_of(ior: float) -> float:

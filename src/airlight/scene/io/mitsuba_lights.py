@@ -10,7 +10,7 @@ import numpy as np
 from ...maths.transforms import triple
 from ..lights import AreaLight
 from ..lights.area import AREA_SHAPES, AreaShape
-from ..material import Material
+from ..material import Material, textures_of
 from .mitsuba_nodes import Node
 from .mitsuba_shapes import shape_matrix
 
@@ -44,7 +44,7 @@ def _mark(node: Node) -> str:
 
 
 def _is_matte(made: Material) -> bool:
-    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not made.textures
+    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not textures_of(made)
 
 
 def _placed(node: Node, made: Material) -> AreaLight | None:
