@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import SceneError
+from ..maths.colour import in_rgb
 from ..maths.mixtures import mixed
 from ..maths.transforms import triple
 from . import checks
@@ -48,7 +49,7 @@ def coefficient_grid(
     if least < low or most > high:
         off = least if least < low else most
         raise SceneError(f"{name} must lie in [{low:g}, {high:g}], it has {off:g}")
-    return grid if grid.ndim == 4 else np.ascontiguousarray(np.repeat(grid[..., None], 3, axis=-1))
+    return in_rgb(grid)
 
 
 def density_and_tint(sigma: F32) -> tuple[F32, F32 | None]:

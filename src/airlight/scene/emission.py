@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..maths.blackbody import rec709_of_grid
+from ..maths.colour import in_rgb
 from . import checks
 from .checks import F32, Rgb
 
@@ -82,9 +83,7 @@ class Emission:
         """(z, y, x, 3): what `radiance` is multiplied by in each voxel; None for the density."""
         if self.temperature is not None:
             return rec709_of_grid(self._kelvin)
-        if self.grid is None or self.grid.ndim == 4:
-            return self.grid
-        return np.ascontiguousarray(np.broadcast_to(self.grid[..., None], (*self.grid.shape, 3)))
+        return None if self.grid is None else in_rgb(self.grid)
 
     @cached_property
     def peak(self) -> float:
