@@ -176,8 +176,3 @@ class ForwardSolver(Solver):
         # Where no lattice brings irradiance, that of the beams is all there is.
         forward = self.beams.field
         return replace(fields, forward=forward, irradiance=fields.irradiance or forward)
-
-    @property
-    def stats(self) -> dict[str, Any]:
-        """Nothing, for --stats."""
-        return {}
