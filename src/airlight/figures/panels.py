@@ -154,7 +154,7 @@ def sheet(
     return contact_sheet(title, rows, cell_width_px=width_px, caption_px=caption_px)
 
 
-def exposed(request: Request, images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:
+def exposed(images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:
     """Captioned radiance as captioned images."""
     return [(label, shown(radiance, stops)) for label, radiance in images]
 

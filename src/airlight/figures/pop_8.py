@@ -99,7 +99,7 @@ def _cells(
             }
             shown = shown - (1.0 - 1.0 / max(brighter, 1e-30)) * light
             caption += f", its light divided by {brighter:.1f}"
-        cells += exposed(request, [(caption, shown.astype(np.float32))], stops)
+        cells += exposed([(caption, shown.astype(np.float32))], stops)
     return cells, told
 
 
