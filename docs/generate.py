@@ -420,7 +420,7 @@ def described(value: Any) -> dict[str, str]:
 
 def _of_key(key: LightKey) -> str:
     unit = f", {key.unit}" if key.unit else ""
-    return f"{key.kind}{unit}: {key.doc}"
+    return f"{key.kind.words}{unit}: {key.doc}"
 
 
 def _listed(value: Any) -> str:

@@ -17,8 +17,10 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 # NumPy's words, with the memory that was wanted.
 _WANTED = re.compile(r"Unable to allocate (\S+ \S+) for an array")
@@ -121,7 +123,33 @@ def nearest(name: object, known: Iterable[str]) -> str:
     """A remedy naming the known name closest to `name`, and else all of them."""
     # A slip of the pen has one remedy; else everything that is known is named.
     names = sorted(known)
-    close = difflib.get_close_matches(str(name), names, n=1, cutoff=0.6)
-    if close:
-        return f"Did you mean '{close[0]}'?"
-    return f"Known: {', '.join(names)}." if names else ""
+    return _meant(name, names) or (f"Known: {', '.join(names)}." if names else "")
+
+
+def left_out(what: str, name: str, known: Iterable[str]) -> str:
+    """A warning that `name` is unknown, with the known name closest to it, if one is close."""
+    asked = _meant(name, known)
+    return f"the {what} '{name[:40]}' is unknown and left out{f'. {asked}' if asked else ''}"
+
+
+def _meant(name: object, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(str(name), list(known), n=1)
+    return f"Did you mean '{close[0]}'?" if close else ""
+
+
+class Kinds:
+    """Warnings of which many may be alike: each kind is told once, with how many more there are."""
+
+    def __init__(self) -> None:
+        self._first: dict[Any, str] = {}
+        self._count: Counter[Any] = Counter()
+
+    def note(self, key: Any, text: str) -> None:
+        """One more of the kind `key`."""
+        self._first.setdefault(key, text)
+        self._count[key] += 1
+
+    def texts(self) -> list[str]:
+        """The first of each kind."""
+        more = {key: f" (and {n - 1:,} more)" if n > 1 else "" for key, n in self._count.items()}
+        return [text + more[key] for key, text in self._first.items()]

@@ -273,6 +273,7 @@ class Solver(Protocol):
     @property
     def stats(self) -> dict[str, Any]:
         """This solver's part of --stats."""
+        return {}
 
     def release(self) -> None:
         """Called when the technique goes, before the kit's `gpu` gives back what was made with it.

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.area.coverage import covered
 from airlight.rendering import render
 from airlight.scene import Camera, Geometry, Material, Mesh, Scene
 from airlight.scene.shapes import quad
@@ -29,6 +28,26 @@ def light(corners, z=0.0) -> Mesh:
 
 def parts(image) -> np.ndarray:
     return np.asarray(image.layers["direct"][..., 0] / LIGHT.emission[0], np.float64)
+
+
+def covered(corners) -> float:
+    """The part of the box 0..1, 0..1 that a polygon's corners (n, 2) enclose, as coverage.wgsl.
+
+    The sum over edges of the integral along y of x, both held between 0 and 1.
+    """
+    total = 0.0
+    for a, b in zip(np.roll(corners, 1, axis=0), corners, strict=True):
+        low, high = np.clip((a[1], b[1]), 0.0, 1.0)
+        if low == high:
+            continue
+        x = a[0] + (np.array((low, high)) - a[1]) * (b[0] - a[0]) / (b[1] - a[1])
+        # Left of the box x counts as 0, right of it as 1: its integral is quadratic, then linear.
+        within = np.clip(x, 0.0, 1.0)
+        integral = 0.5 * within**2 + np.maximum(x - 1.0, 0.0)
+        wide = x[1] - x[0]
+        mean = within.mean() if abs(wide) < 1e-3 else (integral[1] - integral[0]) / wide
+        total += float((high - low) * mean)
+    return abs(total)
 
 
 def exact(corners) -> np.ndarray:

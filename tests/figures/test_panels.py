@@ -70,13 +70,9 @@ def test_spacing_is_told_in_metres_and_the_last_value_is_the_measure():
 
 
 def test_stages_that_a_mode_lacks_cost_nothing():
-    told = clpv_table1.under_the_papers_names([{"propagate": 2.0, "pack": 1.0}, {"inject": 4.0}])
+    told = clpv_table1.stages_of([{"propagate": 2.0, "pack": 1.0}, {"inject": 4.0}])
     assert told["Propagation"] == (3.0, 0.0)
     assert told["Total"] == (3.0, 4.0)
-
-
-def test_milliseconds_have_no_exponent():
-    assert [panels.milliseconds(v) for v in (0.0512, 12.34, 1060.2)] == ["0.0512", "12.3", "1,060"]
 
 
 def test_mean_light_is_luminance():

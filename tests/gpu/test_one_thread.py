@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from airlight.errors import DeviceError
-from airlight.gpu.one_thread import OneThread
+from airlight.gpu.lifetime import OneThread
 
 
 def entering(context: OneThread) -> str:

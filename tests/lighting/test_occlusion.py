@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -21,7 +23,7 @@ FULL_RANGE = 0.4  # as in occlusion.wgsl
 
 
 @pytest.fixture
-def seen_around(gpu, commands, owned):
+def seen_around(gpu, commands, owned, monkeypatch):
     """seen_around(meshes, camera, size, radius, ...) -> (packed light, direction and share).
 
     Each (H, W, 4). `radiance(depth)`: of each pixel, W m^-2 sr^-1; else occluders are black.
@@ -39,8 +41,11 @@ def seen_around(gpu, commands, owned):
         radiance=None,
     ):
         scene = owned(GpuScene(gpu, Scene(meshes=tuple(meshes))))
+        monkeypatch.setattr("airlight.lighting.occlusion.SCALE", scale)
+        if samples is not None:
+            paths = replace(gpu.paths, occlusion_samples=samples)
+            monkeypatch.setattr(gpu, "paths", paths)
         view = owned(View(gpu, size))
-        view.occlusion = type(view.occlusion)(gpu, size, scale)
         view.aim(camera)
         view.gbuffer.encode(commands, scene, view.clip_from_world)
         lit = None
@@ -50,7 +55,7 @@ def seen_around(gpu, commands, owned):
             pixels = np.zeros((size[1], size[0], 4), np.float32)
             pixels[..., :3] = radiance(view.gbuffer.normal.read())
             lit.write(pixels)
-        Occlusion(gpu, samples, has_light=lit is not None).encode(
+        Occlusion(gpu, has_light=lit is not None).encode(
             commands,
             view.gbuffer,
             view.occlusion,

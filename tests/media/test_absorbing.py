@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from airlight.media.absorbing import absorbing_volumes
+from airlight.media.reduced import absorbing_volumes
 from airlight.scene.medium import Medium
 from airlight.scene.scene import Scene
 from airlight.scene.volume import Volume

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.pop.delta_scaling import SHARPEST, DeltaScaling
+from airlight.pop.delta_scaling import SHARPEST, delta_scaled, delta_scaling
 from airlight.rendering import Renderer
 from airlight.scene import Camera, Environment, Medium, Scene, Volume
 
@@ -14,7 +14,7 @@ SLAB = Volume((3.0,) * 3, shape="box", bounds=((-2.0, -2.0, -0.25), (2.0, 2.0, 0
 
 def test_transport_and_absorption_stay():
     sharp = Medium((4.0, 2.0, 1.0), albedo=(1.0, 0.9, 0.5), g=(0.999, 0.98, 0.5))
-    dulled = DeltaScaling().scaled(Scene(medium=sharp)).medium
+    dulled = delta_scaled(sharp)
     assert dulled.g == (SHARPEST, SHARPEST, 0.5)
     transport = [np.array(m.sigma_s) * (1.0 - np.array(m.g)) for m in (sharp, dulled)]
     np.testing.assert_allclose(transport[1], transport[0])
@@ -22,12 +22,12 @@ def test_transport_and_absorption_stay():
 
 
 def test_what_did_not_change_is_the_same_object():
-    lobes = DeltaScaling()
+    lobes = delta_scaling()
     blunt, sharp = Volume((1.0,) * 3, shape="box"), Volume((1.0,) * 3, shape="box", g=0.99)
     scene = Scene(volumes=(blunt,))
-    assert lobes.scaled(scene) is scene
+    assert lobes.of(scene) is scene
     both = Scene(volumes=(blunt, sharp))
-    first, second = lobes.scaled(both).volumes, lobes.scaled(both).volumes
+    first, second = lobes.of(both).volumes, lobes.of(both).volumes
     assert first[0] is blunt
     assert first[1] is second[1] is not sharp
 

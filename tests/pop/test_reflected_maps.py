@@ -12,9 +12,9 @@ import pytest
 from airlight.gpu.commands import Commands
 from airlight.gpu.device import Gpu
 from airlight.lighting.kit import Context, Kit, SurfaceSettings
+from airlight.media.reduced import ChangedMedia
 from airlight.pop.settings import PopSettings
-from airlight.pop.virtual.forward_media import ForwardScaled
-from airlight.pop.virtual.maps import ReflectedMaps, reflected_maps
+from airlight.pop.virtual.maps import ReflectedMaps, forward_scaled, reflected_maps
 from airlight.scene import DirectionalLight, Environment, Material, Medium, Mesh, Scene, Volume
 from airlight.scene.shapes import quad
 from airlight.surface.geometry import GpuScene
@@ -89,9 +89,9 @@ def test_light_scattered_forwards_reaches_the_floor(drawn: Drawn, scheme: str) -
 
 def test_media_that_scatter_to_all_sides_attenuate_as_they_do() -> None:
     air = Medium((0.3,) * 3, g=(0.25,) * 3, albedo=(0.8, 0.5, 0.0))
-    forward = ForwardScaled()
-    scaled = forward.scaled(replace(SCENE, medium=air))
+    forward = ChangedMedia(forward_scaled)
+    scaled = forward.of(replace(SCENE, medium=air))
     assert scaled.volumes[0].sigma_t == SMOKE.sigma_t
     assert scaled.medium is not None
     assert scaled.medium.sigma_t == pytest.approx((0.3 * 0.9, 0.3 * 0.9375, 0.3))
-    assert forward.scaled(SCENE).volumes[0] is scaled.volumes[0]
+    assert forward.of(SCENE).volumes[0] is scaled.volumes[0]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from airlight.reference.mitsuba_files import FileStore
-from airlight.reference.mitsuba_shapes import _emission_parts, in_world, mesh_shapes
+from airlight.reference.mitsuba_shapes import _emission_parts, mesh_shapes
 from airlight.scene import Geometry, Material, Mesh, Texture
+from airlight.scene.mesh import in_world
 from airlight.scene.shapes import box, quad
 
 
@@ -56,7 +57,7 @@ def test_an_absent_surface_is_no_shape(tmp_path) -> None:
 
 def test_mirrored_and_flattened_placements_stay_finite() -> None:
     for diagonal in ([-1, 1, 1, 1], [2, 0, 1, 1]):
-        placed = in_world(box(), np.diag(np.array(diagonal, np.float64)))
+        placed = in_world(Mesh(box(), Material(), np.diag(np.array(diagonal, np.float64))))
         assert np.isfinite(placed.normals).all() and np.isfinite(placed.positions).all()
 
 

@@ -16,7 +16,7 @@ from airlight.scene.animation.density import MadeDensity, VolumeTrack
 from airlight.scene.animation.file_sequence import FileSequence
 from airlight.scene.animation.tracks import CameraTrack
 from airlight.scene.builtin.smoke import plume_density
-from airlight.scene.fingerprint import array_digest, fingerprint
+from airlight.scene.fingerprint import array_digest, fingerprint, is_same
 
 
 def make_scene():
@@ -110,3 +110,10 @@ def test_a_digest_tells_types_shapes_and_values_apart():
     others = [a.reshape(2, 3), a.view(np.uint32), a + 1, a.astype(np.float16), a[:0]]
     digests = {array_digest(x) for x in (a, None, *others)}
     assert len(digests | {array_digest(a, None), array_digest(a, a)}) == 9
+
+
+def test_scenes_are_compared_by_identity_and_plain_values_by_value():
+    parts = object()
+    assert is_same((parts, 1.0, "a"), (parts, 1.0, "a"))
+    assert not is_same((parts, 1.0), (object(), 1.0))
+    assert not is_same((parts,), (parts, 1.0))

@@ -5,10 +5,10 @@
 
 cli       finds the commands, turns errors into messages and exit codes
 render    a scene in, an image out            sequence/   frames, videos, clusters
-turntable a model turns once around           watching    render again at every save
-view/     the viewer                          compare/    techniques beside a reference
-bench/    frames timed, costs measured        figure      figures of the papers
+turntable a model turns once around           view/       the viewer
+compare/  techniques beside a reference       figure      figures of the papers
+bench/    frames timed, costs measured
 scenes, info, validate, convert, doctor, export_lattice
 scene_options, scene_argument   which scene a command takes, and how it is read
-options, outputs, progress, streams, cache: what commands share
+options, outputs, progress, streams: what commands share
 """

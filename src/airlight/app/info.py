@@ -15,7 +15,7 @@ from .scene_argument import load_scene, show_warnings
 from .scene_options import check_model, model_options
 
 if TYPE_CHECKING:
-    from ..scene import Light, Material, Scene, Texture, Volume
+    from ..scene import Light, Scene, Volume
 
 
 @click.command("info")
@@ -56,9 +56,11 @@ _MOST_EMITTERS = 20
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
     """Counts, bounds in metres, and every light, as plain values."""
+    from ..scene.material import textures_of
+
     # Meshes share materials and materials share textures; each is counted once.
     materials = {id(mesh.material): mesh.material for mesh in scene.meshes}.values()
-    textures = {id(t): t for material in materials for t in _textures(material)}.values()
+    textures = {id(t): t for material in materials for t in textures_of(material)}.values()
     low, high = scene.bounds
     sky = scene.environment
     return {
@@ -159,16 +161,6 @@ def image_facts(path: Path) -> dict[str, Any]:
         "mean_radiance": image.radiance.mean(axis=(0, 1), dtype=np.float64).tolist(),
         "layers": sorted(image.layers),
     }
-
-
-def _textures(material: Material) -> list[Texture]:
-    found = (
-        material.base_color_texture,
-        material.metallic_roughness_texture,
-        material.normal_texture,
-        material.emission_texture,
-    )
-    return [texture for texture in found if texture is not None]
 
 
 def _light_facts(light: Light) -> dict[str, Any]:

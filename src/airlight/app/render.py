@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import SettingsError
+from ..errors import AirlightError, SettingsError
+from ..scene.io import BUILTIN_PREFIX
+from ..scene.io.ledger import noted
 from .options import (
     AUTO,
     SECONDS,
@@ -26,7 +29,8 @@ from .outputs import check_outputs, check_writable, write_json
 from .progress import Report, progress
 from .scene_argument import load_scene, reads, show_warnings
 from .scene_options import camera_options, scene_options, with_camera, with_exposure
-from .watching import watched
+from .streams import say
+from .view.watch import INTERVAL_S, Watch
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -166,3 +170,25 @@ def _asked(scene: Scene, options: dict[str, Any]) -> dict[str, Any]:
         "time": options["time_s"],
         **({"samples": options["samples"]} if options["samples"] else {}),
     }
+
+
+def watched(scene: str, work: Callable[[], None]) -> None:
+    """`work` now and after each save, until interrupted; its errors are said, and waited out.
+
+    Raises SettingsError for a scene that is no file.
+    """
+    if scene.startswith(BUILTIN_PREFIX):
+        raise SettingsError("--watch is for scene files", remedy="Nobody saves a builtin scene.")
+    watch = Watch(Path(scene))
+    while True:
+        # An error is said, and the next save may mend it.
+        with noted() as files:
+            try:
+                work()
+            except AirlightError as error:
+                say(f"error: {error}")
+        # Materials and textures of its models are among what was read.
+        watch.follow(files.stamps)
+        click.echo(f"watching {scene}; Ctrl-C ends it", err=True)
+        while not watch.changed():
+            time.sleep(INTERVAL_S / 2.0)

@@ -157,26 +157,3 @@ def seen_corners(
     # From clip space to pixels, y downwards.
     ndc = clip[:, :3] / clip[:, 3:]
     return np.asarray((ndc * (0.5, -0.5, 1.0) + (0.5, 0.5, 0.0)) * (*size, 1.0))
-
-
-def covered(corners: F64) -> float:
-    """The part of the box 0..1, 0..1 that a polygon's corners (n, 2) enclose; coverage.wgsl's twin.
-
-    The sum over edges of the integral along y of x, both held between 0 and 1.
-    """
-    total = 0.0
-    for a, b in zip(np.roll(corners, 1, axis=0), corners, strict=True):
-        # An edge counts over the rows of the box that it crosses; a level one crosses none.
-        low, high = np.clip((a[1], b[1]), 0.0, 1.0)
-        if low == high:
-            continue
-        slope = (b[0] - a[0]) / (b[1] - a[1])
-        x = a[0] + (np.array((low, high)) - a[1]) * slope
-        # Left of the box x counts as 0, right of it as 1: its integral is quadratic, then linear.
-        within = np.clip(x, 0.0, 1.0)
-        integral = 0.5 * within**2 + np.maximum(x - 1.0, 0.0)
-        # Along a nearly vertical edge the quotient would lose its digits.
-        wide = x[1] - x[0]
-        mean = within.mean() if abs(wide) < 1e-3 else (integral[1] - integral[0]) / wide
-        total += float((high - low) * mean)
-    return abs(total)

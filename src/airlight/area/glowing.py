@@ -15,6 +15,7 @@ from ..errors import SettingsError
 from ..maths.delta_beam import beam_loss
 from ..maths.transforms import transformed, triple
 from ..scene.checks import F64, I64
+from ..scene.fingerprint import is_same
 from ..scene.lights import LightSample
 from ..scene.medium import Medium
 from ..scene.scene import Scene
@@ -196,8 +197,7 @@ class GlowingMedia:
 
         # Media are compared by identity: a changed one is another.
         seen = (scene.medium, *scene.volumes)
-        same = len(seen) == len(self._seen)
-        if same and all(a is b for a, b in zip(seen, self._seen, strict=True)):
+        if is_same(seen, self._seen):
             return False
         self._seen = seen
         # Buffers are made for as many blocks as the first scene has.

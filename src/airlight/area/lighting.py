@@ -189,6 +189,13 @@ class AreaShadows:
         }
 
 
+def cosines(gpu: Gpu) -> Buffer:
+    """The table of linearly transformed cosines, read as two vectors of four a row."""
+    table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
+    table[:, :6] = cosine_table().reshape(-1, 6)
+    return buffer_of(gpu, "transformed cosines", table)
+
+
 class AreaLighting:
     """Draws a view's emission, and on it what emitters light."""
 
@@ -207,11 +214,7 @@ class AreaLighting:
         self.gpu, self.shadows, self.media, self._points = gpu, shadows, media, points
         self._has_gloss = any(m.specular > 0.0 or m.metallic > 0.0 for m in materials)
         self._passes: dict[tuple[bool, ...], _AreaLighting] = {}
-
-        # The table is read as two vectors of four a row.
-        table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
-        table[:, :6] = cosine_table().reshape(-1, 6)
-        self._cosines = buffer_of(gpu, "transformed cosines", table)
+        self._cosines = cosines(gpu)
         self._lit: WeakKeyDictionary[GBuffer | Hits, Texture] = WeakKeyDictionary()
 
     def encode(

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..maths.weld import connected, edges_of, welded
 from ..scene.checks import F64, I64
-from ..scene.mesh import Geometry
-from ..surface.instances import is_mirrored
+from ..scene.mesh import Geometry, is_mirrored
 from .sources import Source, snapped, texture_light
 from .threads import threads_joined
 

@@ -10,8 +10,7 @@ import numpy as np
 from ..maths.weld import connected, edges_of, welded
 from ..scene.checks import F64
 from ..scene.material import Material
-from ..scene.mesh import Geometry, Mesh
-from ..surface.instances import is_mirrored
+from ..scene.mesh import Geometry, Mesh, is_mirrored
 
 _SAME = 2.0**-20  # of the meshes' extent: corners so near to each other meet
 _MOST = 1 << 18  # triangles, of the smallest meshes first; what are more are no cut lights

@@ -11,11 +11,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..maths.arrays import F32, F64
 from ..maths.lattice6 import surface_irradiance
 from .lookup import Lookup
-
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 AXES: F64 = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 """Normals of an ambient cube's six values."""

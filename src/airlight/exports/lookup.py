@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64
+from ..maths.transforms import smoothstep
+
 if TYPE_CHECKING:
     from .light_field import LatticeLight
 
-F64 = NDArray[np.float64]
 
 WHOLE_BEFORE = 0.75
 """As in wgsl/lattice_space.wgsl: cells before a surface where the walls beside it are looked up."""
@@ -55,7 +57,7 @@ class _Plane(NamedTuple):
 
     def whole(self, cell: F64) -> F64:
         """(n, 1): how far all of a cell is before the plane."""
-        return _smoothstep(*WHOLE_CELL, self.distance(cell))
+        return smoothstep(*WHOLE_CELL, self.distance(cell))
 
 
 class Lookup:
@@ -81,7 +83,7 @@ class Lookup:
 
         # Surfaces that lie along no axis are looked up between cells before their plane, and others
         # before that of an oblique one beside them.
-        oblique = 1.0 - _smoothstep(*OBLIQUE, np.abs(n).max(axis=1, keepdims=True))
+        oblique = 1.0 - smoothstep(*OBLIQUE, np.abs(n).max(axis=1, keepdims=True))
         plane = self._plane_coordinates(p, warped, n)
         own = upright + oblique * (self._oblique_coordinates(plane, n) - upright)
         if self.planes is None:
@@ -98,11 +100,11 @@ class Lookup:
         """Twin: plane_coordinates in wgsl/lattice_space.wgsl."""
         # As it is where the plane cuts the axis, else between walls.
         coordinates = (p - np.array(self.origin)) / self.cell
-        return np.asarray(warped + _smoothstep(*CUT, np.abs(n)) * (coordinates - warped))
+        return np.asarray(warped + smoothstep(*CUT, np.abs(n)) * (coordinates - warped))
 
     def _oblique_coordinates(self, plane: F64, n: F64) -> F64:
         """Before its own_plane of wgsl/surface_coordinates.wgsl."""
-        own = _Plane(plane, n, _smoothstep(*OWN_STEPS, np.abs(n)), np.zeros((len(n), 1), np.bool_))
+        own = _Plane(plane, n, smoothstep(*OWN_STEPS, np.abs(n)), np.zeros((len(n), 1), np.bool_))
         base = self._lifted(plane, n)
         return self._coordinates_before(base, base + BEFORE_OBLIQUE * n, own)
 
@@ -141,13 +143,13 @@ class Lookup:
         height = ((own - on_plane) * towards).sum(axis=1, keepdims=True)
         m = np.where(height >= -ON_PLANE, 1.0, -1.0) * towards
         # As far before it as it is itself looked up, along the surface.
-        is_own = np.where(is_facing, 0.0, _smoothstep(*OWN_STEPS, np.abs(m)))
+        is_own = np.where(is_facing, 0.0, smoothstep(*OWN_STEPS, np.abs(m)))
         base = np.where(is_facing, at, self._plane_coordinates(p, at, m))
         raised = base + np.maximum(BEFORE_OBLIQUE - np.abs(height), 0.0) * np.where(is_facing, 0, m)
         beside = self._coordinates_before(base, raised, _Plane(on_plane, m, is_own, ~is_thin))
-        is_near = 1.0 - _smoothstep(*BESIDE_PLANE, np.abs(height))
+        is_near = 1.0 - smoothstep(*BESIDE_PLANE, np.abs(height))
         along = np.abs((m * n).sum(axis=1, keepdims=True))
-        share = (size - 2.0 * is_thin) * is_near * (1.0 - _smoothstep(*OF_PLANE, along))
+        share = (size - 2.0 * is_thin) * is_near * (1.0 - smoothstep(*OF_PLANE, along))
         return np.asarray(uvw + share * (beside - uvw))
 
     def _lookup_coordinates(self, coordinates: F64, n: F64) -> F64:
@@ -245,18 +247,13 @@ class Lookup:
         # through a wall.
         open_shares = self.openness[at].reshape(-1, 3, 2).astype(np.float64)
         share = np.where(t > 0.0, open_shares[..., 1], open_shares[..., 0])
-        within = rim * _smoothstep(0.0, 0.25, share) * _smoothstep(0.5 - BEFORE, 0.5, np.abs(t))
-        return np.asarray(t * np.maximum(_smoothstep(0.15, 0.5, share), within))
-
-
-def _smoothstep(low: float, high: float, x: F64) -> F64:
-    t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))
+        within = rim * smoothstep(0.0, 0.25, share) * smoothstep(0.5 - BEFORE, 0.5, np.abs(t))
+        return np.asarray(t * np.maximum(smoothstep(0.15, 0.5, share), within))
 
 
 def _rim_shares(n: F64) -> F64:
     """Twin: rim_shares in wgsl/lattice.wgsl, of unit normals."""
-    return 1.0 - _smoothstep(0.2, 0.5, np.abs(n))
+    return 1.0 - smoothstep(0.2, 0.5, np.abs(n))
 
 
 def _raised(coordinates: F64, n: F64) -> F64:
@@ -279,6 +276,6 @@ def _shares_before(distance: F64, offset: F64, n: F64) -> F64:
     for beside in np.ndindex(2, 2, 2):
         linear = np.prod(np.where(beside, t, 1.0 - t), axis=1)
         own = distance + step @ np.array(beside)
-        before = _smoothstep(BEHIND_PLANE, BEFORE_PLANE, own) + LEAST_BEFORE
+        before = smoothstep(BEHIND_PLANE, BEFORE_PLANE, own) + LEAST_BEFORE
         shares[:, *beside] = linear * before
     return shares

@@ -13,6 +13,7 @@ from ..errors import SettingsError
 from ..fields import LatticeSource
 from ..gpu.memory import Texture
 from ..lattice.placement import LatticeParams
+from ..maths.arrays import F32, F64
 from ..maths.transforms import triple
 from ..pop.media import PopMedia
 from ..pop.solver import PopSolver
@@ -20,7 +21,7 @@ from ..rendering import Renderer
 from ..scene.scene import Scene
 from ..scene.settings import given_settings
 from ..techniques.technique import Technique
-from .light_field import F32, F64, LatticeLight, LightField, VolumeLight
+from .light_field import LatticeLight, LightField, VolumeLight
 
 SOLVERS = ("lpv", "lpv-march", "lpv-sum", "lpv-scatter", "pop", "auto")
 """Techniques that solve a light field."""

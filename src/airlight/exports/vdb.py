@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F32, F64
 from ..scene.io.writing import whole_file
-from .light_field import F32, F64, LightField
+from .light_field import LightField
 
 MAGIC, VERSION, LIBRARY = 0x56444220, 224, (10, 0)
 _ZIP, _ACTIVE_MASK = 1, 2

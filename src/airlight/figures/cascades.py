@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.images import U8, shown
+from ..app.compare.images import shown
 from ..lattice.nested import shares
+from ..maths.arrays import U8
 from ..scene.builtin import atrium
 from ..scene.camera import Camera, view_directions
 from ..scene.checks import F32, F64

@@ -44,7 +44,7 @@ def draw(request: Request) -> Drawn:
 
     # The scene's own exposure for all: haze is to look brighter.
     stops = clear.camera.exposure_stops or 0.0
-    rows = [("atrium", exposed(request, panels, stops))]
+    rows = [("atrium", exposed(panels, stops))]
     return Drawn(sheet(request, "Indirect light in the atrium", rows), numbers)
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..app.bench.frames import TURN_DEG, moved
-from ..app.compare.images import U8, heat, shown
+from ..app.compare.images import heat, shown
+from ..maths.arrays import U8
 from ..maths.colour import luminance
 from ..scene.builtin import atrium
 from ..scene.checks import F32

@@ -16,7 +16,7 @@ from ..scene.lights import SpotLight
 from ..scene.scene import Scene
 from .clpv_6 import scores
 from .clpv_11_boxes import boxes_row
-from .leaks import shelf
+from .clpv_leaks import shelf
 from .panels import Drawn, Request, exposure_of, mean_light, rendered, sheet
 from .truths import smoothed, told_of, truth_of
 

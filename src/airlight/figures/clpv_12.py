@@ -42,7 +42,7 @@ def draw(request: Request) -> Drawn:
         # Exposed by the last one, a stop brighter: indirect light alone is shown.
         stops = exposure_of(scene, images[values[-1]].radiance) + 1.0
         lit = [(str(v), image.layers["indirect"]) for v, image in images.items()]
-        rows.append((name, exposed(request, lit, stops)))
+        rows.append((name, exposed(lit, stops)))
     return Drawn(sheet(request, "Spacing and iterations", rows), numbers)
 
 

@@ -7,7 +7,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from ..app.compare.images import U8, heat
+from ..app.compare.images import heat
+from ..maths.arrays import U8
 from ..reference import flatland
 from ..reference.flatland import ONE_LIGHT, TWO_LIGHTS, Segment
 from ..scene.checks import F32, F64

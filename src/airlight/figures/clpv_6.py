@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.images import U8, shown, signed_map
+from ..app.compare.images import shown, signed_map
 from ..app.compare.reference import Reference
+from ..maths.arrays import U8
 from ..reference.metrics import noise_floor, relmse, scene_epsilon
 from ..scene.builtin import atrium, cornell
 from ..scene.checks import F32

@@ -35,7 +35,7 @@ def draw(request: Request) -> Drawn:
     whole = [(label, image.radiance) for label, image in images.items()]
     alone = [(label, image.layers["indirect"]) for label, image in images.items()]
     rows = [
-        ("all light", exposed(request, whole, stops)),
-        ("indirect light", exposed(request, alone, stops)),
+        ("all light", exposed(whole, stops)),
+        ("indirect light", exposed(alone, stops)),
     ]
     return Drawn(sheet(request, "What stands in the light's way", rows), numbers)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.images import U8
 from ..lpv.solver import LpvSolver
+from ..maths.arrays import U8
 from ..maths.colour import luminance
 from ..scene.builtin import room
 from ..techniques.technique import Technique

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..app.bench.frames import PAPER_LATTICE, Case, measure
-from ..app.compare.images import U8
+from ..app.bench.frames import (
+    PAPER_LATTICE,
+    Case,
+    measure,
+    median_passes,
+    under_the_papers_names,
+)
+from ..app.bench.tables import milliseconds
+from ..maths.arrays import U8
 from ..scene.builtin import atrium, cornell
 from ..scene.scene import Scene
 from .clpv_7 import MODES
 from .lpvms_table1 import STEP_M, shifted
-from .panels import QUICK, Drawn, Request, known, milliseconds, renderer
+from .panels import QUICK, Drawn, Request, known, renderer
 from .table import table_image
 
 PAPER_MS: dict[str, dict[str, tuple[float, ...]]] = {
@@ -58,7 +64,7 @@ def draw(request: Request) -> Drawn:
             found[label]["passes"]["blockers while all moves"] = moving.get("blockers", 0.0)
 
     # Our stages under the paper's names.
-    ours = under_the_papers_names([found[label]["passes"] for label in MODES])
+    ours = stages_of([found[label]["passes"] for label in MODES])
     first = next(iter(found.values()))
     device, cells = first["device"], first["lattice"]
     numbers = {
@@ -86,18 +92,14 @@ def passes_while_moving(
         for step in range(1, frames + 1):
             made.meshes.move(shifted(scene.meshes, STEP_M * step))
             told.append(made.timed_passes())
-    return {name: statistics.median(p.get(name, 0.0) for p in told) for name in told[0]}
+    return median_passes(told)
 
 
-def under_the_papers_names(passes: Sequence[Mapping[str, float]]) -> dict[str, tuple[float, ...]]:
+def stages_of(passes: Sequence[Mapping[str, float]]) -> dict[str, tuple[float, ...]]:
     """Per stage of the paper the milliseconds of each mode's passes; their sum as Total."""
-    # A paper's stage may be several of ours.
-    ours = {
-        name: tuple(sum(mode.get(stage, 0.0) for stage in stages) for mode in passes)
-        for name, stages in STAGES.items()
-    }
-    total = tuple(sum(column) for column in zip(*ours.values(), strict=True))
-    return {**ours, "Total": total}
+    modes = [under_the_papers_names(mode, STAGES) for mode in passes]
+    modes = [{**mode, "Total": sum(mode.values())} for mode in modes]
+    return {name: tuple(mode[name] for mode in modes) for name in modes[0]}
 
 
 def size_of(cells: Sequence[int]) -> str:

@@ -38,8 +38,8 @@ def draw(request: Request) -> Drawn:
     panels = [(label, image.radiance) for label, image in images.items()]
     schemes = [(label, image.radiance) for label, image in shafts.items()]
     rows = [
-        (scene.name, exposed(request, panels, stops)),
-        ("single scattering by", exposed(request, schemes, stops)),
+        (scene.name, exposed(panels, stops)),
+        ("single scattering by", exposed(schemes, stops)),
     ]
     return Drawn(sheet(request, "Light scattered many times", rows), numbers)
 

@@ -27,5 +27,5 @@ def draw(request: Request) -> Drawn:
         "scene": scene.name,
         "mean_radiance": {label: mean_light(light) for label, light in sums},
     }
-    rows = [(scene.name, exposed(request, sums, stops))]
+    rows = [(scene.name, exposed(sums, stops))]
     return Drawn(sheet(request, "Where light in the air comes from", rows), numbers)

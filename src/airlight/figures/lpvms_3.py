@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.images import U8
 from ..maths import lattice26
+from ..maths.arrays import U8
 from ..scene.checks import F64
 from .clpv_5 import peaks, polar_image
 from .panels import Drawn, Request, sheet

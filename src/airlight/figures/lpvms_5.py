@@ -83,7 +83,7 @@ def draw(request: Request) -> Drawn:
 
     # The first one's exposure for all, in two rows.
     stops = exposure_of(scene, next(iter(images.values())).radiance)
-    panels = exposed(request, [(name, image.radiance) for name, image in images.items()], stops)
+    panels = exposed([(name, image.radiance) for name, image in images.items()], stops)
     rows: list[Any] = [("", panels[:3]), ("", panels[3:])]
     if truth is not None:
         light = without_noise(truth, next(iter(images.values())))

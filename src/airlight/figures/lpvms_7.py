@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..app.compare.images import U8, shown, signed_map
+from ..app.compare.images import shown, signed_map
+from ..maths.arrays import U8
 from ..reference.metrics import Metrics, compare
 from ..scene.builtin import atrium_fog, foggy_room, haze_box
 from ..scene.scene import Scene

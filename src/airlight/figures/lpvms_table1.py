@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-import statistics
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..app.bench.frames import moved
-from ..app.compare.images import U8
+from ..app.bench.frames import median_passes, moved
+from ..app.bench.tables import milliseconds
+from ..maths.arrays import U8
 from ..maths.transforms import F64
 from ..scene.builtin import atrium_fog, haze_box
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
-from .panels import Drawn, Request, milliseconds, renderer
+from .panels import Drawn, Request, renderer
 from .table import table_image
 
 PAPER_MS: dict[str, tuple[float, float]] = {
@@ -28,14 +28,14 @@ PAPER_MS: dict[str, tuple[float, float]] = {
     "copy results": (0.18, 1.24),
 }
 """Billeter2012 Table 1, ms on a GTX 480, at 32^3 and 64^3."""
-STAGES: dict[str, tuple[str, ...]] = {
-    "reflected": ("reflected",),
-    "blockers": ("blockers",),
-    "single-scattered": ("single-scattered",),
-    "aggregate input": ("aggregate",),
-    "prepare blockers": ("prepare blockers",),
-    "propagate 8x": ("propagate",),
-    "copy results": ("copy",),
+STAGES: dict[str, str] = {
+    "reflected": "reflected",
+    "blockers": "blockers",
+    "single-scattered": "single-scattered",
+    "aggregate input": "aggregate",
+    "prepare blockers": "prepare blockers",
+    "propagate 8x": "propagate",
+    "copy results": "copy",
 }
 """Our stages under the paper's names."""
 SIDES = (32, 64)
@@ -59,8 +59,7 @@ def draw(request: Request) -> Drawn:
 
     # Our stages under the paper's names.
     ours = {
-        name: tuple(sum(found[side].get(stage, 0.0) for stage in stages) for side in sides)
-        for name, stages in STAGES.items()
+        name: tuple(found[side].get(stage, 0.0) for side in sides) for name, stage in STAGES.items()
     }
     numbers = {
         "stages_ms": {"ours": ours, "paper": PAPER_MS},
@@ -89,8 +88,7 @@ def measured(
             made.meshes.move(shifted(scene.meshes, STEP_M * step))
             told.append(made.timed_passes())
         stats = made.stats()
-    passes = {name: statistics.median(p.get(name, 0.0) for p in told) for name in told[0]}
-    return passes, str(stats["device"]), list(stats["lattice"])
+    return median_passes(told), str(stats["device"]), list(stats["lattice"])
 
 
 def shifted(meshes: Sequence[Mesh], step_m: float) -> tuple[Mesh, ...]:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..app.compare.images import U8, contact_sheet, shown
+from ..app.compare.images import contact_sheet, shown
+from ..maths.arrays import U8
 from ..maths.colour import luminance
 from ..maths.tone import auto_exposure
 from ..scene.camera import Camera
@@ -125,11 +126,6 @@ def known(technique: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in settings.items() if name in names}
 
 
-def milliseconds(value: float) -> str:
-    """Three digits, and never an exponent."""
-    return f"{value:.3g}" if value < 999.5 else f"{value:,.0f}"
-
-
 def mean_light(radiance: F32) -> float:
     """The mean luminance, W m^-2 sr^-1."""
     return float(np.mean(luminance(radiance)))
@@ -158,7 +154,7 @@ def sheet(
     return contact_sheet(title, rows, cell_width_px=width_px, caption_px=caption_px)
 
 
-def exposed(request: Request, images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:
+def exposed(images: Sequence[tuple[str, F32]], stops: float) -> list[Any]:
     """Captioned radiance as captioned images."""
     return [(label, shown(radiance, stops)) for label, radiance in images]
 

@@ -9,7 +9,8 @@ import PIL.Image
 import PIL.ImageDraw
 from numpy.typing import NDArray
 
-from ..app.compare.images import PAPER, U8
+from ..app.compare.images import PAPER
+from ..maths.arrays import U8
 from ..scene.checks import F64
 
 TRUTH = (232, 84, 72)

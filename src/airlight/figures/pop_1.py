@@ -29,4 +29,4 @@ def draw(request: Request) -> Drawn:
         "medium": {"g": 0.85, "albedo": 1.0},
         **told,
     }
-    return Drawn(sheet(request, "Smoke", [("smoke", exposed(request, shown, stops))]), numbers)
+    return Drawn(sheet(request, "Smoke", [("smoke", exposed(shown, stops))]), numbers)

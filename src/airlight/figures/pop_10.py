@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.images import U8, contact_sheet, shown
+from ..app.compare.images import contact_sheet, shown
+from ..maths.arrays import U8
 from ..scene.camera import Camera
 from ..scene.checks import F32, F64
 from ..scene.image import Image

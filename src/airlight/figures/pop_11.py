@@ -67,7 +67,7 @@ def draw(request: Request) -> Drawn:
     if truth is not None:
         ours.append(("Monte Carlo", truth.radiance))
     theirs = [(captions[k], v) for k, v in shown.items() if k not in images]
-    rows = [("", exposed(request, ours, stops)), ("", exposed(request, theirs, stops))]
+    rows = [("", exposed(ours, stops)), ("", exposed(theirs, stops))]
     return Drawn(sheet(request, "A plume beside SHDOM and Monte Carlo", rows), numbers)
 
 

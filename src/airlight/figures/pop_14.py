@@ -51,9 +51,9 @@ def draw(request: Request) -> Drawn:
             images.append((f"{count}{off(found)}", image.radiance))
 
         # Images, and below each how far it is from many ordinates.
-        rows.append((variant, exposed(request, images, stops)))
+        rows.append((variant, exposed(images, stops)))
         rows.append((f"beside {MANY}", differences(made, best)))
         numbers[variant] = told
     if truth is not None:
-        rows.append(("truth", exposed(request, [("Monte Carlo", truth.radiance)], stops)))
+        rows.append(("truth", exposed([("Monte Carlo", truth.radiance)], stops)))
     return Drawn(sheet(request, "More and more ordinates", rows), numbers)

@@ -28,15 +28,15 @@ def draw(request: Request) -> Drawn:
         truth = traced(request, scene)
         stops = exposure_of(scene, image.radiance)
         told = scores(image, truth)
-        rows["ours"] += exposed(request, [(f"{name}{off(told)}", image.radiance)], stops)
+        rows["ours"] += exposed([(f"{name}{off(told)}", image.radiance)], stops)
         if truth is not None:
-            rows["Monte Carlo"] += exposed(request, [(name, truth.radiance)], stops)
+            rows["Monte Carlo"] += exposed([(name, truth.radiance)], stops)
 
         # Against the sun, where forward scattering shows.
         shaded = against_the_sun(scene)
         behind = drawn(request, shaded)
         stops = exposure_of(shaded, behind.radiance)
-        rows["ours, against the sun"] += exposed(request, [(name, behind.radiance)], stops)
+        rows["ours, against the sun"] += exposed([(name, behind.radiance)], stops)
         numbers[name] = {**told, "moving_ms": moving_ms(request, scene)}
     kept = [(name, cells) for name, cells in rows.items() if cells]
     return Drawn(sheet(request, "Clouds", kept), numbers)

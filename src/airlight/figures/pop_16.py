@@ -46,7 +46,7 @@ def draw(request: Request) -> Drawn:
     # All are exposed as the first frame is.
     stops = exposure_of(puff(0.0), images[0][1])
     numbers = {"frame_ms": float(np.median(spent)), "step_s": STEP_S, **steadiness(series)}
-    row = [("plume", exposed(request, images, stops))]
+    row = [("plume", exposed(images, stops))]
     return Drawn(sheet(request, "A plume in motion", row), numbers)
 
 

@@ -45,5 +45,5 @@ def draw(request: Request) -> Drawn:
     cells: list[Any] = [(name, image.radiance) for name, image in images.items()]
     if truth is not None:
         cells.insert(3, ("Monte Carlo", truth.radiance))
-    rows = [("smoke", exposed(request, part, stops)) for part in (cells[:2], cells[2:4], cells[4:])]
+    rows = [("smoke", exposed(part, stops)) for part in (cells[:2], cells[2:4], cells[4:])]
     return Drawn(sheet(request, "Smoke and surfaces", [r for r in rows if r[1]]), numbers)

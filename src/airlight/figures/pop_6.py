@@ -40,9 +40,9 @@ def draw(request: Request) -> Drawn:
         told = {name: scores(image, truth) for name, image in images.items()}
         for name, image in images.items():
             caption = f"g = {g}{off(told[name])}"
-            rows[name] += exposed(request, [(caption, image.radiance)], stops)
+            rows[name] += exposed([(caption, image.radiance)], stops)
         if truth is not None:
-            rows["Monte Carlo"] += exposed(request, [(f"g = {g}", truth.radiance)], stops)
+            rows["Monte Carlo"] += exposed([(f"g = {g}", truth.radiance)], stops)
         numbers[f"g {g}"] = told
 
     # Without a truth its row is empty.

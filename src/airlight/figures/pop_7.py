@@ -60,9 +60,9 @@ def draw(request: Request) -> Drawn:
     # Images, how far each is from many ordinates, and the truths.
     few = len(images)
     rows = [
-        ("", exposed(request, shown[:few], stops)),
+        ("", exposed(shown[:few], stops)),
         (f"beside {MANY}", differences(images, best)),
-        ("", exposed(request, shown[few:], stops)),
+        ("", exposed(shown[few:], stops)),
     ]
     numbers = {"g": G, "ordinates": ORDINATES, "ways": told}
     return Drawn(sheet(request, f"Few ordinates: {ORDINATES}", rows), numbers)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..app.bench.tables import milliseconds
 from ..scene.image import Image
 from ..scene.scene import Scene
 from .panels import (
@@ -17,7 +18,6 @@ from .panels import (
     exposed,
     exposure_of,
     mean_light,
-    milliseconds,
     renderer,
     sheet,
 )
@@ -99,7 +99,7 @@ def _cells(
             }
             shown = shown - (1.0 - 1.0 / max(brighter, 1e-30)) * light
             caption += f", its light divided by {brighter:.1f}"
-        cells += exposed(request, [(caption, shown.astype(np.float32))], stops)
+        cells += exposed([(caption, shown.astype(np.float32))], stops)
     return cells, told
 
 

@@ -78,9 +78,9 @@ def draw(request: Request) -> Drawn:
     # All exposed as the truth.
     stops = exposure_of(scene, light)
     rows: list[Any] = [
-        ("airlight", exposed(request, ours, stops)),
-        ("Mitsuba", exposed(request, theirs, stops)),
-        ("truth", exposed(request, [(f"{truth.spp} samples", light)], stops)),
+        ("airlight", exposed(ours, stops)),
+        ("Mitsuba", exposed(theirs, stops)),
+        ("truth", exposed([(f"{truth.spp} samples", light)], stops)),
     ]
     numbers: dict[str, Any] = {"scene": scene.name, "size": list(small.size), "curve": curve}
     numbers |= {f"seconds to {asked:g}": _race(curve, asked) for asked in ASKED}

@@ -14,7 +14,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..app.compare.images import U8, heat
+from ..app.compare.images import heat
+from ..maths.arrays import U8
 from ..maths.colour import luminance
 from ..maths.lattice6 import LOOKUP_SCALE
 from ..scene.checks import F32, F64

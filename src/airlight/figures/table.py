@@ -9,7 +9,8 @@ import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
 
-from ..app.compare.images import FAINT, INK, PAPER, U8
+from ..app.compare.images import FAINT, INK, PAPER
+from ..maths.arrays import U8
 
 MARGIN_PX, LINE_PX, COLUMN_PX = 24, 34, 190
 

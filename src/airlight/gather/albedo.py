@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, pack_array, u32, vec4f
 from ..gpu.memory import buffer_of
+from ..maths.arrays import F64
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo, grazing_albedo
 from ..scene.material import Material, Texture
 from ..surface.materials import reflecting_share, uv_transform
 from ..surface.packed_maps import WRAP_BITS
 
-F64 = NDArray[np.float64]
 _SIDE = 64  # texels of a map at most
 _READ = 8  # pixels along a side that a texel is the mean of, at most
 MOST_GRAZING = 0.0625

@@ -15,6 +15,7 @@ from ..gpu.memory import Buffer, Texture
 from ..gpu.slots import storage, texture, uniform
 from ..lighting.view import View
 from ..maths.transforms import F64
+from ..scene.fingerprint import is_same
 from ..scene.scene import Scene
 from .points import Points
 from .sums import read_sums, sums_image, written_sums
@@ -130,13 +131,10 @@ class History:
 def lit_alike(one: Scene, other: Scene) -> bool:
     """Whether what lights two scenes' surfaces is the same; parts of frames that rest are."""
     # All that lights surfaces; the camera does not.
-    single = ("environment", "medium")
-    several = ("lights", "light_groups", "meshes", "volumes")
-    pairs = [(getattr(one, name), getattr(other, name)) for name in single]
-    for name in several:
-        ours, theirs = getattr(one, name), getattr(other, name)
-        if len(ours) != len(theirs):
-            return False
-        pairs += zip(ours, theirs, strict=True)
+    parts = ("lights", "light_groups", "meshes", "volumes")
     # Parts of a frame that rest are the very same objects as before.
-    return all(a is b for a, b in pairs)
+    return (
+        one.environment is other.environment
+        and one.medium is other.medium
+        and all(is_same(getattr(one, name), getattr(other, name)) for name in parts)
+    )

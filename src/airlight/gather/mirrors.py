@@ -6,16 +6,13 @@ metal or a smooth coat -> shared between pixels as far as their lobes are wide -
 
 from __future__ import annotations
 
-import numpy as np
-
+from ..area.lighting import cosines
 from ..fields import Fields
 from ..gpu.commands import Commands
-from ..gpu.memory import buffer_of
 from ..lighting.gathered import Mirrored
 from ..lighting.hits import HitLighting, HitsInLight
 from ..lighting.kit import Kit
 from ..lighting.view import View
-from ..maths.area_light import cosine_table
 from ..rays.rays import RayScene
 from .air import Air, light_in
 from .albedo import Albedos
@@ -48,10 +45,7 @@ class Mirrors:
         # Without metal no path goes on from mirror to mirror.
         self._glosses = Glosses(gpu, kit.meshes.original)
         self._segments = segments if self._glosses.mirrors else 1
-        # The table of linearly transformed cosines, for the albedo of what is mirrored.
-        table = np.zeros((cosine_table().shape[0] ** 2, 8), np.float32)
-        table[:, :6] = cosine_table().reshape(-1, 6)
-        self._cosines = buffer_of(gpu, "transformed cosines", table)
+        self._cosines = cosines(gpu)  # for the albedo of what is mirrored
         self._rays: tuple[dict[str, float], FirstRays, LaterRays] | None = None
         self._scope = gpu.scope()
         self._sized: MirrorBatches | None = None

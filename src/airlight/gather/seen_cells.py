@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..lattice.placement import Placement
-from ..maths.transforms import F64, clip_from_view_infinite, jittered, view_from_world
+from ..maths.arrays import F64, I64, U32
+from ..maths.transforms import clip_from_view_infinite, jittered, view_from_world
 from ..scene.camera import Camera
 
-U32 = NDArray[np.uint32]
 NO_POINT = 0xFFFFFFFF
 """Of a cell that sends no rays in a sample, as in `cell_sums.wgsl`."""
 TURNS = 8
@@ -91,7 +91,7 @@ def seen_cells(
     return SeenCells(np.concatenate(found), tuple(firsts))
 
 
-def numbers_of_points(angles: F64, each: int) -> NDArray[np.int64]:
+def numbers_of_points(angles: F64, each: int) -> I64:
     """Of cells of these solid `angles` (n,), sr: together no more than `each` for all of them.
 
     Every cell has one, and of the others as its angle is, at most MOST.
@@ -101,7 +101,7 @@ def numbers_of_points(angles: F64, each: int) -> NDArray[np.int64]:
     return np.asarray(1 + np.minimum(shares, MOST - 1), np.int64)
 
 
-def _in_turn(hidden: NDArray[np.int64], turn: int | None) -> NDArray[np.int64]:
+def _in_turn(hidden: I64, turn: int | None) -> I64:
     """Of cells out of sight those whose turn it is; all without a turn."""
     if turn is None:
         return hidden

@@ -9,8 +9,8 @@ rows                         tables of structs in textures, read in no order
    -> fullscreen, stored     passes over whole images, drawn or, on GPUs, computed and stored
    -> commands, recorded     what a frame encodes; what stays the same is replayed
 failures, demands            what the device refuses, with pass, limit and remedy
-process, one_thread          which process and which thread may use it
-lifetime                     from opening to closing, whole again after an error
+process                      which process may use it
+lifetime                     from opening to closing, by one thread, whole again after an error
 canvas                       a window, or a browser's image, to draw into
 sliced, bands, tally         commands in the background, long passes in bands; counted
 counted                      passes over rows of which the device knows how many there are

@@ -85,6 +85,14 @@ class Commands:
             )
         return self._compute
 
+    def compute_by(self, pipeline: Any) -> Any:
+        """The same with a `pipeline`, which is set only where it changes."""
+        encoder = self.compute
+        if self.pipeline is not pipeline:
+            self.pipeline = pipeline
+            encoder.set_pipeline(pipeline)
+        return encoder
+
     @contextmanager
     def render(self, label: str, **attachments: Any) -> Iterator[Any]:
         """A render pass onto the given attachments."""

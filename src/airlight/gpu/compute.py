@@ -141,12 +141,8 @@ class ComputePass:
 
     def _ready(self, commands: Commands, values: dict[str, Any]) -> Any:
         """The open compute pass with this pass's pipeline and bindings."""
-        # Within a pass the pipeline is set only where it changes.
         commands.make_room()
-        encoder = commands.compute
-        if commands.pipeline is not self.pipeline:
-            commands.pipeline = self.pipeline
-            encoder.set_pipeline(self.pipeline)
+        encoder = commands.compute_by(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values)
         return encoder
 

@@ -172,10 +172,7 @@ class FullscreenPass(RasterPipeline):
         bound = {target_name(k): target for k, target in enumerate(targets)}
 
         # Targets are bound behind the slots, as images.
-        encoder = commands.compute
-        if commands.pipeline is not self.pipeline:
-            commands.pipeline = self.pipeline
-            encoder.set_pipeline(self.pipeline)
+        encoder = commands.compute_by(self.pipeline)
         self.bindings.bind(commands, encoder, 0, values | bound)
         if rows:
             encoder.dispatch_workgroups_indirect(rows.arguments.handle, 0)

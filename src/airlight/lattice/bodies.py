@@ -11,12 +11,12 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64, I64
 from ..maths.chunks import chunks
+from ..maths.solid_angle import signed_solid_angle
+from ..maths.transforms import placed_points
 from ..maths.weld import open_vertices, welded
-from ..scene.mesh import Geometry, Mesh
-
-F64 = NDArray[np.float64]
-Edges = NDArray[np.int64]
+from ..scene.mesh import Geometry, Mesh, is_mirrored
 
 _OPEN_EDGES = 0.01  # share of edges without a partner up to which a body counts as closed
 _SAME = 2.0**-20  # of the scene's extent: edges so near to each other meet
@@ -45,21 +45,15 @@ def closed_bodies(meshes: Sequence[Mesh]) -> tuple[list[int], list[list[int]]]:
 def winding_number(meshes: Mesh | Iterable[Mesh], point: F64) -> float:
     """How often meshes wind around a point: 1 inside a closed body, 0 outside.
 
-    The sum of the triangles' solid angles (VanOosterom1983) over 4 pi, without its sign.
+    The sum of the triangles' solid angles over 4 pi, without its sign.
     """
     angle = 0.0
     for mesh in [meshes] if isinstance(meshes, Mesh) else meshes:
-        linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
         # Triangles as seen from the point: the solid angle of each.
-        corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
+        corners = mesh.world_positions - point
         indices, own = mesh.geometry.indices, 0.0
         for part in chunks(len(indices)):
-            a, b, c = (corners[indices[part, k]] for k in range(3))
-            # VanOosterom1983 eq. 8: the triple product over this sum is tan of half the angle.
-            la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-            volume = np.einsum("nk,nk->n", a, np.cross(b, c))
-            dots = lc * (a * b).sum(1) + lb * (a * c).sum(1) + la * (b * c).sum(1)
-            own += float(2.0 * np.arctan2(volume, la * lb * lc + dots).sum())
+            own += float(signed_solid_angle(corners[indices[part]]).sum())
         angle += own * _handedness(mesh)
     return abs(angle) / (4.0 * np.pi)
 
@@ -81,17 +75,23 @@ def is_sealed(meshes: Sequence[Mesh]) -> bool:
 
     Then what they wind around is parted from what they do not: there is no way round an edge.
     """
+    return bool(_met(_edges(meshes)[0])[1].all())
+
+
+def _edges(meshes: Sequence[Mesh]) -> tuple[I64, I64]:
+    """All edges (E, 2) in the world, between numbers of points that several meshes may share, and
+    the place in `meshes` of the one that each is of."""
     points, pairs = zip(*map(_placed, meshes), strict=True)
+    owner = np.repeat(np.arange(len(pairs)), [len(p) for p in pairs])
     first = np.cumsum([0, *(len(p) for p in points[:-1])])
     ends = np.concatenate([p + start for p, start in zip(pairs, first, strict=True)])
-    return bool(_met(_between_points(np.concatenate(points), ends))[1].all())
+    placed = np.concatenate(points)
 
-
-def _between_points(placed: F64, ends: Edges) -> Edges:
-    """Edges `ends` between points that are one where they are the same but for rounding."""
+    # Points that are the same but for rounding become one; edges of no length go.
     step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
     edges = welded(np.round(placed / step))[ends]
-    return np.asarray(edges[edges[:, 0] != edges[:, 1]], np.int64)
+    is_edge = edges[:, 0] != edges[:, 1]
+    return np.asarray(edges[is_edge], np.int64), owner[is_edge]
 
 
 def _signed_volume(positions: NDArray[np.floating], indices: NDArray[np.uint32]) -> float:
@@ -112,10 +112,10 @@ def _volume(mesh: Mesh) -> float:
 
 def _handedness(mesh: Mesh) -> float:
     """-1 for a mesh under a mirroring transform, whose triangles face as if it did not mirror."""
-    return 1.0 if np.linalg.det(mesh.world_from_object[:3, :3]) >= 0.0 else -1.0
+    return -1.0 if is_mirrored(mesh) else 1.0
 
 
-def _unmatched_edges(corners: NDArray[np.int64]) -> int:
+def _unmatched_edges(corners: I64) -> int:
     """How many edges of triangles `corners` (T, 3) have no partner in the opposite direction."""
     # Both ends of an edge without a partner are open.
     is_open = open_vertices(corners)
@@ -133,18 +133,8 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     left = by_size[: int(np.searchsorted(sizes, _MOST_EDGES, side="right"))]
     if len(left) < 2:
         return []
-    # All edges in the world, between numbers of points that several meshes may share.
-    points, pairs = zip(*(_placed(meshes[index]) for index in left), strict=True)
-    owner = np.repeat(left, [len(p) for p in pairs])
-    first = np.cumsum([0, *(len(p) for p in points[:-1])])
-    ends = np.concatenate([p + start for p, start in zip(pairs, first, strict=True)])
-    placed = np.concatenate(points)
-
-    # Points that are the same but for rounding become one; edges of no length go.
-    step = max(_SAME * float(np.ptp(placed, axis=0).max(initial=0.0)), 1e-30)
-    edges = welded(np.round(placed / step))[ends]
-    is_edge = edges[:, 0] != edges[:, 1]
-    owner, edges = owner[is_edge], edges[is_edge]
+    edges, places = _edges([meshes[index] for index in left])
+    owner = np.asarray(left, np.int64)[places]
     # A mesh with edges that no other's meet is a sheet; without it, others may be, too.
     while len(left):
         which, is_met = _met(edges)
@@ -158,20 +148,18 @@ def _joined(open_ones: list[int], meshes: Sequence[Mesh]) -> list[list[int]]:
     return []
 
 
-def _placed(mesh: Mesh) -> tuple[F64, Edges]:
+def _placed(mesh: Mesh) -> tuple[F64, I64]:
     """The points (V, 3), m, of a mesh's triangles, and the edges (E, 2) between them; what mirrors
     swaps the ends."""
-    linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-
     # Only vertices that triangles use, renumbered; edges in the order of the triangle.
     used, rows = np.unique(mesh.geometry.indices, return_inverse=True)
-    placed = mesh.geometry.positions[used].astype(np.float64) @ linear.T + offset
+    placed = placed_points(mesh.geometry.positions[used].astype(np.float64), mesh.world_from_object)
     rows = rows.reshape(-1, 3)
     ends = np.stack([rows, np.roll(rows, -1, axis=1)], axis=2).reshape(-1, 2)
-    return placed, ends if _handedness(mesh) > 0.0 else ends[:, ::-1]
+    return placed, ends[:, ::-1] if is_mirrored(mesh) else ends
 
 
-def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
+def _met(edges: I64) -> tuple[I64, NDArray[np.bool_]]:
     """The place of each of the `edges` (E, 2), and whether as many run there either way."""
     # An edge and its reverse are at one place; they balance where each has the other.
     low, high = edges.min(axis=1), edges.max(axis=1)
@@ -180,7 +168,7 @@ def _met(edges: Edges) -> tuple[Edges, NDArray[np.bool_]]:
     return which, balance[which] == 0.0
 
 
-def _connected(left: list[int], owner: NDArray[np.int64], which: Edges) -> list[list[int]]:
+def _connected(left: list[int], owner: I64, which: I64) -> list[list[int]]:
     """Groups of those `left` that have edges at the same places."""
     # Meshes that share an edge, as pairs; groups are what the pairs join.
     order = np.argsort(which, kind="stable")

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..maths.arrays import F64
 from ..maths.chunks import chunks
-from ..maths.transforms import triple
+from ..maths.transforms import cofactors, triple
 from ..scene.mesh import Geometry, Mesh
-from .placement import F64, STRAIGHT, Axes
+from .placement import STRAIGHT, Axes
 
 _NEAR = np.cos(np.radians(2.0))
 """Normals so near to an axis face along it."""
@@ -67,13 +68,12 @@ def _facing(meshes: tuple[Mesh, ...]) -> F64:
     found = [np.zeros((0, 3))]
     # The cofactors of a transform turn and scale area vectors as it does surfaces.
     linear = np.array([mesh.world_from_object[:3, :3] for mesh in meshes]).reshape(-1, 3, 3)
-    a, b, c = np.moveaxis(linear, -1, 0)
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    for mesh, cofactor in zip(meshes, cofactors, strict=True):
+    turns = np.ascontiguousarray(cofactors(linear).swapaxes(1, 2))
+    for mesh, turn in zip(meshes, turns, strict=True):
         key = id(mesh.geometry)
         if key not in own:
             own[key] = _area_vectors(mesh.geometry)
-        found.append(own[key] @ cofactor)
+        found.append(own[key] @ turn)
     return _summed(np.concatenate(found), _FINE)
 
 

@@ -13,10 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..maths.arrays import F64
 from ..maths.chunks import chunks
-from ..maths.transforms import triple
+from ..maths.transforms import placed_points, triple
 from ..scene.mesh import Mesh
-from .placement import F64, Axes, Placement, tiled
+from .placement import Axes, Placement, tiled
 
 Walls = tuple[tuple[F64, F64], ...]
 """For each axis the coordinates (n,), metres, of what faces along it, and its areas (n,), m^2."""
@@ -46,7 +47,7 @@ def walls_along(meshes: tuple[Mesh, ...], axes: Axes) -> Walls:
         placed, geometry = mesh.world_from_object, mesh.geometry
         for part in chunks(len(geometry.indices)):
             corners = geometry.positions[geometry.indices[part]].astype(np.float64)
-            corners = (corners @ placed[:3, :3].T + placed[:3, 3]) @ turn.T
+            corners = placed_points(corners, placed) @ turn.T
             normals = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
             areas = np.linalg.norm(normals, axis=1)
             for axis in range(3):

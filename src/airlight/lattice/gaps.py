@@ -10,8 +10,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64
+from ..maths.transforms import placed_points
 from ..scene.mesh import Mesh
-from .placement import F64, Axes
+from .placement import Axes
 from .surfels import samples_of, triangle_areas
 
 FEWEST_CELLS = 2.0
@@ -80,7 +82,7 @@ def _samples(meshes: tuple[Mesh, ...], turn: F64) -> tuple[F64, F64]:
         # In the world, then along the axes.
         geometry, placed = mesh.geometry, mesh.world_from_object
         corners = geometry.positions[geometry.indices[triangle]].astype(np.float64)
-        corners = corners @ placed[:3, :3].T + placed[:3, 3]
+        corners = placed_points(corners, placed)
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..maths.arrays import F64
 from ..maths.transforms import triple
-from .placement import F64, Fade, Placement, Triple, fitted, tiled
+from .placement import Fade, Placement, Triple, fitted, tiled
 
 AHEAD = 0.5
 """How far ahead of the eye a lattice's centre is, in halves of its sides."""

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError
 from ..gpu.layout import Struct, f32, u32, vec3f, vec3u
+from ..maths.arrays import F64
 from ..maths.lattice6 import LOOKUP_SCALE
 from ..maths.transforms import box_along, triple
 
-F64 = NDArray[np.float64]
 _TILE = 2  # CPU adapters propagate pairs of cells (lpv.step)
 
 

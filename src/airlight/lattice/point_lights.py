@@ -16,6 +16,7 @@ from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32, vec3f
 from ..gpu.memory import Buffer
 from ..gpu.slots import storage, uniform
+from ..scene.fingerprint import is_same
 from ..scene.point_lights import PointLights
 from .lobes import COSINE, TARGET_SLOTS, InjectionTarget
 
@@ -60,10 +61,7 @@ class InjectPoints:
     def take(self, groups: Sequence[PointLights]) -> float:
         """Set the groups of lights; returns the power, W, of all of them."""
         # Groups are compared by identity: other arrays are other lights.
-        same = len(groups) == len(self._groups) and all(
-            a is b for a, b in zip(groups, self._groups, strict=True)
-        )
-        if not same:
+        if not is_same(groups, self._groups):
             self._groups = tuple(groups)
             self.count = sum(map(len, groups))
             self._upload()

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import F64
 from ..maths.chunks import chunks
+from ..maths.transforms import box_around
+from ..scene.fingerprint import is_same
 from ..scene.light_shapes import LightMesh
 from ..scene.mesh import Mesh
 from .bodies import closed_bodies, is_sealed, winding_number
-
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +102,7 @@ class Rooms:
         """Whether no light and no camera sees through a body as it is; a lid may have opened."""
         body = [meshes[index] for index in self._bodies[number]]
         known, parts = self._parting.get(number, ([], False))
-        if len(known) != len(body) or any(a is not b for a, b in zip(known, body, strict=True)):
+        if not is_same(body, known):
             parts = all(map(_is_opaque, body)) and is_sealed(body)
             self._parting[number] = body, parts
         return parts
@@ -149,20 +150,14 @@ class Rooms:
     def _place(self, meshes: Sequence[Mesh]) -> None:
         """Find the bodies' boxes where the `meshes` are others than before."""
         if self._bodies and meshes is not self._placed:
-            bounds = [[meshes[i].world_bounds for i in body] for body in self._bodies]
-            low = [np.min([box[0] for box in boxes], axis=0) for boxes in bounds]
-            high = [np.max([box[1] for box in boxes], axis=0) for boxes in bounds]
-            self._placed, self._boxes = meshes, np.array([low, high])
+            boxes = [box_around([meshes[i].world_bounds for i in body]) for body in self._bodies]
+            self._placed, self._boxes = meshes, np.array(boxes).swapaxes(0, 1)
 
     def _holds(self, number: int, meshes: Sequence[Mesh], point: F64) -> bool:
         """Whether a body holds a point."""
         body = tuple(meshes[index] for index in self._bodies[number])
         # What was found of these very meshes, at a point with no triangle between.
-        kept = [
-            known
-            for known in self._known[number]
-            if all(a is b for a, b in zip(known.meshes, body, strict=True))
-        ]
+        kept = [known for known in self._known[number] if is_same(body, known.meshes)]
         for known in kept:
             if float(np.linalg.norm(point - known.point)) < known.reach_m:
                 return known.holds
@@ -196,8 +191,7 @@ def _clearance(body: Sequence[Mesh], point: F64) -> float:
     # A lower bound suffices: within it no triangle lies between two points.
     nearest = np.inf
     for mesh in body:
-        linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-        corners = mesh.geometry.positions.astype(np.float64) @ linear.T + offset - point
+        corners = mesh.world_positions - point
         for part in chunks(len(mesh.geometry.indices)):
             three = corners[mesh.geometry.indices[part]]
             # Per axis, how far the triangle's box is away; 0 where the point is beside it.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, u32, vec3f
+from ..maths.arrays import F32, F64, I64
 from ..maths.chunks import chunks
 from ..maths.colour import srgb_decode
 from ..maths.reflection import bihemispherical_albedo
@@ -23,7 +24,6 @@ from ..scene.texels import in_image, interpolated, nearest
 from ..surface.materials import chance_to_meet, reflecting_share
 from .rooms import Rooms
 
-F64 = NDArray[np.float64]
 _LIGHTS = 0.125
 """Of the surfels of all other surfaces: what the surfaces of all area lights have together."""
 
@@ -157,7 +157,7 @@ def sealed(
     return found
 
 
-def mean_reflectances(made: NDArray[np.void], instances: int) -> NDArray[np.float32]:
+def mean_reflectances(made: NDArray[np.void], instances: int) -> F32:
     """Of each of so many `instances` the reflectance of its surfels, in the mean of channels."""
     rows = made["instance"]
     sums = np.bincount(rows, made["reflectance"].mean(axis=1), minlength=instances)
@@ -191,7 +191,7 @@ def follow(
     return moved
 
 
-def samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
+def samples_of(areas: F64, count: int) -> tuple[I64, F64]:
     """Triangles (n,) and barycentric weights (n, 3) of `count` surfels over them."""
     # Stratified along the running area; points inside a triangle from the plastic sequence.
     edges = np.cumsum(areas)
@@ -201,7 +201,7 @@ def samples_of(areas: F64, count: int) -> tuple[NDArray[np.int64], F64]:
     return triangle, np.stack([1.0 - u - v, u, v], axis=1)
 
 
-def _corners(geometry: Geometry, triangle: NDArray[np.int64]) -> F64:
+def _corners(geometry: Geometry, triangle: I64) -> F64:
     """(3, n, 3): the corners of triangles, metres, object space."""
     return geometry.positions[geometry.indices[triangle].T].astype(np.float64)
 
@@ -217,7 +217,7 @@ def _triangle_points(count: int) -> tuple[F64, F64]:
 
 
 def _albedo_and_cover(
-    material: Material, uvs: NDArray[np.float32] | None, corners: NDArray[np.uint32], weights: F64
+    material: Material, uvs: F32 | None, corners: NDArray[np.uint32], weights: F64
 ) -> tuple[F64, F64]:
     """Bihemispherical albedo (n, 3) and the share (n,) of each surfel that is not cut away."""
     # The BRDF's albedo at the surfel's own texture coordinates.

@@ -16,6 +16,7 @@ from ..area.sources import has_extent
 from ..lattice.rooms import Rooms
 from ..maths.transforms import F64
 from ..scene.environment import Environment
+from ..scene.fingerprint import is_same
 from ..scene.lights import Light
 from ..scene.mesh import Mesh
 from ..scene.scene import Scene
@@ -50,8 +51,7 @@ class Hidden:
         pairs = zip(scene.lights, flags, strict=False)
         lights = tuple(self._dark_light(x) if hidden else x for x, hidden in pairs)
         self._darkened = [pair for pair in self._darkened if any(pair[1] is x for x in lights)]
-        is_same = len(lights) == len(self._lights)
-        if not (is_same and all(a is b for a, b in zip(lights, self._lights, strict=True))):
+        if not is_same(lights, self._lights):
             self._lights = lights
         sky = self._dark(scene.environment) if flags[-1] else scene.environment
         return replace(scene, lights=self._lights, environment=sky)

@@ -12,7 +12,7 @@ from ..lattice.facing import wall_axes
 from ..lattice.fitting import at_walls, walls_along
 from ..lattice.nested import Box, Nest, surrounded
 from ..lattice.placement import STRAIGHT, Axes, Placement, fitted
-from ..maths.transforms import box_along, triple
+from ..maths.transforms import box_along, box_around, triple
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
 from ..scene.light_shapes import furnished
@@ -156,6 +156,5 @@ def _reached(low: F64, high: F64, boxes: Sequence[tuple[Any, Any]]) -> tuple[F64
         return np.where(beyond > _HAIR * longest, np.minimum(beyond, MEDIUM_BEYOND * longest), 0.0)
 
     # A hair's breadth is worth no cells; very far beyond, cells for surfaces would be too large.
-    below = reach(low - np.min([box[0] for box in boxes], axis=0))
-    above = reach(np.max([box[1] for box in boxes], axis=0) - high)
-    return low - below, high + above
+    first, last = box_around(boxes)
+    return low - reach(low - first), high + reach(last - high)

@@ -76,14 +76,14 @@ class _Blur(FullscreenPass):
 class OcclusionLayers:
     """Radiance and solid angle of near occluders per texel, see `near_field_texel.wgsl`.
 
-    A texel is `scale` x `scale` pixels.
+    A texel is SCALE x SCALE pixels.
     """
 
-    def __init__(self, gpu: Gpu, size: tuple[int, int], scale: int = SCALE) -> None:
-        """For an image of `size`, pixels. `scale`: pixels along a texel's side."""
-        self.size, self.scale = size, scale
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        """For an image of `size`, pixels."""
+        self.size = size
         # The near field is found for blocks of pixels, and interpolated.
-        reduced = (-(-size[0] // self.scale), -(-size[1] // self.scale))
+        reduced = (-(-size[0] // SCALE), -(-size[1] // SCALE))
         self.surfaces, self.sampled, self.near = (
             Texture(gpu, label, reduced, "rgba32uint", target=True, written=True)
             for label in ("surfaces", "sampled near field", "near field")
@@ -118,14 +118,10 @@ def lattice_reach(wanted: float, placements: Sequence[Placement]) -> SearchRadiu
 class Occlusion:
     """Depth and normals -> visibility of the near field, and its radiance."""
 
-    def __init__(
-        self, gpu: Gpu, samples: tuple[int, int] | None = None, *, has_light: bool = False
-    ) -> None:
-        """`samples`: slices of the hemisphere, and steps on each side of one; by device if not
-        given. `has_light`: occluders contribute the radiance that they show.
-        """
+    def __init__(self, gpu: Gpu, *, has_light: bool = False) -> None:
+        """`has_light`: occluders contribute the radiance that they show."""
         # How many samples there are depends on what they cost on this device.
-        slices, steps = samples or gpu.paths.occlusion_samples
+        slices, steps = gpu.paths.occlusion_samples
         kind = {"HAS_LIGHT": float(has_light)}
         self._surfaces = _ReducedSurfaces(gpu, constants=kind)
         counts = {"SLICES": float(slices), "STEPS": float(steps)}
@@ -174,7 +170,7 @@ def occlusion_params(
         down=world_from_clip[:3, 1] * (-2.0 / height),
         depth_scale=float(world_from_clip[3, 2]),
         radius=reach.radius,
-        scale=layers.scale,
+        scale=SCALE,
         size=layers.size,
         reduced=np.array(layers.near.size[:2]),
         growth=reach.growth,

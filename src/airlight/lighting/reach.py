@@ -10,7 +10,7 @@ import numpy as np
 
 from ..lattice.nested import Box
 from ..lattice.placement import Triple
-from ..maths.transforms import box_along, triple
+from ..maths.transforms import box_along, box_around, triple
 from ..scene.along import whole_bounds_along
 from ..scene.checks import F64
 from ..scene.light_shapes import furnished
@@ -52,7 +52,7 @@ class Reach:
     def along(self, axes: F64) -> Box:
         """The box of what its eyes see, metres along `axes` (3, 3), rows."""
         boxes = [box_along(axes, *self.for_eye(eye)) for eye in self.eyes]
-        low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+        low, high = box_around(boxes)
         return triple(low), triple(high)
 
     @cached_property

@@ -12,7 +12,7 @@
    media       medium, mixtures, two_streams, voxels, empty_voxels, solid_voxels, half_space,
                forward_phase, forward_beams, air_lobes, sky_phase, beam_phase
    space       transforms, octahedron, latlong, weld, level_set, closing, keyframes; rays, box_tree
-   numbers     colour, tone, lut, half, tangent_angle, chunks
+   numbers     colour, tone, lut, half, tangent_angle, chunks; arrays: their types
 
 Where a shader needs the same formula, a WGSL function of the same name, its twin, stands in
 `wgsl/`, and a test holds the two together.

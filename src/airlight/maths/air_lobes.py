@@ -12,12 +12,11 @@ Source: ours.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .colour import luminance
 from .phase import ISOTROPIC, scattering_phase
-
-F64 = NDArray[np.float64]
 
 
 def lobe_phase(light: ArrayLike, along: ArrayLike, travel: ArrayLike, g: ArrayLike) -> F64:

@@ -10,11 +10,9 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import F32, F64
 from .sampling import orthonormal_frame
-
-F64 = NDArray[np.float64]
 
 RIM_CORNERS = 12
 """Corners of the polygon of the same area that stands for a disk."""
@@ -151,9 +149,9 @@ def sphere_disk(centre: F64, radius: float) -> tuple[F64, float]:
 
 
 @cache
-def cosine_table() -> NDArray[np.float32]:
+def cosine_table() -> F32:
     """(rows of roughness, columns of sqrt(1 - n.v), 6), as `maths.cosines_fit` makes it."""
-    table: NDArray[np.float32] = np.load(Path(__file__).with_name("cosines.npy"))
+    table: F32 = np.load(Path(__file__).with_name("cosines.npy"))
     table.flags.writeable = False
     return table
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .colour import F64
+from .arrays import F64
 from .sampling import fibonacci_sphere
 
 GROUND_M, TOP_M = 6_360_000.0, 6_460_000.0

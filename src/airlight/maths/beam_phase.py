@@ -8,11 +8,10 @@ bright spot per ordinate; there the phase function is averaged over a cone with 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .phase import ISOTROPIC, henyey_greenstein
-
-F64 = NDArray[np.float64]
 
 PHASE_TABLE = 256
 PREFILTERED_ABOVE = 0.8  # g; below it g c is as good

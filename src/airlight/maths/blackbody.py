@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F32, F64
 from .observer import FIRST_NM, LAST_NM, observer
-
-F64 = NDArray[np.float64]
 
 PLANCK_J_S, LIGHT_M_S, BOLTZMANN_J_K = 6.62607015e-34, 299792458.0, 1.380649e-23
 HOTTEST_K = 1e5
@@ -65,7 +64,7 @@ def _table() -> tuple[F64, F64, F64]:
     return inverse, np.log(luminance), rec709(1.0 / inverse) / luminance[:, None]
 
 
-def rec709_of_grid(temperature_k: ArrayLike) -> NDArray[np.float32]:
+def rec709_of_grid(temperature_k: ArrayLike) -> F32:
     """(..., 3) float32: `rec709` of many temperatures, from a table; below 500 K nothing.
 
     log(Y) is nearly linear in 1/T (Wien's law), so the table is within 1e-3.

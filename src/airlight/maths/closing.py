@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import F64, I64
 from .weld import connected, open_vertices, welded
-
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 _SAME = 2.0**-20
 

@@ -16,9 +16,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64
+
 TABLE = Path(__file__).with_name("cosines.npy")
 SIDE = 32
 """Rows of roughness (0 to 1) and columns of sqrt(1 - n.v), the borders included."""

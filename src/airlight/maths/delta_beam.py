@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .beam_phase import beam_phase, beam_phase_table
 from .diffusion import Diffusion, diffusivity, largest_diffusivity, solve
 from .outgoing_light import (
@@ -19,8 +20,6 @@ from .outgoing_light import (
 )
 from .phase import henyey_greenstein
 from .voxels import density_behind
-
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def largest_diffusivity(density: F64, cell: F64) -> float:

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import F64
 from .lattice6 import hops
+from .transforms import smoothstep
 
-F64 = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 ON_PLANE, OFF_PLANE, WALL, BEFORE_FLAT = 0.1, 0.25, 0.6, 1.0
@@ -58,12 +59,12 @@ def axis_across(n: F64, k: int) -> F64:
 
 def is_on_plane(off: F64) -> F64:
     """How far what is so many cells off a plane is a part of it, 0 to 1."""
-    return 1.0 - _smoothstep(ON_PLANE, OFF_PLANE, np.abs(off))
+    return 1.0 - smoothstep(ON_PLANE, OFF_PLANE, np.abs(off))
 
 
 def is_open(height: F64) -> F64:
     """How far what is so many cells above a plane, seen past it, is not a wall before it."""
-    return 1.0 - _smoothstep(OFF_PLANE, WALL, height)
+    return 1.0 - smoothstep(OFF_PLANE, WALL, height)
 
 
 def flatness(shown: DepthMap, p: F64, n: F64, cell: float) -> F64:
@@ -100,8 +101,3 @@ def free_sharpness(n: F64, sharpness: float) -> F64:
     constant, directional = hops()[0].matrix[0, :2]
     along = np.abs(n).max(axis=1)
     return np.asarray(np.minimum(sharpness, constant / np.maximum(directional * along, 1e-6)))
-
-
-def _smoothstep(low: float, high: float, x: F64) -> F64:
-    t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))

@@ -9,9 +9,9 @@ Source: ours; see `scatter.forward`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 SPREAD, BACK = 0.29, 0.58
 """Of a path in a medium, m: the deviation across it over sqrt(2 (1 - g)), and how far back light is

@@ -12,11 +12,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .phase import ISOTROPIC, henyey_greenstein
-
-F64 = NDArray[np.float64]
 
 COSINES, DEPTHS = 64, 32
 """Of a table: columns, dense towards where light goes, and rows."""

@@ -6,12 +6,11 @@ Twin of `wgsl/gather.wgsl`, with `gather_turning`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .phase import ISOTROPIC, henyey_greenstein
 from .sampling import orthonormal_frame, pcg_hash, uniform_from_hash
-
-F64 = NDArray[np.float64]
 
 RAY_STEPS: tuple[int, int] = (3242174889, 2447445413)
 """2^32 over powers of the plastic number: R2 (Roberts2018) along a point's rays."""

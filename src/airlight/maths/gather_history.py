@@ -6,9 +6,9 @@ Twin of `wgsl/gather_history.wgsl`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 BESIDE = 1e-3
 """Weight of a gather point that does not lie beside the place, where no nearer one is alike."""

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .gather import F64, approach
+from .arrays import F64
+from .gather import approach
 
 KIN_POWER = 2.0
 """As `gather.NORMAL_POWER`, for points that are not alike and get about the same light."""

@@ -6,9 +6,9 @@ Twin of a part of `wgsl/gather.wgsl`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 LEAST_COSINE = 0.1
 """Rays that graze more count as if they grazed like this in what turning a normal changes."""

@@ -7,9 +7,9 @@ is its roughness squared.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def visible_normal(v: ArrayLike, alpha: ArrayLike, numbers: ArrayLike) -> F64:

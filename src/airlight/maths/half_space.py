@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 # Optical depths. What goes deeper where nothing is absorbed comes back: the last is a mirror.
 _EDGES = np.concatenate([[0.0], np.geomspace(0.02, 40.0, 64)])

@@ -7,9 +7,8 @@ or the last value holds.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def segment(times: F64, time: float) -> tuple[int, float]:

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64, I64
 from .lattice6 import shifted
 from .medium import mean_absorption_depth, mean_transmittance
 from .solid_angle import polygon_solid_angle, voronoi_cell
-
-F64 = NDArray[np.float64]
 
 # How much of a cell's net direction a transfer function sees; the best of those measured.
 RHO = 0.93
@@ -44,7 +43,7 @@ class Hops:
     Gamma_j = sqrt(w_j) (y0 + sqrt(3) rho d_j.y1) keeps all power of any state.
     """
 
-    offsets: NDArray[np.int64]
+    offsets: I64
     lengths: F64
     directions: F64
     solid_angles: F64
@@ -263,7 +262,7 @@ def _half_linear_shares(
     return kept, given, np.exp(-(xs + xd))
 
 
-def _from_destination(cells: F64, offset: NDArray[np.int64]) -> F64:
+def _from_destination(cells: F64, offset: I64) -> F64:
     """The destination cell's value (..., Z, Y, X) at each source; at the border its own."""
     # Cells at the border stand for those beyond it.
     value = cells

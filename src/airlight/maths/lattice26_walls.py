@@ -12,12 +12,11 @@ from functools import cache
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .lattice26 import RHO, hops, leaving_power
 from .medium import mean_transmittance
-
-F64 = NDArray[np.float64]
 
 # Lattice-wide order of a cell's six incoming hops.
 FACE_HOPS = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))

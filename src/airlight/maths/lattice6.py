@@ -17,18 +17,16 @@ from functools import cache, cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64, I64
 from .solid_angle import polygon_mean_direction, polygon_solid_angle, quad_mean_square
 from .transforms import triple
 
-F64 = NDArray[np.float64]
 Scheme = Literal["paper", "centroid"]
 
 # Travel directions of the six hops, and so the offsets (dx, dy, dz) to the destination cell.
-OFFSETS: NDArray[np.int64] = np.array(
-    [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]]
-)
+OFFSETS: I64 = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
 # Irradiance from accumulated states: the share of a cell's flux that a surface there receives.
 # Measured so that the mean irradiance of a floor beside a 12 x 12-cell wall is right.
 LOOKUP_SCALE = 0.69

@@ -9,10 +9,8 @@ from __future__ import annotations
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
+from .arrays import F64, I64
 
 # Corners of a cell as bits, x the lowest. Each tetrahedron walks from corner 0 to corner 7 along
 # the axes in another order.

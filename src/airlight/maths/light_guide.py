@@ -8,12 +8,11 @@ counts, however its direction was chosen, is `maths.gather.sky_share`: the same 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .gather import lobe_density
 from .sampling import orthonormal_frame
-
-F64 = NDArray[np.float64]
 
 PATCHES = 16
 """Spheres around all that lights shine on."""

@@ -7,9 +7,8 @@ What a point gets from all directions of a surface of even radiance is that time
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def rectangle_angle(at: F64, half: F64) -> F64:

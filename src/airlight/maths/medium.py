@@ -6,9 +6,9 @@ Everything broadcasts: per-channel coefficients need a trailing channel axis on 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 # Below this the quotients are taken from their series; float32 agrees on both sides.
 SERIES_BELOW = 0.02

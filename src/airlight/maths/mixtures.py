@@ -8,11 +8,9 @@ number is a material of its own, which is always exact.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .transforms import F64
+from .arrays import F32, F64
 
-F32 = NDArray[np.float32]
 EXACT = 0.004
 """Of a row's sum: mixtures may be off by so much, a step of colours in 8 bits."""
 _FAINT = 1e-4  # of the largest row's sum; of fainter rows nothing is asked

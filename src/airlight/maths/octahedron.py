@@ -9,9 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import F64, I64
 from .solid_angle import triangle_solid_angle
-
-F64 = NDArray[np.float64]
 
 
 def _sign(x: F64) -> F64:
@@ -86,7 +85,7 @@ def octahedron_cell_solid_angles(count: int) -> F64:
     return np.where(same_sign, two(p00, p10, p01, p11), two(p10, p00, p11, p01))
 
 
-def octahedron_neighbour(cell: ArrayLike, step: ArrayLike, count: int) -> NDArray[np.int64]:
+def octahedron_neighbour(cell: ArrayLike, step: ArrayLike, count: int) -> I64:
     """Cell (..., 2) reached from cell (u, v) by a step of one cell along u or v.
 
     Leaving across an edge re-enters the same edge at the mirrored index.

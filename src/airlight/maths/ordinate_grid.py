@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64, I64
 from .sampling import orthonormal_frame
 from .voxels import trilinear
-
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 ROLLS = 16  # turns about the light that are tried for the smallest grid
 _TIGHT = 1.01  # growth of a cell until its grid has few enough

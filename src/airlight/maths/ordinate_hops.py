@@ -20,11 +20,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .arrays import F64, I64
 from .delta_beam import MediumGrid, diffusion_of, resolved_by
 from .diffusion import solve
 from .phase import cap_fractions, henyey_greenstein
 
-F64 = NDArray[np.float64]
 Watch = Callable[[F64, F64], None]
 
 SHARE, SHARE_RADIAL, SHARE_RADIAL_PEAKED = 0.6, 0.5, 0.25  # of lost anisotropy: to the residuum
@@ -51,7 +51,7 @@ class Hops:
     path: F64
     volume: F64
     section: F64
-    beside: NDArray[np.int64]
+    beside: I64
     side_gain: F64
     curvature: F64
     inside: NDArray[np.bool_] | None = None

@@ -12,14 +12,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64, I64
 from .colour import luminance
 from .latlong import latlong_row_solid_angles, latlong_texel_directions
 from .sampling import GOLDEN_RATIO
-
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 ROUNDS = 8  # of k-means: the centres of a sky move by less than a texel after that
 DARK_SHARE = 0.05  # of the centres goes where the map is black, so that its parts stay compact

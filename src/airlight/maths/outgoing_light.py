@@ -15,9 +15,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import F64, I64
 from .phase import henyey_greenstein
-
-F64 = NDArray[np.float64]
 
 LEAST_TRANSMITTANCE = 0.005
 """Along a path, below which the rest of it counts for nothing."""
@@ -129,9 +128,7 @@ def arriving(
     return light
 
 
-def _is_walled(
-    closed: NDArray[np.bool_], one: NDArray[np.int64], other: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def _is_walled(closed: NDArray[np.bool_], one: I64, other: I64) -> NDArray[np.bool_]:
     """Whether a surface closes a face between cells (..., 3; z, y, x) at most a cell apart.
 
     Across an edge or a corner it is enough that one of the faces at either cell is closed.

@@ -7,9 +7,9 @@ Everything broadcasts; g lies in (-1, 1) unless said otherwise.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 ISOTROPIC = float(1.0 / (4.0 * np.pi))
 HALF_OCTANT_COSINE = float(np.sqrt(0.5))

@@ -11,13 +11,12 @@ differs: Elek2014 section 6 propagates in a radial grid around each light.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .delta_beam import Beam, MediumGrid, beam_loss
 from .outgoing_light import forward_share
 from .voxels import density_behind
-
-F64 = NDArray[np.float64]
 
 NEAR_TABLE = 64
 _BLOCK = 4  # cells a side around a light, whose power is known

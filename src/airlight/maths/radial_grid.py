@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import F64
 from .octahedron import (
     octahedron_cell_centres,
     octahedron_cell_solid_angles,
@@ -20,8 +21,6 @@ from .octahedron import (
 )
 from .ordinate_hops import Hops
 from .voxels import trilinear
-
-F64 = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64, I64
 
 _MOST_PAIRS = 1 << 19  # of rays and triangles that are tested at once
 
@@ -23,7 +23,7 @@ class RayHits:
     """
 
     t: F64
-    triangle: NDArray[np.int64]
+    triangle: I64
     bary: F64
 
 

@@ -7,9 +7,9 @@ The surface is Lambert plus GGX (glTF 2.0, appendix B). Twins: `wgsl/surface_ref
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 # Alphas between which highlights take over from mirrored rays: of surfaces and media that glow.
 GLOW_SHARP, GLOW_BLURRED, MEDIUM_BLURRED = 0.01, 0.16, 0.06

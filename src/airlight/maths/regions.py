@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
+from .arrays import F64, I64
+
 Count = tuple[int, int, int]
 
 REGIONS = 64

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
-U32 = NDArray[np.uint32]
+from .arrays import F64, I64, U32
 
 GOLDEN_RATIO = float((1.0 + np.sqrt(5.0)) / 2.0)
 # The real root of x^3 = x + 1: R2's base.
@@ -127,7 +126,7 @@ def orthonormal_frame(normal: ArrayLike) -> tuple[F64, F64]:
     return tangent, np.stack([b, sign + y * y * a, -y], axis=-1)
 
 
-def alias_table(weights: ArrayLike) -> tuple[F64, NDArray[np.int64]]:
+def alias_table(weights: ArrayLike) -> tuple[F64, I64]:
     """(keep, other) (n,): item i is taken with `keep`[i], else item `other`[i], i chosen evenly.
 
     Items then come in proportion to their weights. Source: Vose1991.

@@ -6,9 +6,9 @@ A state (a, bx, by, bz) is in W/sr: a is the mean intensity, b points where most
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def cosine_lobe(normal: ArrayLike, power_w: ArrayLike) -> F64:

@@ -9,14 +9,13 @@ scattering in thin media is exact at any number of ordinates.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .beam_phase import beam_phase
 from .latlong import latlong_row_solid_angles, latlong_texel_directions
 from .ordinates import Ordinates
 from .phase import henyey_greenstein
-
-F64 = NDArray[np.float64]
 
 ROWS = 64  # of the convolved map
 LARGEST_GAIN = 8.0

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def triangle_solid_angle(corners: ArrayLike) -> F64:
-    """Solid angle (...) in sr of triangles (..., 3, 3) seen from the origin; lengths cancel.
+    """Solid angle (...) in sr of triangles (..., 3, 3) seen from the origin; lengths cancel."""
+    return np.abs(signed_solid_angle(corners))
 
-    Source: VanOosterom1983, eq. 8.
+
+def signed_solid_angle(corners: ArrayLike) -> F64:
+    """The same, negative where the origin sees corners run counter-clockwise, a triangle's front.
+
+    Summed over 4 pi: how often surfaces go round the origin. Source: VanOosterom1983, eq. 8.
     """
     # The triple product over the sum of VanOosterom1983: tan of half the angle.
     p = np.asarray(corners, dtype=np.float64)
     a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
-    volume = np.abs(np.einsum("...i,...i->...", a, np.cross(b, c)))
+    volume = np.einsum("...i,...i->...", a, np.cross(b, c))
     dots = [np.einsum("...i,...i->...", u, v) for u, v in ((a, b), (a, c), (b, c))]
     spread = la * lb * lc + dots[0] * lc + dots[1] * lb + dots[2] * la
     return np.asarray(2.0 * np.arctan2(volume, spread))

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
+from .arrays import F64, I64
 
 _LINES_ACROSS = 3
 """Lines per voxel along each axis across them."""

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .blackbody import REC709_FROM_XYZ
 from .observer import FIRST_NM, LAST_NM, observer
-
-F64 = NDArray[np.float64]
 
 _D65 = """
     46.6383 52.0891 49.9755 54.6482 82.7549 91.486 93.4318 86.6823 104.865 117.008 117.812 114.861

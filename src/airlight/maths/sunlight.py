@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .arrays import F64
 from .atmosphere import (
     WAVELENGTHS_NM,
     Air,
@@ -17,7 +18,6 @@ from .atmosphere import (
     sky_parts,
     transmittance_out,
 )
-from .colour import F64
 from .latlong import latlong_row_solid_angles, latlong_texel_directions
 
 EFFICACY_LM_PER_W = 179.0

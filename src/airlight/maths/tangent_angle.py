@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .sampling import F64, orthonormal_frame
+from .arrays import F64
+from .sampling import orthonormal_frame
 
 STEPS = 32767
 """Of half a range of 16 bits."""

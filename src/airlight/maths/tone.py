@@ -11,12 +11,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .arrays import F64
 from .chunks import CHUNK, chunks
 from .colour import luminance, srgb_encode
 from .lut import Lut
 from .sampling import r2_noise
-
-F64 = NDArray[np.float64]
 
 MIDDLE_GREY = 0.18
 

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-F64 = NDArray[np.float64]
+from .arrays import F64 as F64
+
 Vector = Sequence[float] | NDArray[Any]
 _CORNERS = np.array(np.meshgrid(*[(0, 1)] * 3)).reshape(3, 8).T  # 0 the lower, 1 the upper
 
@@ -26,6 +27,12 @@ def unit(v: Vector) -> F64:
 def triple(v: Any) -> tuple[float, float, float]:
     """A vector or colour (3,) as Python's own numbers."""
     return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def smoothstep(low: float, high: float, x: F64) -> F64:
+    """0 below `low`, 1 above `high`, a cubic between them."""
+    t = np.clip((x - low) / (high - low), 0.0, 1.0)
+    return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
 def _cross(a: Vector, b: Vector) -> F64:
@@ -92,11 +99,31 @@ def box_corners(low: Vector, high: Vector) -> F64:
     return np.array((low, high), dtype=np.float64)[_CORNERS, (0, 1, 2)]
 
 
+def placed_points(points: NDArray[Any], matrix: NDArray[np.floating[Any]]) -> F64:
+    """(..., 3) points through an affine 4x4 matrix."""
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
+
+
 def transformed(points: F64, matrix: F64) -> F64:
     """(n, 3) points through a 4x4 matrix, with the perspective division."""
-    homogeneous = points @ matrix[:3, :3].T + matrix[:3, 3]
     w = points @ matrix[3, :3] + matrix[3, 3]
-    return np.asarray(homogeneous / w[..., None])
+    return np.asarray(placed_points(points, matrix) / w[..., None])
+
+
+def cofactors(linear: F64) -> F64:
+    """(..., 3, 3): det * inverse transpose of matrices, which turns areas' normals as `linear`
+    turns the areas; it exists for those without volume, too."""
+    a, b, c = np.moveaxis(linear, -1, 0)
+    return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+
+
+def normal_matrix(world_from_object: F64) -> F64:
+    """(..., 4, 4): for normals of surfaces, as long as the placement stretches their area."""
+    linear = world_from_object[..., :3, :3]
+    normal = np.broadcast_to(np.eye(4), world_from_object.shape).copy()
+    sign = np.where(np.linalg.det(linear) < 0.0, -1.0, 1.0)
+    normal[..., :3, :3] = cofactors(linear) * sign[..., None, None]
+    return normal
 
 
 def rotation_xyz(angles_deg: Vector) -> F64:
@@ -130,6 +157,11 @@ def trs_matrix(translation: Vector, rotation: Vector, scale: Vector) -> F64:
     matrix[..., :3, 3] = translation
     matrix[..., 3, 3] = 1.0
     return matrix
+
+
+def box_around(boxes: Sequence[Sequence[Any]]) -> tuple[F64, F64]:
+    """Lower and upper corner of the box around `boxes`, which are pairs of corners."""
+    return np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
 
 
 def box_along(axes: F64, low: Vector, high: Vector) -> tuple[F64, F64]:

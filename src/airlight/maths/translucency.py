@@ -8,9 +8,9 @@ Twins of `wgsl/translucency.wgsl`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 
 def passed_share(

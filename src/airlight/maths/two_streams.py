@@ -6,9 +6,9 @@ Light that collides is absorbed, or scattered to both sides alike, where it may 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-F64 = NDArray[np.float64]
+from .arrays import F64
 
 ALONG_HOPS = 0.8
 """What light's path is of a hop along an axis, for absorption: straight paths have .69 of the steps

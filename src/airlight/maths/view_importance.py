@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import F64
 from .delta_beam import MediumGrid
 from .latlong import latlong_row_solid_angles
 from .ordinate_hops import Hops, first_light, parallel_hops, propagate
 from .phase import ISOTROPIC, henyey_greenstein
 from .voxels import density_behind, trilinear
-
-F64 = NDArray[np.float64]
 
 SIDE = 16  # cells of the view's grid along each axis (Elek2014)
 ROWS = 16  # of the map, 32 columns (Elek2014)

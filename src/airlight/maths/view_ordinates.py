@@ -8,13 +8,12 @@ memory of earlier frames.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .colour import luminance
 from .latlong import latlong_row_solid_angles
 from .ordinates import ROUNDS, Ordinates, importance_sampled, map_texels, seeds, unit_rows
-
-F64 = NDArray[np.float64]
 
 UNSEEN = 0.3  # weight of what no pixel sees, where the mean weight of importance is 1
 _CRISP = 8.0  # exponent of a centre's squared distance: parts overlap over a tenth of their size

@@ -7,11 +7,10 @@ x, y, z, metres.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from .arrays import F64
 from .medium import ray_box_interval
-
-F64 = NDArray[np.float64]
 
 
 def trilinear(grid: F64, place: F64) -> F64:

@@ -17,8 +17,8 @@ media_changes    the boxes of media that changed; stale_cells: cells that the sk
 light_columns    column density of density grids towards lights; column_texels: how fine
 detail           noise below their voxels
 rays             which eye ray each texel of a reduced image stands for
-reduced          the isotropic media that stand for others in what solvers solve; absorbing: what
-                 a solver sees of those that another one solves
+reduced          media that stand for others: isotropic ones in what solvers solve, absorbing ones
+                 for those that another solver knows
 pixel_list       pixels to redraw; settings: of all this
 volume_blockers  volumes as blockers of a lattice
 attenuated_maps  reflective shadow maps, attenuated by media

@@ -8,7 +8,6 @@ in another, and what a ray or a point does not meet is skipped by a tree of boxe
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,6 +23,7 @@ from ..gpu.rows import Table
 from ..gpu.shared import Shared
 from ..gpu.slots import Slot
 from ..maths.transforms import F64
+from ..scene.fingerprint import is_same
 from ..scene.lights import Light
 from ..scene.medium import Medium, medium_box
 from ..scene.scene import Scene
@@ -112,8 +112,7 @@ class GpuMedia:
         self.rows: list[dict[str, Any]] = []
         self._written = b""
         # What the table was filled from: frozen media, and the box of those without bounds.
-        self._media: tuple[object, ...] = ()
-        self._box: tuple[float, ...] = ()
+        self._taken: tuple[object, ...] = ()
         self.version, self._changes = 0, MediaChanges()
         self.has_emission, has_glow = has_emission(scene), any(map(glows, scene.volumes))
         self._emission = EmissionGrids(gpu, scene.volumes) if has_glow else None
@@ -177,12 +176,8 @@ class GpuMedia:
         """Bring the table and the grids up to date; returns whether anything changed."""
         # Media are frozen: the same ones, in the same bounds and for the same eye, need nothing.
         box = (*map(float, low), *map(float, high), *scene.camera.position)
-        media = (scene.medium, *scene.volumes)
-        if (
-            box == self._box
-            and len(media) == len(self._media)
-            and all(map(operator.is_, media, self._media))
-        ):
+        taken = (box, scene.medium, *scene.volumes)
+        if is_same(taken, self._taken):
             return False
         # Kernels are made for these kinds of media.
         if row_kinds(scene) != self._kinds or has_emission(scene) > self.has_emission:
@@ -205,7 +200,7 @@ class GpuMedia:
         if packed.tobytes() != self._written:
             self._written, changed = packed.tobytes(), True
             self.table.write(packed)
-        self._box, self._media = box, media
+        self._taken = taken
         # Readers that lag behind ask which boxes changed since their version.
         if changed:
             self._changes.take(self.version + 1, plain, boxes, self._grid_versions())

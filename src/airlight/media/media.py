@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..fields import Fields, Frame, HalfSpaceLight, Solver
 from ..gpu.commands import Commands
@@ -166,8 +166,3 @@ class Media(Solver):
     def resize(self, size: tuple[int, int]) -> None:
         """Go on with images of `size`, pixels."""
         self.image.resize(size)
-
-    @property
-    def stats(self) -> dict[str, Any]:
-        """Nothing, for --stats."""
-        return {}

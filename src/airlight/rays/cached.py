@@ -13,7 +13,7 @@ from ..scene.checks import F32
 from ..scene.fingerprint import array_digest
 from ..scene.io.ledger import own_files
 from ..scene.io.numpy_files import opened_npz
-from ..scene.io.writing import whole_file
+from ..scene.io.writing import keep
 from .hierarchy import LEAF, Hierarchy, build, leaf_items
 
 WORTH_CACHING = 20_000
@@ -35,24 +35,14 @@ def built(low: F32, high: F32) -> Hierarchy:
     found = _read(path, len(low))
     if found is None:
         found = build(low, high)
-        _write(path, found)
+        stored: dict[str, Any] = {
+            "order": found.order.astype(np.uint32),
+            "children": found.children,
+            "axes": found.axes.astype(np.uint8),
+            "levels": np.array(found.levels),
+        }
+        keep(path, "a hierarchy", lambda part: np.savez(part, **stored))
     return found
-
-
-def _write(path: Path, tree: Hierarchy) -> None:
-    try:
-        # A cache that cannot be written costs time alone.
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(path) as part:
-            np.savez(
-                part,
-                order=tree.order.astype(np.uint32),
-                children=tree.children,
-                axes=tree.axes.astype(np.uint8),
-                levels=np.array(tree.levels),
-            )
-    except (OSError, AirlightError):
-        return
 
 
 def _read(path: Path, count: int) -> Hierarchy | None:

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.checks import F32, I64
+from ..maths.arrays import F32, I64, U32
 from .sweep import Boxes, Cuts, Parts, half_area, sweep
-
-U32 = NDArray[np.uint32]
 
 LEAF = 1 << 31
 """Bit of a child that is a leaf: 3 bits of its count less 1, 28 bits of its first item."""

@@ -11,11 +11,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import U32
 from ..scene.material import Material, Texture
 from ..scene.mesh import Mesh
 from ..surface.materials import chance_to_meet, uv_transform
 from ..surface.packed_maps import WRAP_BITS
-from .hierarchy import U32
 
 INSTANCE_WORDS = 40
 """Of an instance: object from world and world from object (12 each), the first node of its mesh,

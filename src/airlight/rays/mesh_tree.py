@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..scene.mesh import Geometry, Mesh
-from ..surface.instances import is_mirrored, normal_matrix
+from ..maths.arrays import U32
+from ..scene.mesh import Geometry, Mesh, in_world
 from .cached import built
-from .hierarchy import U32, Hierarchy, child_boxes, cost
+from .hierarchy import Hierarchy, child_boxes, cost
 from .words import (
     HOLES,
     INSTANCE_MASK,
@@ -65,7 +65,7 @@ class StillTree:
         """`meshes` of all instances, in the scene's order, and whether their materials have holes;
         `instances`: those that it holds."""
         # Triangles of all instances, in the world, each with its instance's number.
-        parts = [_in_world(meshes[index]) for index in instances]
+        parts = [in_world(meshes[index]) for index in instances]
         words = [triangle_words(part, np.arange(len(part.indices))) for part in parts]
         for index, rows in zip(instances, words, strict=True):
             rows[:, 9] = index | HOLES * has_holes[index]
@@ -104,19 +104,3 @@ class StillTree:
         self.nodes: U32 = node_words(self.tree, lows, highs)
         corners = np.concatenate([lows[0], highs[0]])
         self.bounds = corners[np.isfinite(corners).all(axis=1)]
-
-
-def _in_world(mesh: Mesh) -> Geometry:
-    """The mesh's geometry where it stands, normals out of its front."""
-    # Normals by the inverse transpose, which a transform without volume leaves as they were.
-    matrix, geometry = mesh.world_from_object, mesh.geometry
-    positions = geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
-    normals = geometry.normals
-    if normals is not None:
-        turned = normals @ normal_matrix(matrix)[:3, :3].T
-        length = np.linalg.norm(turned, axis=1, keepdims=True)
-        normals = np.where(length > 0.0, turned / np.maximum(length, 1e-300), normals)
-        normals = normals.astype(np.float32)
-    # A mirroring transform turns triangles over: wound the other way, they face as before.
-    indices = geometry.indices[:, [0, 2, 1]] if is_mirrored(mesh) else geometry.indices
-    return Geometry(positions.astype(np.float32), indices, normals, geometry.uvs)

@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 from ..gpu.device import Gpu
 from ..gpu.rows import Rows, rows
 from ..gpu.slots import Slot
+from ..maths.arrays import U32
 from ..scene.checks import F32
 from ..scene.mesh import Mesh, world_boxes
 from ..scene.scene import Scene
 from ..surface.geometry import GpuScene
-from .hierarchy import INDEX_MASK, LEAF, U32, build, child_boxes
+from .hierarchy import INDEX_MASK, LEAF, build, child_boxes
 from .masks import INSTANCE_WORDS, Masks, is_gone
 from .mesh_tree import MeshTree, StillTree
 from .words import NODE_WORDS, moved_children, node_words

@@ -13,12 +13,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..maths.arrays import U32
 from ..maths.chunks import chunks
 from ..maths.half import HALF_MAX
 from ..maths.octahedron import octahedron_encode
 from ..scene.checks import F32
 from ..scene.mesh import Geometry
-from .hierarchy import INDEX_MASK, LEAF, U32, Hierarchy
+from .hierarchy import INDEX_MASK, LEAF, Hierarchy
 
 NODE_WORDS, TRIANGLE_WORDS = 16, 16
 SHARED, HOLES = 1 << 30, 1 << 31

@@ -22,11 +22,11 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import SettingsError, nearest
+from ..maths.arrays import F64
 
-F64 = NDArray[np.float64]
 SIDE_CELLS = 24
 STEPS = 48
 SCHEMES = ("paper", "dom4", "dom8", "ray", "centroid")

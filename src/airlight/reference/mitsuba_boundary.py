@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ReferenceFailure
-from ..maths.transforms import triple
+from ..maths.transforms import placed_points, triple
 from ..scene.checks import F64
 from ..scene.volume import Volume
 from .mitsuba_files import FileStore, write_ply
@@ -103,7 +103,7 @@ def _corners(volume: Volume) -> F64:
     # The eight signs: element 0 is the corner that the others at 1, 2 and 4 share an edge with.
     signs = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, 8).T
     matrix = world_from_volume_cube(volume, 1.0 - EDGE_MARGIN)
-    return signs @ matrix[:3, :3].T + matrix[:3, 3]
+    return placed_points(signs, matrix)
 
 
 def is_inside(volume: Volume, box: tuple[F64, F64]) -> bool:

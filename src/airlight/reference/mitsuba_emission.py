@@ -43,7 +43,7 @@ def is_lit(volume: Volume) -> bool:
     return values is None or float(values.max()) > 0.0
 
 
-def emission_balls(scene: Scene, notes: list[str], seed: int = 0) -> list[Element]:
+def emission_balls(scene: Scene, notes: list[str]) -> list[Element]:
     """The balls as shapes, and a note that there are some."""
     # Volumes that emit become points of light; the emission of [medium] gets a note.
     emissive = [v for v in scene.volumes if is_lit(v)]
@@ -56,7 +56,7 @@ def emission_balls(scene: Scene, notes: list[str], seed: int = 0) -> list[Elemen
     points = np.concatenate([one.points for one in found])
     intensity = np.concatenate([one.intensity for one in found])
     # Equal powers, each at a random point of its share: systematic resampling.
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     weight = intensity.mean(axis=1)
     order = np.lexsort(np.round(points, 1).T)
     running = np.cumsum(weight[order])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..scene.checks import F32, F64, Rgb
 from ..scene.material import Material, Texture
-from ..scene.mesh import Geometry, Mesh
+from ..scene.mesh import Geometry, Mesh, in_world
 from .mitsuba_files import FileStore, write_exr, write_ply
 from .mitsuba_material import is_absent, is_masked, material_reference
 from .mitsuba_textures import add_bitmap, linear_pixels
@@ -44,9 +44,10 @@ def mesh_shapes(mesh: Mesh, diagonal: float, files: FileStore, notes: list[str])
         return []
     # What glows is split and offset in metres of the world, and a mirrored placement would turn
     # normals about: both are written as they are placed.
-    is_baked = material.is_emissive or np.linalg.det(mesh.world_from_object[:3, :3]) <= 0.0
-    geometry = in_world(mesh.geometry, mesh.world_from_object) if is_baked else mesh.geometry
-    to_world = np.eye(4) if is_baked else mesh.world_from_object
+    is_placed = not np.array_equal(mesh.world_from_object, np.eye(4))
+    is_flat = np.linalg.det(mesh.world_from_object[:3, :3]) <= 0.0
+    is_baked = is_placed and (material.is_emissive or is_flat)
+    geometry = in_world(mesh) if is_baked else mesh.geometry
     if material.is_emissive and is_masked(material, geometry):
         notes.append(f"material '{material.name}': the parts cut away by its alpha still glow")
     shapes = []
@@ -59,36 +60,12 @@ def mesh_shapes(mesh: Mesh, diagonal: float, files: FileStore, notes: list[str])
         has_back = part.glows and material.two_sided
         side = "_front" if has_back else ""
         shapes.append(_shape(mesh, kept, part, files, notes, side))
-        if not np.array_equal(to_world, np.eye(4)):
-            add_matrix(shapes[-1], "to_world", to_world)
+        if is_placed and not is_baked:
+            add_matrix(shapes[-1], "to_world", mesh.world_from_object)
         if has_back:
             back = _flipped(kept, BACK_OFFSET * diagonal)
             shapes.append(_shape(mesh, back, part, files, notes, "_back"))
     return shapes
-
-
-def in_world(geometry: Geometry, world_from_object: F64) -> Geometry:
-    """The geometry with its placement applied; mirrored ones keep their front side."""
-    if np.array_equal(world_from_object, np.eye(4)):
-        return geometry
-    # Normals go by the inverse transpose, which keeps them at right angles to what was stretched.
-    linear = world_from_object[:3, :3]
-    positions = geometry.positions @ linear.T + world_from_object[:3, 3]
-    assert geometry.normals is not None
-    sign = np.linalg.det(linear)
-    if sign == 0.0:
-        normals = geometry.normals.astype(np.float64)
-    else:
-        normals = geometry.normals @ np.linalg.inv(linear)
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    # A mirrored triangle is wound the other way round, or its front would become its back.
-    indices = geometry.indices if sign >= 0.0 else geometry.indices[:, ::-1]
-    return replace(
-        geometry,
-        positions=positions.astype(np.float32),
-        normals=normals.astype(np.float32),
-        indices=np.ascontiguousarray(indices),
-    )
 
 
 def _flipped(geometry: Geometry, offset: float) -> Geometry:

@@ -12,14 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..maths.arrays import F64, I64
 from ..maths.delta_beam import MediumGrid
 from ..maths.latlong import latlong_row_solid_angles, latlong_texel_directions
-from ..scene.checks import F64
 from .harmonics import band_of, harmonics, quadrature_directions, window
-
-I64 = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

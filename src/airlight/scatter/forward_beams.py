@@ -8,7 +8,7 @@ meets what its reduced medium scatters (`fields.Source.mean`), so that all light
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any
 
 from ..fields import Fields, Frame, Solver
 from ..gpu.commands import Commands
@@ -17,10 +17,8 @@ from ..lattice.inject import flux_bound
 from ..lattice.irradiance import Irradiance
 from ..lattice.lattices import Level
 from ..lighting.kit import Kit
-from ..media.reduced import is_forward
-from ..scene.medium import Medium
+from ..media.reduced import AnyMedium, ChangedMedia, is_forward
 from ..scene.scene import Scene
-from ..scene.volume import Volume
 from .cell_lights import CellLights
 from .forward import ForwardLight
 from .near_surfaces import NearSurfaces
@@ -29,7 +27,6 @@ from .sky_table import SkyTable
 from .surface_beams import SurfaceBeams
 
 _FRAME_STEP = 2  # of the sky's lights moving frames take one in each cell, neighbours others
-_M = TypeVar("_M", Medium, Volume)
 
 
 class ForwardBeams:
@@ -42,7 +39,7 @@ class ForwardBeams:
         """`has_solved_medium`: the scene's own medium is solved as volumes are. `sky`: which frames
         have its beams, as the setting `gather` has it: off, still, always."""
         self._kit, self._sky = kit, sky
-        self._forwards = _ForwardsOnly(has_medium=has_solved_medium)
+        self._forwards = ChangedMedia(_forwards, has_medium=has_solved_medium)
         self._made: _Made | None = None
         self._has_any = False
 
@@ -158,32 +155,13 @@ class _Level:
         return True
 
 
-class _ForwardsOnly:
-    """Scenes whose solved media scatter isotropically where they scatter backwards: what those are
-    reduced to is themselves then. Unchanged media stay the same objects."""
-
-    def __init__(self, *, has_medium: bool) -> None:
-        self._has_medium = has_medium
-        self._made: list[tuple[object, Any]] = []
-
-    def of(self, scene: Scene) -> Scene:
-        """The scene so."""
-        own = scene.medium if self._has_medium else None
-        # Where nothing scatters backwards the scene is as it was.
-        if all(min(m.g) >= 0.0 for m in (*scene.volumes, *((own,) if own else ()))):
-            return scene
-        volumes = tuple(self._forwards(volume) for volume in scene.volumes)
-        medium = self._forwards(own) if own else scene.medium
-        self._made = list(zip((own, *scene.volumes), (medium, *volumes), strict=True))
-        return replace(scene, volumes=volumes, medium=medium)
-
-    def _forwards(self, medium: _M) -> _M:
-        # An unchanged medium stays the same object, which tables of media know by identity.
-        made: _M | None = next((m for known, m in self._made if known is medium), None)
-        if made is not None:
-            return made
-        r, g, b = (max(c, 0.0) for c in medium.g)
-        return replace(medium, g=(r, g, b))
+def _forwards(medium: AnyMedium) -> AnyMedium:
+    """One that scatters isotropically where it scatters backwards: what that is reduced to is
+    itself then."""
+    if min(medium.g) >= 0.0:
+        return medium
+    r, g, b = (max(c, 0.0) for c in medium.g)
+    return replace(medium, g=(r, g, b))
 
 
 class ForwardSolver(Solver):
@@ -198,8 +176,3 @@ class ForwardSolver(Solver):
         # Where no lattice brings irradiance, that of the beams is all there is.
         forward = self.beams.field
         return replace(fields, forward=forward, irradiance=fields.irradiance or forward)
-
-    @property
-    def stats(self) -> dict[str, Any]:
-        """Nothing, for --stats."""
-        return {}

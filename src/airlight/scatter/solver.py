@@ -16,7 +16,7 @@ from ..gpu.commands import Commands
 from ..gpu.memory import Buffer
 from ..lattice.irradiance import Irradiance
 from ..lighting.kit import Kit
-from ..media.absorbing import absorbing_volumes
+from ..media.reduced import absorbing_volumes
 from ..scene.scene import Scene
 from .cascades import Cascade, cascades
 from .emission import Emission

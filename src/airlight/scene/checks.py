@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
+from ..maths.arrays import F32 as F32
+from ..maths.arrays import F64 as F64
+from ..maths.arrays import I64 as I64
 
 Vec3 = tuple[float, float, float]
 Rgb = tuple[float, float, float]
 Bounds = tuple[Vec3, Vec3]
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I64 = NDArray[np.int64]
 
 
 MOST = 1e15
@@ -249,3 +249,18 @@ def array(
         a = a.view()
     a.flags.writeable = False
     return a
+
+
+def grid(values: Any, name: str, *, signed: bool = False) -> F32:
+    """`array` of a grid's voxels, (z, y, x) or of three channels (z, y, x, 3).
+
+    Raises SceneError where it has none, or where they are negative unless `signed`.
+    """
+    shape = (None, None, None, 3) if dimensions(values) == 4 else (None, None, None)
+    found: F32 = array(values, name, shape=shape, dtype=np.float32)
+    if found.size == 0:
+        raise SceneError(f"{name} is empty")
+    if not signed and float(found.min()) < 0.0:
+        raise SceneError(f"{name} is negative (down to {float(found.min()):g})")
+    at_most(found, MOST, name)
+    return found

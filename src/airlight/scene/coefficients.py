@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import SceneError
+from ..maths.colour import in_rgb
 from ..maths.mixtures import mixed
 from ..maths.transforms import triple
 from . import checks
@@ -40,9 +41,7 @@ def coefficient_grid(
     Raises SceneError, where its voxels are not those of the density, `shape`.
     """
     # One channel stands for three of the same.
-    colours = checks.dimensions(values) == 4
-    wanted = (None, None, None, 3) if colours else (None, None, None)
-    grid = checks.array(values, name, shape=wanted, dtype=np.float32)
+    grid = checks.grid(values, name, signed=True)
     if grid.shape[:3] != shape:
         have, want = (" x ".join(map(str, s[::-1])) for s in (grid.shape[:3], shape))
         raise SceneError(f"{name} has {have} voxels, the volume's density has {want}")
@@ -50,7 +49,7 @@ def coefficient_grid(
     if least < low or most > high:
         off = least if least < low else most
         raise SceneError(f"{name} must lie in [{low:g}, {high:g}], it has {off:g}")
-    return grid if colours else np.ascontiguousarray(np.repeat(grid[..., None], 3, axis=-1))
+    return in_rgb(grid)
 
 
 def density_and_tint(sigma: F32) -> tuple[F32, F32 | None]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..maths.blackbody import rec709_of_grid
+from ..maths.colour import in_rgb
 from . import checks
 from .checks import F32, Rgb
 
@@ -45,9 +46,13 @@ class Emission:
                 "emission has a grid of its own and a temperature", remedy="Leave one of them out."
             )
         if self.grid is not None:
-            put(self, "grid", _grid(self.grid, "volume emission"))
+            put(self, "grid", checks.grid(self.grid, "volume emission"))
         if self.temperature is not None:
-            put(self, "temperature", _grid(self.temperature, "volume temperature", signed=True))
+            put(
+                self,
+                "temperature",
+                checks.grid(self.temperature, "volume temperature", signed=True),
+            )
             if self.temperature.ndim != 3:
                 raise SceneError("volume temperature must be (z, y, x): one number for each voxel")
             # Negative kelvins are found here, not when a frame needs them.
@@ -78,24 +83,10 @@ class Emission:
         """(z, y, x, 3): what `radiance` is multiplied by in each voxel; None for the density."""
         if self.temperature is not None:
             return rec709_of_grid(self._kelvin)
-        if self.grid is None or self.grid.ndim == 4:
-            return self.grid
-        return np.ascontiguousarray(np.broadcast_to(self.grid[..., None], (*self.grid.shape, 3)))
+        return None if self.grid is None else in_rgb(self.grid)
 
     @cached_property
     def peak(self) -> float:
         """The largest of `values`; 1 without a grid."""
         values = self.values
         return 1.0 if values is None else float(values.max())
-
-
-def _grid(values: F32, name: str, *, signed: bool = False) -> F32:
-    colours = checks.dimensions(values) == 4
-    shape = (None, None, None, 3) if colours else (None, None, None)
-    grid = checks.array(values, name, shape=shape, dtype=np.float32)
-    if grid.size == 0:
-        raise SceneError(f"{name} is empty")
-    if not signed and float(grid.min()) < 0.0:
-        raise SceneError(f"{name} is negative (down to {float(grid.min()):g})")
-    checks.at_most(grid, checks.MOST, name)
-    return grid

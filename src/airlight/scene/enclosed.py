@@ -8,9 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
+from ..maths.arrays import I64
 from ..maths.closing import closed_surface, is_oriented, surface_area
-from ..maths.solid_voxels import I64, solid_voxels
-from ..maths.transforms import triple
+from ..maths.solid_voxels import solid_voxels
+from ..maths.transforms import placed_points, triple
 from .checks import F32, F64, Bounds
 from .mesh import Geometry
 
@@ -53,10 +54,10 @@ class Body:
         """What the meshes, in the world, enclose together; holes are closed by plane lids."""
         positions, triangles, count = [], [], 0
         for mesh in meshes:
-            linear, offset = mesh.world_from_object[:3, :3], mesh.world_from_object[:3, 3]
-            held = mesh.geometry.positions.astype(np.float64) @ linear.T + offset
+            matrix = mesh.world_from_object
+            held = placed_points(mesh.geometry.positions.astype(np.float64), matrix)
             # A placement that mirrors turns the sides of triangles over.
-            order = 1 if np.linalg.det(linear) >= 0.0 else -1
+            order = 1 if np.linalg.det(matrix[:3, :3]) >= 0.0 else -1
             positions.append(held)
             triangles.append(mesh.geometry.indices[:, ::order].astype(np.int64) + count)
             count += len(held)
@@ -77,7 +78,7 @@ class Body:
         """
         positions = self.positions
         if at is not None:
-            positions = positions @ at[:3, :3].T + at[:3, 3]
+            positions = placed_points(positions, at)
         by_parity = not is_oriented(self.positions, self.triangles)
         return solid_voxels(positions, self.triangles, low, high, count, by_parity=by_parity)
 

@@ -1,10 +1,10 @@
-"""What tells scenes, or arrays, apart: equal where every value, array and file behind them is."""
+"""What tells scenes, or arrays, apart: between runs by what is in them, within one by identity."""
 
 from __future__ import annotations
 
 import functools
 import hashlib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from pathlib import Path
 from types import FunctionType
@@ -13,8 +13,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .camera import Camera
+
 _CHUNK_BYTES = 1 << 20
+_PLAIN = (str, bool, float, tuple, Camera)  # compared by value
 _UNTOLD = ("warnings", "source")  # what no image depends on
+
+
+def is_same(now: Sequence[Any], before: Sequence[Any]) -> bool:
+    """Whether nothing changed; scenes and their parts are compared by identity, they are frozen."""
+    return len(now) == len(before) and all(
+        a is b or (isinstance(a, _PLAIN) and a == b) for a, b in zip(now, before, strict=True)
+    )
 
 
 def fingerprint(value: Any, *, without: Collection[str] = ()) -> str:

@@ -42,6 +42,9 @@ class Texture:
         object.__setattr__(self, "pixels", pixels)
 
 
+_MAPS = ("base_color", "metallic_roughness", "normal", "emission")
+
+
 @dataclass(frozen=True, eq=False)
 class Material:
     """Lambert plus GGX metallic-roughness, as in glTF 2.0. All colours are linear Rec.709.
@@ -91,7 +94,7 @@ class Material:
         put(self, "alpha_cutoff", checks.number(self.alpha_cutoff, "alpha_cutoff", low=0, high=1))
         put(self, "normal_scale", checks.number(self.normal_scale, "normal_scale"))
         put(self, "emission", checks.rgb(self.emission, "emission"))
-        for name in ("base_color", "metallic_roughness", "normal", "emission"):
+        for name in _MAPS:
             texture = getattr(self, f"{name}_texture")
             if texture is not None:
                 checks.instance(texture, f"{name}_texture", Texture)
@@ -134,6 +137,12 @@ SIDES: Mapping[str, dict[str, Any]] = {
 """Which sides of a surface reflect, and what cameras see of its back; the fields that say so."""
 
 DEFAULT_MATERIAL: Material = Material(name="default")
+
+
+def textures_of(material: Material) -> list[Texture]:
+    """All that it has."""
+    named = (getattr(material, f"{name}_texture") for name in _MAPS)
+    return [texture for texture in named if texture is not None]
 
 
 def specular_of(ior: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..maths.chunks import chunks
+from ..maths.transforms import normal_matrix, placed_points
 from . import checks
 from .checks import F32, F64
 from .material import DEFAULT_MATERIAL, Material
@@ -83,14 +84,42 @@ class Mesh:
     @property
     def world_positions(self) -> F64:
         """Its vertices (V, 3), metres in the world."""
-        linear, offset = self.world_from_object[:3, :3], self.world_from_object[:3, 3]
-        return np.asarray(self.geometry.positions.astype(np.float64) @ linear.T + offset)
+        return placed_points(self.geometry.positions.astype(np.float64), self.world_from_object)
 
     @property
     def world_bounds(self) -> tuple[F64, F64]:
         """Lower and upper corner of the axis-aligned box around the placed mesh, metres."""
         (box,) = world_boxes([self])
         return box[0], box[1]
+
+
+def is_mirrored(mesh: Mesh) -> bool:
+    """Whether the mesh's transform turns counter-clockwise triangles clockwise."""
+    return bool(np.linalg.det(mesh.world_from_object[:3, :3]) < 0.0)
+
+
+def in_world(mesh: Mesh) -> Geometry:
+    """The mesh's geometry where it stands, normals out of its front."""
+    geometry, matrix = mesh.geometry, mesh.world_from_object
+    # Normals of a transform without volume stay as they were.
+    assert geometry.normals is not None
+    turned = geometry.normals @ normal_matrix(matrix)[:3, :3].T
+    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    normals = np.where(length > 0.0, turned / np.maximum(length, 1e-300), geometry.normals)
+    # A mirroring transform turns triangles over: wound the other way, they face as before.
+    indices, tangents, side = geometry.indices, geometry.tangents, 1.0
+    if is_mirrored(mesh):
+        indices, side = indices[:, [0, 2, 1]], -1.0
+    if tangents is not None:
+        along = tangents[:, :3] @ matrix[:3, :3].T
+        tangents = np.concatenate([along, side * tangents[:, 3:]], axis=1).astype(np.float32)
+    return replace(
+        geometry,
+        positions=placed_points(geometry.positions, matrix).astype(np.float32),
+        indices=indices,
+        normals=normals.astype(np.float32),
+        tangents=tangents,
+    )
 
 
 _CORNERS = np.array(np.meshgrid((0, 1), (0, 1), (0, 1))).reshape(3, 8).T

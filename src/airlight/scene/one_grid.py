@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError
+from ..maths.transforms import placed_points
 from .checks import F32, F64, Bounds
 
 LONGEST_SIDE = 2048
@@ -49,7 +50,7 @@ class GridBox:
         to_own = self.from_other(other)
         size = np.array(other.shape[2::-1], np.float64)
         corners = np.array(np.meshgrid(*[(0.0, n) for n in size])).reshape(3, 8).T
-        placed = corners @ to_own[:3, :3].T + to_own[:3, 3]
+        placed = placed_points(corners, to_own)
         # Whole voxels that are needed on each side.
         count = np.array(self.shape[::-1])
         before = np.maximum(np.ceil(-placed.min(axis=0) - _SAME), 0.0)
@@ -118,7 +119,7 @@ def _resampled(values: F32, to_voxels: F64, shape: tuple[int, ...]) -> F32:
     for z in range(shape[0]):
         centres = np.stack([x, y, np.full_like(x, z + 0.5)], axis=-1)
         # Voxel centres of the padded grid lie at whole numbers.
-        at = centres @ inverse[:3, :3].T + inverse[:3, 3] + 0.5
+        at = placed_points(centres, inverse) + 0.5
         inside = ((at >= 0.0) & (at <= size - 1)).all(axis=-1)
         at = at[inside]
         # Trilinear: each of the eight voxels around counts by its distance along each axis.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import one_line
+from ..maths.transforms import box_around
 from . import checks
 from .camera import Camera
 from .checks import F64
@@ -99,10 +100,7 @@ class Scene:
         if not boxes:
             eye = np.array(self.camera.position)
             return eye - 1.0, eye + 1.0
-        return (
-            np.min([low for low, _ in boxes], axis=0),
-            np.max([high for _, high in boxes], axis=0),
-        )
+        return box_around(boxes)
 
     @property
     def whole_bounds(self) -> tuple[F64, F64]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..maths.colour import luminance
 from ..maths.latlong import latlong_row_solid_angles, latlong_texel_directions
+from ..maths.transforms import smoothstep
 from .checks import F32, F64, Rgb
 from .environment import Environment
 from .lights import DirectionalLight, Light
@@ -88,8 +89,8 @@ def studio_map(lights: Sequence[Light], height: int = MAP_HEIGHT) -> F32:
     directions = latlong_texel_directions(height, 2 * height)
     up = directions[: height // 2, :, 1]
     # What hangs in the room, and the share of the backdrop that shows between it.
-    dome = _DOME + (_TOP - _DOME) * _smooth(*_SOFTBOX, up)[..., None]
-    hidden = _smooth(0.0, _COVE_TOP, up)[..., None]
+    dome = _DOME + (_TOP - _DOME) * smoothstep(*_SOFTBOX, up)[..., None]
+    hidden = smoothstep(0.0, _COVE_TOP, up)[..., None]
     hung = hidden * (dome + _glows(lights, directions[: height // 2]))
     # The backdrop is lit by what hangs, by the lights, and by itself: c = a / pi (E + c F).
     weights = (up * latlong_row_solid_angles(height, 2 * height)[: height // 2, None])[..., None]
@@ -135,9 +136,3 @@ def _glows(lights: Sequence[Light], directions: F64) -> F64:
         cosine = np.maximum(directions @ across, 0.0)[..., None]
         glows += _RIM * irradiance * cosine**_RIM_POWER * min(1.0, length)
     return glows
-
-
-def _smooth(low: float, high: float, x: F64) -> F64:
-    """0 below `low`, 1 above `high`, a cubic between them."""
-    t = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))

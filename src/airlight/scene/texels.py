@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import F64
+from ..maths.arrays import F64, I64
 from .material import Texture, Wrap
-
-Ints = NDArray[np.int64]
 
 
 def in_image(texture: Texture, uv: F64) -> F64:
@@ -22,7 +20,7 @@ def in_image(texture: Texture, uv: F64) -> F64:
     return uv * texture.scale + texture.offset
 
 
-def wrapped(texel: Ints, count: int, wrap: Wrap) -> Ints:
+def wrapped(texel: I64, count: int, wrap: Wrap) -> I64:
     """Indices 0 to `count` - 1 of texels of any index along an axis of `count`."""
     if wrap == "clamp":
         return np.clip(texel, 0, count - 1)

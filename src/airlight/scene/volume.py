@@ -183,13 +183,7 @@ class Volume:
 
 def _checked_density(density: F32) -> tuple[F32, F32 | None]:
     """The density, and the tint of one that has colours."""
-    shape = (None, None, None, 3) if checks.dimensions(density) == 4 else (None, None, None)
-    grid = checks.array(density, "volume density", shape=shape, dtype=np.float32)
-    if grid.size == 0:
-        raise SceneError("volume density is empty")
-    if grid.min() < 0.0:
-        raise SceneError(f"volume density is negative (down to {float(grid.min()):g})")
-    checks.at_most(grid, checks.MOST, "volume density")
+    grid = checks.grid(density, "volume density")
     if grid.ndim == 4:
         return density_and_tint(grid)
     # A volume made from another keeps its very array: it need not be uploaded again.

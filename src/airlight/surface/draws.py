@@ -11,8 +11,7 @@ import numpy as np
 from ..scene.checks import F64
 from ..scene.material import Material
 from ..scene.material import Texture as SceneTexture
-from ..scene.mesh import Mesh
-from .instances import is_mirrored
+from ..scene.mesh import Mesh, is_mirrored
 from .textures import MaterialTextures
 
 MOST_CACHED_VIEWS = 256

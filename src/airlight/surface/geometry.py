@@ -13,10 +13,10 @@ from ..gpu.memory import Buffer, buffer_of
 from ..scene.along import meshes_along
 from ..scene.checks import F64
 from ..scene.material import Material
-from ..scene.mesh import Geometry, Mesh, world_boxes
+from ..scene.mesh import Geometry, Mesh, is_mirrored, world_boxes
 from ..scene.scene import Scene
 from .draws import MAPS, Culling, Draw, draw_order, map_of
-from .instances import InstanceData, is_mirrored, packed_instances
+from .instances import InstanceData, packed_instances
 from .materials import (
     IDENTITY_UV,
     MaterialData,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gpu.layout import Struct, f32, mat4x4f, u32
-from ..scene.checks import F64
+from ..maths.transforms import normal_matrix
 from ..scene.mesh import Mesh, world_boxes
 
 
@@ -43,19 +43,3 @@ def packed_instances(
     sizes = np.ptp(world_boxes(meshes), axis=1).max(axis=1)
     packed["size"] = np.where(is_still, -sizes, sizes)
     return packed
-
-
-def is_mirrored(mesh: Mesh) -> bool:
-    """Whether the mesh's transform turns counter-clockwise triangles clockwise."""
-    return bool(np.linalg.det(mesh.world_from_object[:3, :3]) < 0.0)
-
-
-def normal_matrix(world_from_object: F64) -> F64:
-    """The inverse transposes (..., 4, 4): normals stay perpendicular under non-uniform scale."""
-    linear = world_from_object[..., :3, :3]
-    normal = np.broadcast_to(np.eye(4), world_from_object.shape).copy()
-    # The cofactor matrix is det * inverse transpose and exists for flat transforms too.
-    a, b, c = (linear[..., k] for k in range(3))
-    normal[..., :3, :3] = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
-    normal[..., :3, :3] *= np.where(np.linalg.det(linear) < 0.0, -1.0, 1.0)[..., None, None]
-    return normal

@@ -8,9 +8,8 @@ triangles.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-U32 = NDArray[np.uint32]
+from ..maths.arrays import U32
 
 
 def unique_provoking(indices: U32) -> tuple[U32, U32]:

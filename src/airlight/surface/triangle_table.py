@@ -16,6 +16,7 @@ from ..gpu.demands import largest_binding
 from ..gpu.device import Gpu
 from ..gpu.layout import Struct, u32
 from ..gpu.memory import buffer_of
+from ..maths.arrays import U32
 from ..maths.chunks import chunks
 from ..maths.half import HALF_MAX
 from ..maths.tangent_angle import packed_normals
@@ -23,7 +24,7 @@ from ..scene.material import Material
 from ..scene.mesh import Geometry
 from .materials import IDENTITY_UV, uv_transform
 from .packed_maps import ONE_SIDED, Location, metallic_factor
-from .provoking import U32, unique_provoking
+from .provoking import unique_provoking
 from .textures import TextureStore
 from .vertices import geometry_digest, joined
 

@@ -162,13 +162,13 @@ def pop(context: Context, settings: PopTechniqueSettings) -> Technique:
     grid of its own direction. What all send towards the eye is marched from the medium's grid.
     """
     from ..media.media import Media, Solved
-    from ..pop.delta_scaling import DeltaScaling
+    from ..pop.delta_scaling import delta_scaling
     from ..pop.media import EveryMedium, PopMedia
     from ..pop.medium.kinds import grid_plan
     from .beams import forward_solvers
 
     # Delta scaling: forward peaks sharper than a grid resolves count as unscattered.
-    scaled = None if settings.scheme == "paper" else DeltaScaling().scaled
+    scaled = None if settings.scheme == "paper" else delta_scaling().of
     context = replace(context, scene=scaled(context.scene)) if scaled else context
     # A sky without surfaces to light needs no shadow maps.
     kit = Kit(context, settings if context.scene.meshes else replace(settings, sky_lights=0))

@@ -220,3 +220,8 @@ def test_cases_are_the_scenes_given_or_the_room_and_the_atrium():
     assert given[0].settings == {"resolution": 32, "iterations": "4", "map_resolution": 256}
     names = [case.name for case in bench.chosen_cases([], {}, quick=False)]
     assert names[:2] == ["room", "atrium"]
+
+
+def test_milliseconds_have_no_exponent():
+    told = [bench_tables.milliseconds(v) for v in (0.0512, 12.34, 1060.2)]
+    assert told == ["0.0512", "12.3", "1,060"]

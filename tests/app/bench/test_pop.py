@@ -24,7 +24,7 @@ def test_it_runs_and_is_told_under_the_papers_names(gpu):
 
 def test_every_stage_has_one_name():
     passes = {name: 1.0 for names in bench_pop.STAGES.values() for name in names} | {"compose": 5.0}
-    told = bench_pop.under_the_papers_names(passes)
+    told = bench_pop.stages_of(passes)
     assert told["other"] == 5.0
     assert told["merge and upsampling"] == 3.0
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from airlight.app.view.drawn import QUICK_COARSENESS, QUICK_STEPS, Drawn, is_same
+from airlight.app.view.drawn import QUICK_COARSENESS, QUICK_STEPS, Drawn
 from airlight.errors import DeviceError
 from airlight.lpv.solver import LpvSolver
 from airlight.rendering import Renderer
@@ -130,10 +130,3 @@ def test_nested_lattices_follow_the_camera():
     assert solved(drawn, scene) == 0
     assert solved(drawn, moved(scene)) == 1
     drawn.close()
-
-
-def test_scenes_are_compared_by_identity_and_plain_values_by_value():
-    parts = object()
-    assert is_same((parts, 1.0, "a"), (parts, 1.0, "a"))
-    assert not is_same((parts, 1.0), (object(), 1.0))
-    assert not is_same((parts,), (parts, 1.0))

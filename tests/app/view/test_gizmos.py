@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from airlight.app.view.divider import divider_marks
+from airlight.app.view.canvas import divider_marks
 from airlight.app.view.gizmos import Grips, handles, place
 from airlight.app.view.projection import Projection
 from airlight.app.view.state import ViewState

@@ -1,4 +1,4 @@
-"""Radiance HDR against imageio's reader where it has one, and by hand."""
+"""Radiance HDR by hand, and what is encoded decoded again."""
 
 from __future__ import annotations
 

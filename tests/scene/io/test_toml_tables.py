@@ -83,7 +83,7 @@ def test_the_reference_names_every_key_of_every_table():
         assert f"## `{table.header}`" in page
         keys = [*table.keys, *(k for ks in (table.variants or {}).values() for k in ks)]
         for key in keys:
-            assert f"| `{key.name}` | {key.kind} |" in page
+            assert f"| `{key.name}` | {key.kind.words} |" in page
 
 
 def test_the_printed_reference_is_up_to_date():

@@ -129,12 +129,12 @@ def value_of(table: str, key, usual: object = None) -> object:
     for name in (f"{table}.{key.name}", key.name):
         if name in VALUES:
             return VALUES[name]
-    if key.kind == "boolean":
+    if key.kind.words == "boolean":
         return key.default != "true"
-    choices = re.findall(r'"(\w+)"', key.kind)
-    if key.kind not in KINDS and choices:
+    choices = re.findall(r'"(\w+)"', key.kind.words)
+    if key.kind.words not in KINDS and choices:
         return choices[-1]
-    return KINDS[key.kind]
+    return KINDS[key.kind.words]
 
 
 def cases() -> list:
@@ -264,7 +264,7 @@ def keyframes(table: str, kind: str, only: str) -> str:
 
 
 def moving(key) -> object:
-    value = VALUES.get(key.name, KINDS[key.kind])
+    value = VALUES.get(key.name, KINDS[key.kind.words])
     return [0.5, 1.5, 0.25] if key.name == "target" else value
 
 

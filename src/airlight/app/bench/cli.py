@@ -161,6 +161,7 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
 
     The fog has its technique's own settings and `settings`; without it where it lacks one of them.
     """
+    from ...techniques import technique_settings
     from .frames import PAPER_LATTICE, Case
 
     base = {**PAPER_LATTICE, **(QUICK_SETTINGS if quick else {}), **settings}
@@ -172,20 +173,13 @@ def chosen_cases(scenes: Sequence[str], settings: dict[str, str], quick: bool) -
             Case("atrium", "builtin:atrium", ATRIUM_SIZE, base),
             Case("atrium, 3 cascades", "builtin:atrium", ATRIUM_SIZE, {**base, "cascades": 3}),
         ]
-        if _has_all("lpv-scatter", settings):
+        if set(settings) <= set(technique_settings("lpv-scatter").__dataclass_fields__):
             fog = "builtin:atrium-fog"
             cases.append(Case("atrium in fog", fog, ATRIUM_SIZE, settings, "lpv-scatter"))
     # A quick run shows that it works, so one small case will do.
     if quick:
         cases = [dataclasses.replace(case, size=QUICK_SIZE) for case in cases[:1]]
     return cases
-
-
-def _has_all(technique: str, settings: dict[str, str]) -> bool:
-    from ...techniques import technique_settings
-
-    known = technique_settings(technique).__dataclass_fields__
-    return all(key in known for key in settings)
 
 
 def _propagation(plan: Plan, adapter: str) -> dict[str, Any]:

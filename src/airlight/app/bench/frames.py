@@ -46,6 +46,19 @@ def spread(times_ms: Sequence[float]) -> dict[str, float]:
     }
 
 
+def median_passes(timed: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Milliseconds of each stage, of frames in which each was waited for."""
+    names = dict.fromkeys(name for passes in timed for name in passes)
+    return {n: float(statistics.median(p.get(n, 0.0) for p in timed)) for n in names}
+
+
+def under_the_papers_names(
+    passes: Mapping[str, float], stages: Mapping[str, Sequence[str]]
+) -> dict[str, float]:
+    """Milliseconds by a paper's `stages`, each of which may be several of ours."""
+    return {k: sum(passes.get(name, 0.0) for name in ours) for k, ours in stages.items()}
+
+
 def moved(lights: Sequence[Light], step: int) -> tuple[Light, ...]:
     """The lights `step` frames on: directional ones turned about +Y, local ones moved along +x."""
     return tuple(_moved(light, step) for light in lights)
@@ -141,8 +154,5 @@ def measure(scene: Scene, case: Case, frames: int, adapter: str) -> dict[str, An
             "flying_ms": spread(renderer.frame_ms[frames:]),
             "python_ms": spread(python_ms),
             "counts": counts,
-            "passes": {
-                name: float(statistics.median(passes[name] for passes in timed))
-                for name in timed[0]
-            },
+            "passes": median_passes(timed),
         }

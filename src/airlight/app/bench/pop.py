@@ -7,13 +7,12 @@ so that no light is kept; in one case the medium moves, too.
 from __future__ import annotations
 
 import dataclasses
-import statistics
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .frames import WARM_UP_FRAMES, spread
+from .frames import WARM_UP_FRAMES, median_passes, spread, under_the_papers_names
 
 if TYPE_CHECKING:
     from ...rendering import Renderer
@@ -136,8 +135,7 @@ def _frames(
             made.frame(read=False)
         # Stages in frames of their own: to wait for each costs time.
         timed = [_timed(made, scene, -1 - k, moves=moves) for k in range(min(frames, 3))]
-        names = dict.fromkeys(name for passes in timed for name in passes)
-        passes = {n: float(statistics.median(p.get(n, 0.0) for p in timed)) for n in names}
+        passes = median_passes(timed)
         stats = made.stats()
         return {
             "settings": dict(settings),
@@ -145,7 +143,7 @@ def _frames(
             "grid": stats.get("grid"),
             "frame_ms": spread(made.frame_ms),
             "python_ms": spread(made.python_ms),
-            "stages_ms": under_the_papers_names(passes),
+            "stages_ms": stages_of(passes),
             "passes": passes,
             "peak_gpu_bytes": stats["peak_gpu_bytes"],
         }
@@ -156,7 +154,7 @@ def _timed(made: Renderer, scene: Scene, step: int, *, moves: bool) -> dict[str,
     return made.timed_passes()
 
 
-def under_the_papers_names(passes: Mapping[str, float]) -> dict[str, float]:
+def stages_of(passes: Mapping[str, float]) -> dict[str, float]:
     """Milliseconds by the paper's stages; what has no name there is `other`."""
-    ours = {k: sum(passes.get(name, 0.0) for name in names) for k, names in STAGES.items()}
+    ours = under_the_papers_names(passes, STAGES)
     return {**ours, "other": sum(passes.values()) - sum(ours.values())}

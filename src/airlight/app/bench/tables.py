@@ -85,8 +85,8 @@ def table_markdown(table: Table) -> str:
 
 
 def milliseconds(value: float) -> str:
-    """Three digits."""
-    return f"{value:.3g}" if value < 100.0 else f"{value:.0f}"
+    """Three digits, and never an exponent."""
+    return f"{value:.3g}" if value < 999.5 else f"{value:,.0f}"
 
 
 def megabytes(nbytes: int | None) -> str:

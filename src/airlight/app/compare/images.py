@@ -11,14 +11,11 @@ import numpy as np
 import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
-from numpy.typing import NDArray
 
+from ...maths.arrays import F32, F64, U8
 from ...maths.colour import luminance, srgb_encode
 from ...maths.tone import display_srgb8
 from ...reference.metrics_display import displayed
-from ...scene.checks import F32, F64
-
-U8 = NDArray[np.uint8]
 
 FULL_DIFFERENCE = 0.25
 """The difference of displayed luminance, of 1, that gets the full colour."""

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterable
 from html import escape
 
+from ...maths.arrays import U8
 from ...reference.metrics import Metrics
-from .images import FULL_DIFFERENCE, U8, Row, contact_sheet, data_url
+from .images import FULL_DIFFERENCE, Row, contact_sheet, data_url
 from .result import Comparison, LayerView, Outcome, Panel
 from .style import CSS, SCRIPT
 

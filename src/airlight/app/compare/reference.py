@@ -20,7 +20,7 @@ from ...scene.fingerprint import fingerprint
 from ...scene.image import Image
 from ...scene.io.ledger import own_files
 from ...scene.io.numpy_files import opened_npz
-from ..cache import keep
+from ...scene.io.writing import keep
 
 if TYPE_CHECKING:
     from ...scene.scene import Scene

@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from ...maths.arrays import U8
 from ...reference import metrics_display
 from ...reference.metrics import LAYERS, EqualTime, Metrics
 from ...scene.checks import F32
 from ...scene.image import Image
-from .images import U8, heat, shown, signed_map
+from .images import heat, shown, signed_map
 from .reference import Reference
 
 WHOLE = "whole"

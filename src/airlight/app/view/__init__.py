@@ -5,7 +5,6 @@
 document, source, history          the scene that is open, where it came from, what can be undone
 state, controls, quality, panel    what is shown and what input asks for; no toolkit
 gizmos, projection, free_space     lights in the image; points and pixels; where the eye may go
-divider                            the line between two techniques' images
 drawn, build, making, fine, finer  a renderer and its scene; others created in the background
 renderers                          which of them there are, and which are wanted
 session                            a frame from all of these; shown: on which texture

@@ -13,6 +13,7 @@ from ...gpu.commands import Commands
 from ...lpv.solver import LpvSolver
 from ...rendering import Renderer
 from ...scene.camera import Camera
+from ...scene.fingerprint import is_same
 from ...scene.scene import Scene
 
 QUICK_COARSENESS = 2.0
@@ -143,12 +144,4 @@ def _are_lights(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
     others = [i for i in range(len(now)) if i not in _LIGHTS]
     return len(before) == len(now) and is_same(
         tuple(now[i] for i in others), tuple(before[i] for i in others)
-    )
-
-
-def is_same(now: tuple[Any, ...], before: tuple[Any, ...]) -> bool:
-    """Whether nothing changed; scenes and their parts are compared by identity, they are frozen."""
-    plain = (str, bool, float, tuple, Camera)
-    return len(now) == len(before) and all(
-        a is b or (isinstance(a, plain) and a == b) for a, b in zip(now, before, strict=True)
     )

@@ -14,13 +14,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ...maths.arrays import U8
 from .gizmos import Mark
 from .help import HELP
 from .save import Saver
 from .sections import sections
 from .session import Session
 from .uploads import Uploads
-from .widgets import U8, plain, told
+from .widgets import plain, told
 
 Message = Mapping[str, Any]
 WEB = Path(__file__).with_name("web")

@@ -11,11 +11,12 @@ from ...display.presenter import layer_names
 from ...display.show import Place
 from ...errors import AirlightError
 from ...maths.sampling import pixel_jitter
+from ...scene.fingerprint import is_same
 from ...scene.image import Image
 from ...scene.lens import through_lens
 from ...scene.scene import Scene
 from .build import said
-from .drawn import Drawn, is_same
+from .drawn import Drawn
 from .fine import SAMPLES
 from .quality import STILL_SAMPLES, Plan
 from .renderers import COARSER_SAMPLES, MAKING, Renderers

@@ -8,10 +8,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.checks import F32, F64
+from ...maths.arrays import F32, F64, U8
 from ...scene.volume import Volume
 
-U8 = np.ndarray[Any, np.dtype[np.uint8]]
 Axis = Literal["x", "y", "z"]
 _STOPS = {  # colours at equal steps, sRGB; after matplotlib's (CC0) and Moreland's
     "viridis": ("440154", "414487", "2a788e", "22a884", "7ad151", "fde725"),

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ...maths.transforms import F64
+from ...maths.arrays import F64, U8
 
 Kind = Literal[
     "flag",
@@ -33,7 +33,6 @@ Kind = Literal[
 text: a line. vector: numbers, metres. colour: red, green, blue in 0 to 1. sky: (azimuth, elevation)
 in degrees of what shines. button: `change` is called with None. chart: an image (h, w, 3) uint8.
 bar: (share of the width, text). note: lines to be read."""
-U8 = np.ndarray[Any, np.dtype[np.uint8]]
 _LONGEST_TEXT = 200
 _FARTHEST = 1e12
 

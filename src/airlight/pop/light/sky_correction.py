@@ -13,6 +13,7 @@ from ...maths.beam_phase import beam_phase_table
 from ...maths.ordinates import Ordinates
 from ...maths.sky_phase import ROWS, convolved, sky_gain
 from ...maths.transforms import F64
+from ...scene.fingerprint import is_same
 from ..medium.placement import MediumPlacement
 
 
@@ -64,10 +65,7 @@ class SkyCorrection:
         self.sky_from_medium[:3, :3] = map_from_world @ placement.world_from_medium[:3, :3]
         # Another sky, other ordinates or another phase function need another correction.
         key = (sky.radiance, sky.ordinates, g, prefilter)
-        if len(key) == len(self._key) and all(
-            a is b or (isinstance(a, tuple | bool) and a == b)
-            for a, b in zip(key, self._key, strict=True)
-        ):
+        if is_same(key, self._key):
             return
         self._key = key
         # Exact single scattering of the map over that of its ordinates.

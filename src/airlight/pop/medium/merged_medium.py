@@ -5,7 +5,6 @@ volumes -> kinds -> merging: box, mean coefficients, width -> merged.wgsl: extin
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -19,6 +18,7 @@ from ...gpu.memory import Texture
 from ...gpu.slots import image, uniform
 from ...media.gpu_media import GpuMedia
 from ...media.media_rows import member_bits
+from ...scene.fingerprint import is_same
 from ...scene.volume import Volume
 from .grid_medium import NO_OTHERS, GridMedium
 from .merging import merged_volume, merged_width
@@ -84,7 +84,7 @@ class MergedMedium(GridMedium):
     def volume_of(self, volumes: Sequence[Volume]) -> Volume:
         """The medium that these are, which are of the first ones' number; `take` takes it."""
         # The same volumes give the same object, which the solver takes for unchanged.
-        if not all(map(operator.is_, volumes, self._of)):
+        if not is_same(volumes, self._of):
             self._of, self._whole_volume = tuple(volumes), merged_volume(volumes)
         return self._whole_volume
 

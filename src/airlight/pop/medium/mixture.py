@@ -18,7 +18,7 @@ from ...gpu.layout import Struct, f32, mat4x4f, pack_array, vec3f
 from ...gpu.memory import Buffer, Texture
 from ...gpu.rows import Table, table
 from ...gpu.slots import Slot, storage, texture
-from ...maths.transforms import F64
+from ...maths.transforms import F64, placed_points
 from .placement import MediumPlacement, PlacedVolume
 
 BLOCKS_PER_AXIS = 3
@@ -170,5 +170,5 @@ def _overlap(uvw_from_own: F64, own: MediumPlacement) -> float:
     # The share of samples in the solved medium's box that lie in the other.
     at = (np.arange(_OVERLAP_SAMPLES) + 0.5) / _OVERLAP_SAMPLES
     samples = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3) * own.extent
-    uvw = samples @ uvw_from_own[:3, :3].T + uvw_from_own[:3, 3]
+    uvw = placed_points(samples, uvw_from_own)
     return float(np.all((uvw > 0.0) & (uvw < 1.0), axis=-1).mean())

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...gpu.commands import Commands
 from ...lighting.kit import Kit
+from ...maths.delta_beam import beam_loss
 from ...maths.transforms import F64
 from ...media.attenuated_maps import AttenuatedMaps, AttenuatedSkyMaps
 from ...media.density_grids import ColumnPlan
 from ...media.gpu_media import GpuMedia
+from ...media.reduced import AnyMedium, ChangedMedia
 from ...scene.medium import medium_box
 from ...scene.scene import Scene
 from ...surface.light_maps import LightMaps
 from ..settings import PopSettings
-from .forward_media import ForwardScaled
 from .reflected import ReflectedLights
 
 
@@ -29,7 +32,7 @@ class ReflectedMaps:
         # Virtual point lights are sampled from flux that media on the path from the light have
         # attenuated.
         self._kit = kit
-        self._forward = None if settings.scheme == "paper" else ForwardScaled()
+        self._forward = None if settings.scheme == "paper" else ChangedMedia(forward_scaled)
         scene = kit.context.scene
         self._media = GpuMedia(
             kit.gpu,
@@ -67,7 +70,7 @@ class ReflectedMaps:
         self._seen = (media, sky)
 
     def _attenuating(self, scene: Scene) -> Scene:
-        return self._forward.scaled(scene) if self._forward else scene
+        return self._forward.of(scene) if self._forward else scene
 
 
 def _reach(scene: Scene, low: F64, high: F64) -> float:
@@ -83,3 +86,16 @@ def reflected_maps(kit: Kit, settings: PopSettings) -> ReflectedMaps | None:
     """The maps of a technique's virtual point lights, where there are to be any."""
     has_any = bool(kit.context.scene.meshes and settings.virtual_lights)
     return ReflectedMaps(kit, settings) if has_any else None
+
+
+def forward_scaled(medium: AnyMedium) -> AnyMedium:
+    """The medium as light meets it on its way to surfaces that reflect it into media again.
+
+    Of what a medium scatters, the share g^(3/2) stays in its beam (`maths.delta_beam`), and reaches
+    the surfaces behind: in the shadow of smoke of g .7 that is most of the light there is to
+    reflect. What it scatters is as it was.
+    """
+    # Light is lost to the beam where it is absorbed or scattered otherwise than forwards.
+    lost = np.asarray(medium.sigma_t) * beam_loss(medium.g, medium.albedo)
+    r, g, b = (float(x) for x in lost)
+    return replace(medium, sigma_t=(r, g, b))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Protocol, cast
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.transforms import box_around
 from .. import checks
 from .tracks import MeshTrack
 
@@ -102,12 +103,7 @@ class Animation:
 
         Volumes count with their boxes as they stand. Sampled at 65 times.
         """
-        corners: list[Sequence[F64]] = [scene.bounds]
-        corners += [moment.bounds for moment in self.moments(scene)]
-        return (
-            np.min([low for low, _ in corners], axis=0),
-            np.max([high for _, high in corners], axis=0),
-        )
+        return box_around([scene.bounds, *(moment.bounds for moment in self.moments(scene))])
 
     def moments(self, scene: Scene) -> Iterator[Scene]:
         """`scene` with its meshes at 65 times of the span; none where no mesh moves."""

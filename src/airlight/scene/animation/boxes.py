@@ -106,7 +106,8 @@ def mixed(one: Volume, other: Volume, u: float) -> Volume:
     if glow is not None:
         made["emission"] = with_grid(one.emission, glow)
     # Colours count by what there is of each: extinction and scattering are mixed.
-    weights = [_in_channels(v.density) * w for v, w in ((one, 1.0 - u), (other, u))]
+    assert one.density is not None and other.density is not None
+    weights = [one.density[..., None] * (1.0 - u), other.density[..., None] * u]
     for name in ("albedo_grid", "g_grid"):
         pair = [getattr(v, name) for v in (one, other)]
         if pair[0] is not None and pair[1] is not None:
@@ -122,11 +123,6 @@ def _between(one: F32 | None, other: F32 | None, u: float) -> F32 | None:
     if one is None or other is None:
         return None
     return np.asarray((1.0 - u) * one + u * other, np.float32)
-
-
-def _in_channels(values: F32 | None) -> F32:
-    assert values is not None
-    return values[..., None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import SceneError
+from ...maths.colour import in_rgb
 from ...maths.transforms import triple
 from ..checks import F32, F64, Bounds
 from .boxes import mixed
@@ -154,10 +155,6 @@ class FileSequence:
         return replace(read, bounds=None)
 
 
-def _in_channels(values: F32) -> F32:
-    return values if values.ndim == 4 else values[..., None]
-
-
 @dataclass(frozen=True)
 class _Turn:
     """A matrix (4, 4) as part of a key."""
@@ -234,10 +231,7 @@ def _file_grids(path: Path, stamp: Stamp | None, wanted: _Wanted, turn: _Turn) -
     if wanted.colours:
         found, made = read_coefficients(path, found, dict(wanted.colours), {})
         # In three channels, as volumes have them, so that they stay one array from frame to frame.
-        made = {
-            name: np.ascontiguousarray(np.broadcast_to(_in_channels(v), (*v.shape[:3], 3)))
-            for name, v in made.items()
-        }
+        made = {name: in_rgb(values) for name, values in made.items()}
     for values in (found.density, glow, *made.values()):
         if values is not None:
             values.flags.writeable = False

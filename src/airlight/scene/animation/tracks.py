@@ -32,20 +32,22 @@ def _values(curves: Curves, time_s: float) -> dict[str, Any]:
     return values
 
 
-def _last(curves: Curves) -> float:
-    return max(curve.end_s for curve in curves.values())
-
-
-@dataclass(frozen=True, eq=False)
-class CameraTrack:
-    """The scene's camera; `curves` by its fields: position, target, up, fov_y_deg ..."""
+class _Curved:
+    """What follows `curves`."""
 
     curves: Curves
 
     @property
     def end_s(self) -> float:
         """When it comes to rest, seconds."""
-        return _last(self.curves)
+        return max(curve.end_s for curve in self.curves.values())
+
+
+@dataclass(frozen=True, eq=False)
+class CameraTrack(_Curved):
+    """The scene's camera; `curves` by its fields: position, target, up, fov_y_deg ..."""
+
+    curves: Curves
 
     @property
     def camera_alone(self) -> CameraTrack:
@@ -96,16 +98,11 @@ class OrbitTrack:
 
 
 @dataclass(frozen=True, eq=False)
-class LightTrack:
+class LightTrack(_Curved):
     """The scene's light number `index`; `curves` by its fields. Light stays at or above zero."""
 
     index: int
     curves: Curves
-
-    @property
-    def end_s(self) -> float:
-        """When it comes to rest, seconds."""
-        return _last(self.curves)
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene with the light as it is."""
@@ -120,15 +117,10 @@ class LightTrack:
 
 
 @dataclass(frozen=True, eq=False)
-class EnvironmentTrack:
+class EnvironmentTrack(_Curved):
     """The scene's environment; `curves` of rotation_deg and scale."""
 
     curves: Curves
-
-    @property
-    def end_s(self) -> float:
-        """When it comes to rest, seconds."""
-        return _last(self.curves)
 
     def apply(self, scene: Scene, time_s: float) -> Scene:
         """The scene under the environment as it is."""
@@ -141,7 +133,7 @@ class EnvironmentTrack:
 
 
 @dataclass(frozen=True, eq=False)
-class Placing:
+class Placing(_Curved):
     """translate (m), rotate_deg and scale by keyframes; `still` gives those without a curve.
 
     `rotate_deg`: about the world's X axis, then Y, then Z. `before` (4, 4) comes before all.
@@ -172,11 +164,6 @@ class Placing:
     def _linear(values: Mapping[str, Any]) -> F64:
         scale = np.broadcast_to(np.array(values.get("scale", 1.0)), 3)
         return np.asarray(rotation_xyz(values.get("rotate_deg", (0.0, 0.0, 0.0))) * scale)
-
-    @property
-    def end_s(self) -> float:
-        """When it comes to rest, seconds."""
-        return _last(self.curves)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,21 +11,21 @@ from .images import color_texture, normal_texture
 from .noise import fractal_noise
 from .patch import Finish, lattice_normals, patch
 
+_SIDE_PX = 512
 
-def woven(
-    rng: np.random.Generator, colors: dict[str, Rgb], size_px: int = 512
-) -> dict[str, Finish]:
+
+def woven(rng: np.random.Generator, colors: dict[str, Rgb]) -> dict[str, Finish]:
     """One finish per named linear colour, sharing the images of one plain weave."""
     # A weft or a warp thread every 5 mm.
     tile_m, threads = 0.32, 64
-    at = (np.arange(size_px, dtype=np.float32) + 0.5) / size_px * threads
+    at = (np.arange(_SIDE_PX, dtype=np.float32) + 0.5) / _SIDE_PX * threads
     weft, warp = np.meshgrid(at, at, indexing="ij")
     # Which thread is above at each crossing, and how its crown rises.
     over = (np.floor(weft) + np.floor(warp)) % 2
     crown = np.where(over > 0, np.sin(np.pi * (warp % 1)), np.sin(np.pi * (weft % 1)))
     # Threads are unevenly thick along their own direction.
-    slub = fractal_noise((size_px, size_px), (4, 32), rng, octaves=3)
-    slub += fractal_noise((size_px, size_px), (32, 4), rng, octaves=3)
+    slub = fractal_noise((_SIDE_PX,) * 2, (4, 32), rng, octaves=3)
+    slub += fractal_noise((_SIDE_PX,) * 2, (32, 4), rng, octaves=3)
     grey = (0.72 + 0.28 * crown) * (0.94 + 0.03 * slub)
     # One image of the weave for all colours, which are factors.
     image = color_texture(np.clip(grey, 0, 1).astype(np.float32), (1.0, 1.0, 1.0), "weave")

@@ -15,14 +15,15 @@ from .profile import Points, arc, profile, revolved
 
 FROND_CELLS = (2, 9)
 """Quads of one frond: across, along."""
+_SIDE_PX = 512
 
 
-def frond_finish(rng: np.random.Generator, size_px: int = 512) -> Finish:
+def frond_finish(rng: np.random.Generator) -> Finish:
     """A pinnate frond, stalk at the image's bottom: leaflets beside a rib, alpha masked.
 
     uv of a frond are image coordinates, so its tile is 1.
     """
-    at = (np.arange(size_px, dtype=np.float32) + 0.5) / size_px
+    at = (np.arange(_SIDE_PX, dtype=np.float32) + 0.5) / _SIDE_PX
     x = 2.0 * at[None, :] - 1.0
     along = 1.0 - at[:, None]
     side = np.abs(x)
@@ -35,8 +36,8 @@ def frond_finish(rng: np.random.Generator, size_px: int = 512) -> Finish:
     half_width = 0.40 * np.sqrt(taper) * np.clip(0.55 + 2.0 * side, 0.0, 1.0)
     across = np.abs(leaflet % 1.0 - 0.5)
     # Coverage: signed distances to the edges in texels, so that they are smooth.
-    blade = np.where(taper > 0.0, (half_width - across) * size_px / 22.0, -1.0)
-    rib = (0.030 * (1.1 - along) - side) * size_px * 0.5
+    blade = np.where(taper > 0.0, (half_width - across) * _SIDE_PX / 22.0, -1.0)
+    rib = (0.030 * (1.1 - along) - side) * _SIDE_PX * 0.5
     stalk = along < 0.05
     alpha = np.clip(np.where(stalk, rib, np.maximum(blade, rib)) + 0.5, 0.0, 1.0)
     # The blade is lighter at its tip, the rib paler than the leaflets.

@@ -8,12 +8,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ...maths.arrays import U8
 from ...maths.colour import srgb_encode
 from ..checks import Rgb
 from ..material import Material, Texture
 from .patch import Finish
 
-U8 = NDArray[np.uint8]
 Field = NDArray[np.floating[Any]]
 """Values of any float type; the results are 8 bit anyway."""
 

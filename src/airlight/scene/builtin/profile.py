@@ -78,7 +78,7 @@ def revolved(shape: Profile, segments: int) -> Geometry:
 
 
 def around_rectangle(
-    shape: Profile, half_x: float, half_z: float, *, inwards: bool = False, sides: str = "+z+x-z-x"
+    shape: Profile, half_x: float, half_z: float, *, inwards: bool = False
 ) -> Geometry:
     """The profile (distance from the wall, height) swept around a rectangle, corners mitred.
 
@@ -86,7 +86,7 @@ def around_rectangle(
     """
     sign = -1.0 if inwards else 1.0
     parts = []
-    for side in (sides[k : k + 2] for k in range(0, len(sides), 2)):
+    for side in ("+z", "+x", "-z", "-x"):
         # One side at a time: which way it faces, how far away it lies, how long it is.
         facing_z = side[1] == "z"
         out = sign * (1.0 if side[0] == "+" else -1.0)

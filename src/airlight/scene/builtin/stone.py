@@ -12,6 +12,8 @@ from .images import Field, patterned
 from .noise import fractal_noise, smoothstep
 from .patch import Finish
 
+_SHAPE = (512, 512)  # of maps that are seldom seen from near
+
 
 def limestone_blocks(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     """Ashlar: eight courses of four blocks, 0.6 x 0.3 m, worn, joints 1 cm wide."""
@@ -37,27 +39,23 @@ def limestone_blocks(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     return patterned("limestone blocks", tile_m, grey, tint, height, 0.9)
 
 
-def carved_limestone(rng: np.random.Generator, size_px: int = 512) -> Finish:
+def carved_limestone(rng: np.random.Generator) -> Finish:
     """Smooth, faintly veined limestone for columns and mouldings."""
     tile_m = 1.5
-    shape = (size_px, size_px)
     # Noise that tiles, at three scales; veins are where noise passes zero.
-    grain = fractal_noise(shape, (16, 16), rng, octaves=5, gain=0.65)
-    cloud = fractal_noise(shape, (3, 3), rng, octaves=4)
-    vein = np.exp(-40.0 * np.abs(fractal_noise(shape, (2, 3), rng, octaves=5)))
+    grain = fractal_noise(_SHAPE, (16, 16), rng, octaves=5, gain=0.65)
+    cloud = fractal_noise(_SHAPE, (3, 3), rng, octaves=4)
+    vein = np.exp(-40.0 * np.abs(fractal_noise(_SHAPE, (2, 3), rng, octaves=5)))
     grey = 1.0 + 0.03 * grain + 0.05 * cloud - 0.12 * vein
     return patterned("carved limestone", tile_m, grey, (0.63, 0.565, 0.475), 0.0005 * grain, 0.7)
 
 
-def plaster(
-    rng: np.random.Generator, color: Rgb = (0.64, 0.60, 0.53), size_px: int = 512
-) -> Finish:
+def plaster(rng: np.random.Generator, color: Rgb = (0.64, 0.60, 0.53)) -> Finish:
     """Trowelled plaster with faint clouds."""
     tile_m = 2.0
-    shape = (size_px, size_px)
     # Clouds of colour, and the marks of the trowel as relief.
-    cloud = fractal_noise(shape, (3, 3), rng, octaves=5)
-    trowel = fractal_noise(shape, (10, 5), rng, octaves=4)
+    cloud = fractal_noise(_SHAPE, (3, 3), rng, octaves=5)
+    trowel = fractal_noise(_SHAPE, (10, 5), rng, octaves=4)
     grey = 1.0 + 0.035 * cloud + 0.015 * trowel
     return patterned("plaster", tile_m, grey, color, 0.0012 * trowel, 0.95)
 
@@ -82,18 +80,18 @@ def paving(rng: np.random.Generator, size_px: int = 1024) -> Finish:
     return patterned("paving", tile_m, grey, tint, height, rough)
 
 
-def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
+def diamond_tiles(rng: np.random.Generator) -> Finish:
     """Gallery floor: pale marble tiles set on their corners, with dark and red ones between."""
     tile_m, count = 1.6, 2
-    y, x = _grid(size_px)
+    y, x = _grid(_SHAPE[0])
     # Tiles along the diagonals: pale ones, with dark and red ones between.
     a, b = (x + y) * count, (x - y) * count
     joint_m = np.minimum(_edge_distance(a), _edge_distance(b)) * (tile_m / count / np.sqrt(2.0))
     dark = (np.floor(a) + np.floor(b)) % 2
     red = dark * (np.floor(a) % 2)
     # Veins run through the pale tiles darker, through the dark ones lighter.
-    marble = fractal_noise((size_px, size_px), (4, 4), rng, octaves=6, gain=0.6)
-    vein = np.exp(-25.0 * np.abs(fractal_noise((size_px, size_px), (3, 3), rng, octaves=5)))
+    marble = fractal_noise(_SHAPE, (4, 4), rng, octaves=6, gain=0.6)
+    vein = np.exp(-25.0 * np.abs(fractal_noise(_SHAPE, (3, 3), rng, octaves=5)))
     # Joints are darker and rougher than the tiles, and lie deeper.
     face = smoothstep(0.0015, 0.006, joint_m.astype(np.float32))
     grey = (1.0 + 0.05 * marble - (0.15 - 0.35 * dark) * vein) * (0.4 + 0.6 * face)
@@ -106,14 +104,13 @@ def diamond_tiles(rng: np.random.Generator, size_px: int = 512) -> Finish:
 _TILE_COLORS: tuple[Rgb, Rgb, Rgb] = ((0.56, 0.52, 0.45), (0.17, 0.15, 0.13), (0.33, 0.16, 0.10))
 
 
-def terracotta(rng: np.random.Generator, size_px: int = 512) -> Finish:
+def terracotta(rng: np.random.Generator) -> Finish:
     """Fired clay with turning marks and lime bloom."""
     tile_m = 1.0
-    shape = (size_px, size_px)
     # Marks of the wheel run around, so that their noise is stretched along the width.
-    grain = fractal_noise(shape, (16, 16), rng, octaves=5)
-    marks = fractal_noise(shape, (48, 2), rng, octaves=3)
-    bloom = smoothstep(0.4, 2.0, fractal_noise(shape, (4, 4), rng, octaves=5))[..., None]
+    grain = fractal_noise(_SHAPE, (16, 16), rng, octaves=5)
+    marks = fractal_noise(_SHAPE, (48, 2), rng, octaves=3)
+    bloom = smoothstep(0.4, 2.0, fractal_noise(_SHAPE, (4, 4), rng, octaves=5))[..., None]
     # Lime blooms in patches; marks and grain show as colour and as relief.
     clay, lime = np.array([0.46, 0.20, 0.11], np.float32), np.array([0.52, 0.38, 0.28], np.float32)
     grey = 1.0 + 0.06 * grain + 0.05 * marks

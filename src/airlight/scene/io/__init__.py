@@ -4,7 +4,7 @@
       -> meshes, materials, lights, volumes -> defaults -> a Scene, with doubts
     a Scene, changed -> toml_text*, gltf_write* or images, exr -> writing -> a file
 
-toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml_*_keys list keys,
+toml, toml_*     airlight's scene files: toml_tables, toml_media_tables and toml_keys list keys,
                  toml_schema checks, toml_meshes, _volumes (_volume_shapes), _sky and _animation
                  read what they name; toml_text* write, as toml_syntax spells; toml_page prints the
                  reference

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
-from ..checks import F32
+from ...maths.colour import in_rgb
 from ..coefficients import as_grids
 from ..medium import mean_cosine
 from .emission_files import on_one_grid, told_beside
@@ -98,7 +98,7 @@ def read_coefficients(
         number = numbers.get(name)
         if name in placed:
             factor = 1.0 if number is None or name == "g" else np.array(number, np.float32)
-            full[name] = _coloured(placed[name]) * factor
+            full[name] = in_rgb(placed[name]) * factor
         elif number is not None and name in OF_DENSITY:
             full[name] = density.density[..., None] * np.array(number, np.float32)
         elif number is not None and name == "albedo":
@@ -126,7 +126,3 @@ def _read(path: Path, grid: str, name: str, time: int | None) -> GridValues:
         if not np.isfinite(found.values).all():
             raise SceneError(f"'{grid}' holds NaN or infinite values")
     return found
-
-
-def _coloured(values: F32) -> F32:
-    return values if values.ndim == 4 else np.repeat(values[..., None], 3, axis=-1)

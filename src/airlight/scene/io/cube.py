@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import SceneError
-from ...maths.lut import F64, Lut
+from ...maths.arrays import F64
+from ...maths.lut import Lut
 from .files import read_bytes
 
 _MOST = {"LUT_1D_SIZE": 65536, "LUT_3D_SIZE": 256}

@@ -8,7 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from ...errors import SceneError
-from ...maths.transforms import box_corners, transformed
+from ...maths.transforms import box_around, box_corners, transformed
 from ..animation import Animation
 from ..animation.density import VolumeTrack
 from ..checks import F32, F64
@@ -101,8 +101,7 @@ def _corners(volume: Volume) -> F64:
     low, high = (np.array(corner) for corner in volume.bounds)
     parts = [_part(grid) for grid in _grids(volume) if grid.any()]
     if parts:
-        first = np.min([part[0] for part in parts], axis=0)
-        last = np.max([part[1] for part in parts], axis=0)
+        first, last = box_around(parts)
         low, high = low + first * (high - low), low + last * (high - low)
     return transformed(box_corners(low, high), volume.world_from_volume)
 

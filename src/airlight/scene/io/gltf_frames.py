@@ -14,14 +14,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..checks import F32, F64
+from ...maths.arrays import F32, F64, I64
 from ..material import Material
 from .gltf_uv import ImageUse, UvFrame, scale_in
 from .texture_bake import MOST_SIDE, Baked, Charts, baked
 
-Ints = NDArray[np.int64]
 SMALL_CONFLICT = 0.002
 """The share of an image that may be claimed twice: edges that cross by a texel."""
 _GAP = 1.0 / 64.0  # between charts, of the side of all: over two texels of the smallest image
@@ -33,7 +31,7 @@ class Surface:
     number, and its triangles (T, 3)."""
 
     sets: Mapping[int, F64]
-    triangles: Ints
+    triangles: I64
 
     def of(self, frame: UvFrame) -> F64:
         """(V, 2) coordinates of a frame."""
@@ -148,7 +146,7 @@ def _drawn_again(use: ImageUse, surface: Surface, uvs: F64, *, leans: bool) -> B
     return baked(use.texture, charts, is_normal=leans)
 
 
-def side_by_side(uvs: F64, triangles: Ints) -> F64:
+def side_by_side(uvs: F64, triangles: I64) -> F64:
     """Coordinates (V, 2) moved so that no two charts overlap: parts that share no vertex."""
     chart = _charts(len(uvs), triangles)
     count = int(chart.max()) + 1
@@ -172,7 +170,7 @@ def side_by_side(uvs: F64, triangles: Ints) -> F64:
     return np.asarray(uvs + (corner - low)[chart])
 
 
-def _charts(vertex_count: int, triangles: Ints) -> Ints:
+def _charts(vertex_count: int, triangles: I64) -> I64:
     """(V,) the number of the chart that each vertex belongs to."""
     label = np.arange(vertex_count)
     while True:

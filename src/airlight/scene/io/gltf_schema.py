@@ -8,14 +8,14 @@ Source: Khronos, glTF 2.0 specification, section 5 (properties reference), and t
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ...errors import Kinds, left_out
 from .gltf_compressed import DRACO, MESHOPT
 from .gltf_json import Item
 
@@ -183,15 +183,10 @@ def schema_doubts(document: Item) -> list[str]:
 
     Of the same doubt about many objects the first is named, with how many more there are.
     """
-    first: dict[Any, str] = {}
-    count: Counter[Any] = Counter()
+    kinds = Kinds()
     for key, text in _doubts(document):
-        first.setdefault(key, text)
-        count[key] += 1
-    return [
-        f"{document.file}: {text}{f' (and {count[key] - 1:,} more)' if count[key] > 1 else ''}"
-        for key, text in first.items()
-    ]
+        kinds.note(key, f"{document.file}: {text}")
+    return kinds.texts()
 
 
 def _doubts(document: Item) -> Iterator[tuple[Any, str]]:
@@ -208,7 +203,8 @@ def _doubts(document: Item) -> Iterator[tuple[Any, str]]:
                 if not _ATTRIBUTE.fullmatch(key):
                     yield (kind, key), f"{item.place}: the attribute '{key}' is unknown"
             elif key not in keys and key not in _COMMON:
-                yield (kind, key), _unknown(item, key, keys)
+                at = f"{item.place}: " if item.place else ""
+                yield (kind, key), at + left_out("key", key, keys)
             elif key in keys and item.has(key):
                 rule = keys[key]
                 if rule.of:
@@ -217,13 +213,6 @@ def _doubts(document: Item) -> Iterator[tuple[Any, str]]:
                     problem = _problem(element.value, rule, document)
                     if problem:
                         yield (kind, key, problem), f"{element.place} {problem}"
-
-
-def _unknown(item: Item, key: str, keys: Keys) -> str:
-    close = difflib.get_close_matches(key, keys, n=1)
-    at = f"{item.place}: " if item.place else ""
-    meant = f". Did you mean '{close[0]}'?" if close else ""
-    return f"{at}the key '{key[:40]}' is unknown and left out{meant}"
 
 
 def _extensions(held: Item) -> list[tuple[Item, str, Keys]]:

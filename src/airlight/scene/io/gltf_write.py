@@ -23,7 +23,7 @@ from ..camera import Camera
 from ..checks import F32, F64
 from ..light_shapes import LightMeshes
 from ..lights import Light, PointLight
-from ..mesh import Geometry, Mesh, unit_or_up
+from ..mesh import Geometry, Mesh, in_world, unit_or_up
 from ..scene import Scene
 from .files import opened
 from .gltf import WATTS_PER_LUMEN
@@ -100,7 +100,7 @@ class GlbDocument:
         geometry, placed = mesh.geometry, mesh.world_from_object
         # Readers take a placement apart into turn and scale, so shear goes into the vertices.
         if _is_sheared(placed):
-            geometry, placed = _baked(geometry, placed), np.eye(4)
+            geometry, placed = in_world(mesh), np.eye(4)
         key = (id(geometry), id(mesh.material))
         self._kept += [geometry, mesh.material]
         row = self._row("meshes", key, lambda: self._mesh(geometry, mesh))
@@ -267,26 +267,3 @@ def _is_sheared(placed: F64) -> bool:
     """Whether a placement is more than a turn, a scale along its axes, and a shift."""
     axes = placed[:3, :3] / np.maximum(np.linalg.norm(placed[:3, :3], axis=0), 1e-30)
     return bool(np.abs(axes.T @ axes - np.eye(3)).max() > _SHEAR)
-
-
-def _baked(geometry: Geometry, placed: F64) -> Geometry:
-    """The geometry in the world."""
-    assert geometry.normals is not None
-    linear = placed[:3, :3]
-    mirrors = np.linalg.det(linear) < 0.0
-    # The cofactors turn normals, also of what a placement makes flat.
-    a, b, c = linear.T
-    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
-    normals = (-1.0 if mirrors else 1.0) * geometry.normals @ cofactors.T
-    tangents = geometry.tangents
-    if tangents is not None:
-        side = -tangents[:, 3:] if mirrors else tangents[:, 3:]
-        tangents = np.concatenate([tangents[:, :3] @ linear.T, side], axis=1).astype(np.float32)
-    return Geometry(
-        (geometry.positions @ linear.T + placed[:3, 3]).astype(np.float32),
-        np.ascontiguousarray(geometry.indices[:, ::-1]) if mirrors else geometry.indices,
-        normals=unit_or_up(normals.astype(np.float32)),
-        uvs=geometry.uvs,
-        colors=geometry.colors,
-        tangents=tangents,
-    )

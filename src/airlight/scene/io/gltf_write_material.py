@@ -6,16 +6,15 @@ from collections.abc import Callable
 from typing import IO, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
+from ...maths.arrays import U8
 from ...maths.colour import srgb_decode, srgb_encode
 from ..material import Material, Texture
 from .gltf_material import BLACK_BACK
 
 Json = dict[str, Any]
-Pixels = NDArray[np.uint8]
-TextureRow = Callable[[Pixels, Json], int]
+TextureRow = Callable[[U8, Json], int]
 """Gives the row of a texture of pixels and a sampler."""
 _WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071}
 
@@ -98,7 +97,7 @@ class _Textures:
         return True
 
 
-def _recoded(pixels: Pixels, *, is_srgb: bool) -> Pixels:
+def _recoded(pixels: U8, *, is_srgb: bool) -> U8:
     """Linear pixels as sRGB, or the reverse; alpha stays."""
     values = pixels[..., :3] / 255.0
     coded = srgb_encode(values) if is_srgb else srgb_decode(values)
@@ -106,7 +105,7 @@ def _recoded(pixels: Pixels, *, is_srgb: bool) -> Pixels:
     return np.concatenate([rgb, pixels[..., 3:]], axis=-1)
 
 
-def texture_png(pixels: Pixels, file: IO[bytes]) -> None:
+def texture_png(pixels: U8, file: IO[bytes]) -> None:
     """Write pixels (H, W, 4) as PNG, without alpha where all of it is 255."""
     # An alpha channel of nothing but 255 would only make the file larger.
     is_opaque = bool((pixels[..., 3] == 255).all())

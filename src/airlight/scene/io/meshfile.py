@@ -93,13 +93,9 @@ def _of_strips(points: Any, path: Path) -> Any:
     import trimesh
 
     # trimesh drops strips and shows their points alone.
-    data, vertices = _ply_data(points, "tristrips"), _ply_data(points, "vertex")
-    names = [name for name in _names(data) if name in _INDEX_NAMES]
-    if not names:
+    listed, vertices = _corner_lists(points, "tristrips"), _ply_data(points, "vertex")
+    if listed is None:
         return points
-    listed = data[names[0]]
-    if getattr(listed, "dtype", None) is not None and listed.dtype.names:
-        listed = listed["f1"]  # of a binary file: count and corners
     # Restarts (-1) are gone from the triangles: whatever is out of range now is damage.
     triangles = strip_triangles([np.asarray(strip, dtype=np.int64).ravel() for strip in listed])
     if len(triangles) and (triangles.min() < 0 or triangles.max() >= len(points.vertices)):
@@ -162,13 +158,9 @@ def _polygons(mesh: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
     """Corners one after the other and their number per face of a PLY file that has others than
     triangles; None where it has not. (trimesh cuts them into fans, concave ones wrongly.)"""
     # trimesh's own lists, from before it cut them.
-    data = _ply_data(mesh, "face")
-    names = [name for name in _names(data) if name in _INDEX_NAMES]
-    if not names:
+    listed = _corner_lists(mesh, "face")
+    if listed is None:
         return None
-    listed = data[names[0]]
-    if getattr(listed, "dtype", None) is not None and listed.dtype.names:
-        listed = listed["f1"]  # of a binary file: count and corners
     # Faces of one size come as a matrix, others as a list of lists.
     if getattr(listed, "ndim", 1) == 2:
         sizes = np.full(len(listed), listed.shape[1], dtype=np.int64)
@@ -198,6 +190,15 @@ def _unread(mesh: Any) -> Iterator[str]:
 def _ply_data(mesh: Any, element: str) -> Any:
     """A PLY element's values by property; empty for another kind of file."""
     return mesh.metadata.get("_ply_raw", {}).get(element, {}).get("data", {})
+
+
+def _corner_lists(mesh: Any, element: str) -> Any:
+    """The corners of each face or strip; None without."""
+    data = _ply_data(mesh, element)
+    listed: Any = next((data[name] for name in _names(data) if name in _INDEX_NAMES), None)
+    # In a binary file: count and corners.
+    names = getattr(getattr(listed, "dtype", None), "names", None)
+    return listed["f1"] if names else listed
 
 
 def _names(data: Any) -> list[str]:

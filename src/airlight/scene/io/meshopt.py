@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-U8 = NDArray[np.uint8]
+from ...maths.arrays import F32, U8
 
 GROUP = 16
 MOST_BLOCK_BYTES, MOST_BLOCK_ELEMENTS = 8192, 256
@@ -234,7 +234,7 @@ def unfiltered(rows: U8, name: str) -> U8:
     if name == "EXPONENTIAL":
         words = rows.view("<i4")
         mantissa, exponent = (words << 8) >> 8, words >> 24
-        floats: NDArray[np.float32] = np.ldexp(mantissa.astype(np.float32), exponent)
+        floats: F32 = np.ldexp(mantissa.astype(np.float32), exponent)
         return floats.astype("<f4").view(np.uint8)
     raise MeshoptError(f"the filter {name} is not one for elements of {stride} bytes")
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
-from ...maths.transforms import box_corners, triple
+from ...maths.transforms import box_corners, placed_points, triple
 from ..checks import F32, F64, Bounds
 from ..enclosed import FEWEST, Body
 from .mitsuba_nodes import Node
@@ -131,7 +131,7 @@ def shares_of_grid(
     if region.kind == "cube":
         corners = box_corners(low, high)
         cube = np.linalg.inv(region.world_from_shape) @ world_from_grid
-        if np.abs(corners @ cube[:3, :3].T + cube[:3, 3]).max() <= 1.0 + _HAIR:
+        if np.abs(placed_points(corners, cube)).max() <= 1.0 + _HAIR:
             return None, 1
     times = max(1, FEWEST // max(size))
     nz, ny, nx = (times * n for n in size)

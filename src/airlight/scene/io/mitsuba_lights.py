@@ -10,7 +10,7 @@ import numpy as np
 from ...maths.transforms import triple
 from ..lights import AreaLight
 from ..lights.area import AREA_SHAPES, AreaShape
-from ..material import Material
+from ..material import Material, textures_of
 from .mitsuba_nodes import Node
 from .mitsuba_shapes import shape_matrix
 
@@ -44,13 +44,7 @@ def _mark(node: Node) -> str:
 
 
 def _is_matte(made: Material) -> bool:
-    images = (
-        made.base_color_texture,
-        made.metallic_roughness_texture,
-        made.normal_texture,
-        made.emission_texture,
-    )
-    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not any(images)
+    return made.specular == made.metallic == made.alpha_cutoff == 0.0 and not textures_of(made)
 
 
 def _placed(node: Node, made: Material) -> AreaLight | None:

@@ -135,7 +135,7 @@ def _principled(node: Node, source: Source) -> Material:
     # Each parameter is a number or a texture.
     color, texture = color_input(node, "base_color", 0.5, source)
     roughness, rough_texture = scalar_input(node, "roughness", 0.5, source)
-    passed = min(max(mean_input(node, "spec_trans", 0.0, source), 0.0), 1.0)
+    passed = min(max(mean_input(node, "spec_trans", source), 0.0), 1.0)
     metallic, metal_texture = scalar_input(node, "metallic", 0.0, source)
     # Specular from an index of refraction, or as its own parameter.
     if "eta" in node.values:
@@ -158,7 +158,7 @@ def _principled(node: Node, source: Source) -> Material:
 def _principled_thin(node: Node, source: Source) -> Material:
     """A sheet: what it scatters to its other side is left out of what it reflects."""
     made = _principled(node, source)
-    through = min(max(mean_input(node, "diff_trans", 0.0, source) / 2.0, 0.0), 1.0)
+    through = min(max(mean_input(node, "diff_trans", source) / 2.0, 0.0), 1.0)
     if through > 0.0:
         source.note(f"{node}: light that it scatters to its other side is left out")
     r, g, b = ((1.0 - through) * c for c in made.base_color)

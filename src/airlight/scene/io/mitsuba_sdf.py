@@ -11,13 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import SceneError
-from ...maths.level_set import (
-    F64,
-    gradient_at,
-    refined,
-    smooth_gradient,
-    zero_surface,
-)
+from ...maths.arrays import F64
+from ...maths.level_set import gradient_at, refined, smooth_gradient, zero_surface
 from ...maths.voxels import trilinear
 from ..mesh import Geometry
 from .files import naming

@@ -103,9 +103,9 @@ def color_attribute(shape: Node) -> str:
     return ""
 
 
-def mean_input(node: Node, name: str, default: float, source: Source) -> float:
-    """A parameter that is one number here: of an image the mean, which a note tells."""
-    factor, texture = scalar_input(node, name, default, source)
+def mean_input(node: Node, name: str, source: Source) -> float:
+    """A parameter that is one number here, 0 by default; of an image the mean, with a note."""
+    factor, texture = scalar_input(node, name, 0.0, source)
     if texture is None:
         return factor
     source.note(f"{node}: of its image '{name}' the mean is taken")

@@ -52,7 +52,9 @@ def model_keys(
         )
     # The checks of their keys hold here too, with their messages.
     keys = (VOLUME if is_grid else MESH).keys
-    checked = {key.name: key.check(asked[key.name], key.name) for key in keys if key.name in asked}
+    checked = {
+        key.name: key.kind.check(asked[key.name], key.name) for key in keys if key.name in asked
+    }
     return {**checked, "parameters": texts} if texts else checked
 
 

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...maths.arrays import F64, I64
 from ...maths.chunks import chunks
-from ..checks import F64
 
-I64 = NDArray[np.int64]
 Ints = NDArray[np.integer[Any]]
 
 _CREASE_DEG = 40.0

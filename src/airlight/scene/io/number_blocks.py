@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-I64 = NDArray[np.int64]
-Floats = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
+from ...maths.arrays import F64, I64, U8
 
 SPACE, NEWLINE = 32, 10
 
@@ -27,7 +25,7 @@ def parsed(text: bytes, dtype: type[np.generic]) -> NDArray[Any] | None:
             return None
 
 
-def _token_starts(data: Bytes) -> NDArray[np.bool_]:
+def _token_starts(data: U8) -> NDArray[np.bool_]:
     blank = (data == SPACE) | (data == NEWLINE)
     starts: NDArray[np.bool_] = ~blank & np.concatenate([[True], blank[:-1]])
     return starts
@@ -51,9 +49,9 @@ def slashes_per_token(text: bytes) -> I64:
     return np.add.reduceat((data == ord("/")).astype(np.int64), starts)
 
 
-def rows_of(values: Floats, sizes: I64, start: int, width: int) -> Floats:
+def rows_of(values: F64, sizes: I64, start: int, width: int) -> F64:
     """Numbers start .. start + width of each line, (n, width)."""
-    rows: Floats
+    rows: F64
     # Lines of one length are a table; of others the first numbers are picked.
     if len(sizes) and (sizes == sizes[0]).all():
         rows = values.reshape(len(sizes), -1)[:, start : start + width].copy()

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
+from ...maths.arrays import F64, I64
 from ...maths.colour import srgb_decode
 from ..material import DEFAULT_MATERIAL, Material
 from ..mesh import Geometry, Mesh, unit_or_up
@@ -20,7 +21,6 @@ from ..scene import Scene
 from .files import in_utf8, read_bytes
 from .mtl import load_mtl
 from .normals import compact, creased_normals
-from .number_blocks import I64, Floats
 from .obj_parse import ObjData, parse_obj
 from .polygons import triangulated
 from .texture_files import TextureFiles
@@ -53,7 +53,7 @@ def load_obj(path: Path) -> Scene:
 class _Triangles:
     """All polygons cut up: `corners` (T, 3, 3) position, uv, normal; `polygon` (T,)."""
 
-    def __init__(self, corners: I64, polygon: I64, normals: Floats) -> None:
+    def __init__(self, corners: I64, polygon: I64, normals: F64) -> None:
         self.corners = corners
         self.polygon = polygon
         self.normals = normals
@@ -93,7 +93,7 @@ def _meshes(data: ObjData, triangles: _Triangles, materials: list[Material]) -> 
     )
 
 
-def _geometry(data: ObjData, corners: I64, normals: Floats) -> Geometry:
+def _geometry(data: ObjData, corners: I64, normals: F64) -> Geometry:
     # A vertex for each combination of position, coordinates and normal.
     rows, indices = compact(corners)
     # Coordinates where any corner has some; v is turned downwards.

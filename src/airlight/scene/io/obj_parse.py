@@ -16,17 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
-from .number_blocks import (
-    I64,
-    NEWLINE,
-    SPACE,
-    Bytes,
-    Floats,
-    parsed,
-    rows_of,
-    slashes_per_token,
-    token_counts,
-)
+from ...maths.arrays import F64, I64, U8
+from .number_blocks import NEWLINE, SPACE, parsed, rows_of, slashes_per_token, token_counts
 
 _V, _VT, _VN, _FACE, _OTHER = 1, 2, 3, 4, 0
 _LEFT_OUT = ("p", "l", "curv", "surf", "call", "maplib", "usemap", "bevel")
@@ -44,10 +35,10 @@ class ObjData:
     out. `absent`: those that corners name the indices of, and of which there is none.
     """
 
-    positions: Floats
-    colors: Floats | None
-    uvs: Floats
-    normals: Floats
+    positions: F64
+    colors: F64 | None
+    uvs: F64
+    normals: F64
     corners: I64
     sizes: I64
     lines: I64
@@ -106,7 +97,7 @@ class _Lines:
         # A continued line keeps its length in bytes, but its parts become one line.
         text = text.replace(b"\\\n", b"  ")
         text = re.sub(rb"(?m)^ +", b"", text) + b"\n\n"
-        self.data: Bytes = np.frombuffer(text, dtype=np.uint8).copy()
+        self.data: U8 = np.frombuffer(text, dtype=np.uint8).copy()
         # Where each line begins and ends, and by its first three bytes of which kind it is.
         ends = np.flatnonzero(self.data == NEWLINE)[:-1]
         self.starts: I64 = np.concatenate([[0], ends[:-1] + 1]).astype(np.int64)
@@ -136,7 +127,7 @@ class _Lines:
         block = data[: len(mask)][mask].tobytes()
         return re.sub(rb"#[^\n]*", b"", block) if b"#" in block else block
 
-    def numbers(self, kind: int) -> tuple[Floats, I64]:
+    def numbers(self, kind: int) -> tuple[F64, I64]:
         """All numbers on the lines of a kind, and how many stand on each."""
         text = self.text(kind)
         sizes = token_counts(text)
@@ -145,7 +136,7 @@ class _Lines:
             raise self._unreadable(kind, text)
         return values, sizes
 
-    def columns(self, values: Floats, sizes: I64, width: int, kind: int) -> Floats:
+    def columns(self, values: F64, sizes: I64, width: int, kind: int) -> F64:
         """The first `width` numbers of every line of a kind, (n, width), all finite."""
         short = np.flatnonzero(sizes < (1 if kind == _VT else width))
         if len(short):
@@ -164,7 +155,7 @@ class _Lines:
             self._fail(kind, int(bad[0]), "holds a number that is NaN or infinite")
         return rows
 
-    def colors(self, values: Floats, sizes: I64) -> Floats | None:
+    def colors(self, values: F64, sizes: I64) -> F64 | None:
         """Vertex colours written after the position (`v x y z r g b`), (n, 3), or None."""
         if len(sizes) == 0 or sizes.min() < 6:
             return None

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...maths.chunks import chunks
+from ...maths.transforms import placed_points
 from ..checks import F64
 from ..mesh import Geometry
 from ..scene import Scene
@@ -31,7 +32,7 @@ def outline(scene: Scene) -> F64:
         if key not in found:
             found[key] = _furthest(mesh.geometry)
         matrix = mesh.world_from_object
-        parts.append(found[key] @ matrix[:3, :3].T + matrix[:3, 3])
+        parts.append(placed_points(found[key], matrix))
     return np.concatenate(parts)
 
 

@@ -8,11 +8,8 @@ few concave ones of more than four corners are clipped one by one.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..checks import F64
-
-I64 = NDArray[np.int64]
+from ...maths.arrays import F64, I64
 
 _AT_ONCE = 1 << 19  # corners whose turns are looked at together
 _STRAIGHT = 1e-9  # of a polygon's extent squared: turns that count for none

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...maths.chunks import chunks
+from ...maths.solid_angle import signed_solid_angle
+from ...maths.transforms import placed_points
 from ..checks import F32, F64
 from ..mesh import Mesh
 from ..scene import Scene
@@ -139,20 +141,9 @@ class Probe:
 
     def winding(self, points: F64) -> F64:
         """How often the surfaces go round each point (P, 3): about 1 in a solid, 0 in the open or
-        in a solid's cavity, -1 in a sheet whose front is inside.
-
-        Source: VanOosterom1983, the solid angle of a triangle; summed, over 4 pi.
-        """
-        rounds = np.empty(len(points))
-        for row, point in enumerate(points):
-            a, b, c = (self.corners - point).transpose(1, 0, 2)
-            la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-            # tan(angle / 2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b).
-            volume = np.einsum("tk,tk->t", a, np.cross(b, c))
-            dots = [np.einsum("tk,tk->t", v, w) for v, w in ((a, b), (b, c), (c, a))]
-            beside = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
-            rounds[row] = np.arctan2(volume, beside).sum() / (2.0 * np.pi)
-        return rounds
+        in a solid's cavity, -1 in a sheet whose front is inside."""
+        angles = [signed_solid_angle(self.corners - point).sum() for point in points]
+        return np.array(angles, np.float64) / (4.0 * np.pi)
 
     def sees_sky(self, points: F64, towards: F64) -> NDArray[np.bool_]:
         """Whether parallel rays from points (P, 3) towards a unit direction leave the scene."""
@@ -224,7 +215,7 @@ def _largest_triangles(mesh: Mesh, count: int) -> F64:
         return np.zeros((0, 3, 3))
     matrix, indices = mesh.world_from_object, mesh.geometry.indices
     # Areas in the world, as placements scale meshes.
-    placed = mesh.geometry.positions @ matrix[:3, :3].T + matrix[:3, 3]
+    placed = placed_points(mesh.geometry.positions, matrix)
     area = np.empty(len(indices))
     for part in chunks(len(indices)):
         area[part] = _areas(placed[indices[part]])[1]

@@ -12,13 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...maths.arrays import F64, I64, U8
 from ...maths.colour import srgb_decode, srgb_encode
-from ..checks import F64
 from ..material import Texture
 from ..texels import interpolated
-
-Ints = NDArray[np.int64]
-Bytes = NDArray[np.uint8]
 
 MOST_SIDE = 4096
 """Texels along a side of an image that is made here."""
@@ -106,7 +103,7 @@ def _edges(corners: F64) -> F64:
     return np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1)
 
 
-def _size(texture: Texture, charts: Charts, span: F64) -> tuple[Ints, bool]:
+def _size(texture: Texture, charts: Charts, span: F64) -> tuple[I64, bool]:
     """Width and height of the new image; whether the old one has finer texels."""
     # How many old texels one unit of the new coordinates crosses, for nearly all triangles.
     height, width = texture.pixels.shape[:2]
@@ -118,7 +115,7 @@ def _size(texture: Texture, charts: Charts, span: F64) -> tuple[Ints, bool]:
     return size.astype(np.int64), bool((wanted > size).any())
 
 
-def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> tuple[Bytes, float]:
+def _drawn(texture: Texture, placed: Charts, size: I64, *, is_normal: bool) -> tuple[U8, float]:
     """(H, W, 4) pixels of triangles placed in texels, and how far these disagree."""
     # Of each texel: its value, how deep it lies in the triangle that has it, and the least
     # and most that triangles ask of it.
@@ -157,7 +154,7 @@ def _drawn(texture: Texture, placed: Charts, size: Ints, *, is_normal: bool) -> 
     return _bytes(whole, is_srgb=texture.is_srgb), conflict
 
 
-def _covered(corners: F64, width: int, height: int) -> Iterator[tuple[Ints, Ints]]:
+def _covered(corners: F64, width: int, height: int) -> Iterator[tuple[I64, I64]]:
     """(triangle, texel) of the boxes around triangles, in batches."""
     # The box of each triangle with its margin, within the image.
     most = np.array([width, height]) - 1
@@ -174,13 +171,13 @@ def _covered(corners: F64, width: int, height: int) -> Iterator[tuple[Ints, Ints
         yield which, y[first:last][row] * width + low[which, 0] + x
 
 
-def _ranges(counts: Ints) -> tuple[Ints, Ints]:
+def _ranges(counts: I64) -> tuple[I64, I64]:
     """0 .. count of every row, one after the other: the row, and the number within it."""
     row = np.repeat(np.arange(len(counts)), counts)
     return row, np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def _runs(values: Ints) -> tuple[Ints, Ints]:
+def _runs(values: I64) -> tuple[I64, I64]:
     """First and end of the runs of equal values."""
     first = np.flatnonzero(np.diff(values, prepend=values[0] - 1))
     return first, np.append(first[1:], len(values))
@@ -246,7 +243,7 @@ def _filled(values: F64, is_there: NDArray[np.bool_]) -> F64:
     return np.where(is_there[..., None], values, near)
 
 
-def _bytes(values: F64, *, is_srgb: bool) -> Bytes:
+def _bytes(values: F64, *, is_srgb: bool) -> U8:
     """Pixels of linear values."""
     if is_srgb:
         values = np.concatenate([srgb_encode(values[..., :3]), values[..., 3:]], axis=-1)

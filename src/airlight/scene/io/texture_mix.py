@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import PIL.Image
-from numpy.typing import NDArray
 
+from ...maths.arrays import U8
 from ..material import Texture
 
 SOFT_SHARE = 0.2
 """Of a mask's texels: edges of cut-outs have fewer."""
-Plane = NDArray[np.uint8]
 
 
 def with_alpha(base: Texture | None, mask: Texture) -> Texture:
@@ -32,7 +31,7 @@ def with_alpha(base: Texture | None, mask: Texture) -> Texture:
     return dataclasses.replace(base, pixels=pixels, source=f"{base.source} + {mask.source}")
 
 
-def _alpha(mask: Texture) -> Plane:
+def _alpha(mask: Texture) -> U8:
     """(H, W) coverage of a mask: its alpha, or where that says nothing its brightness."""
     alpha = mask.pixels[..., 3]
     if alpha.min() == 255:
@@ -81,7 +80,7 @@ def _larger(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, int]:
     return max(a[0], b[0]), max(a[1], b[1])
 
 
-def resized(plane: Plane, shape: tuple[int, ...]) -> Plane:
+def resized(plane: U8, shape: tuple[int, ...]) -> U8:
     """The plane (H, W) at another size, bilinear."""
     if plane.shape == shape:
         return plane

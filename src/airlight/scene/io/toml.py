@@ -26,13 +26,7 @@ from ..studio import studio
 from .defaults import with_default_camera, with_default_lights
 from .files import read_text
 from .light_groups import is_group, light_groups
-from .toml_animation import (
-    animation,
-    curves,
-    light_curves,
-    shifted,
-    take_keys,
-)
+from .toml_animation import animation, shifted, take_keys, with_curves
 from .toml_media_tables import MEDIUM
 from .toml_meshes import existing_file, placed_mesh
 from .toml_schema import check_table, inside
@@ -174,21 +168,15 @@ def _camera(raw: Raw) -> tuple[Camera | None, Curves]:
     label = CAMERA.header
     if "camera" not in raw:
         return None, {}
-    table, keys = take_keys(raw["camera"], label)
-    values = check_table(CAMERA, table, label)
-    between = values.pop("between", "smooth")
-    seen = curves("camera", keys, between, label) if keys else {}
+    values, seen = with_curves(CAMERA, raw["camera"], label)
     with inside(label):
         return Camera(**values), seen
 
 
 def _light(raw: Any, label: str) -> tuple[Light, Curves]:
-    table, keys = take_keys(raw, label)
-    values = check_table(LIGHT, table, label)
-    between = values.pop("between", "smooth")
+    values, moved = with_curves(LIGHT, raw, label)
     with inside(label):
-        light = TYPES[values.pop("type")](**values)
-    return light, light_curves(light, keys, between, label) if keys else {}
+        return TYPES[values.pop("type")](**values), moved
 
 
 def _environment(
@@ -202,10 +190,7 @@ def _environment(
     if "environment" not in raw:
         return None, {}
     # Its values, and their keyframes.
-    table, keys = take_keys(raw["environment"], label)
-    values = check_table(ENVIRONMENT, table, label)
-    between = values.pop("between", "smooth")
-    moved = curves("environment", keys, between, label) if keys else {}
+    values, moved = with_curves(ENVIRONMENT, raw["environment"], label)
     if "file" in values and "radiance" in values:
         raise SceneError(f"{label} has both a file and a radiance", remedy="Use one of them.")
     # A studio, a map from a file, or one radiance.

@@ -16,7 +16,6 @@ from ..animation.file_sequence import FileSequence
 from ..animation.rig import Rig
 from ..animation.tracks import MeshTrack, Placing
 from ..checks import F64
-from ..lights import Light
 from ..scene import Scene
 from .files import check_named, named_file
 from .grid_series import matching
@@ -39,22 +38,19 @@ def take_keys(raw: Any, label: str) -> tuple[Any, list[Any]]:
     return {name: value for name, value in raw.items() if name != "key"}, keys
 
 
-def curves(kind: str, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
-    """The curves of one table's keyframes, by name; `kind` is one of KEYS.
+def with_curves(table: Table, raw: Any, label: str) -> tuple[dict[str, Any], dict[str, Curve]]:
+    """The checked values of a table, and the curves of its keyframes by name.
 
-    Raises SceneError for keyframes that are wrong, do not rise in time, or differ in what they set.
+    Raises SceneError, also for keyframes that do not rise in time, or differ in what they set.
     """
-    return _curves(KEYS[kind], keys, between, label)
-
-
-def light_curves(light: Light, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
-    """The curves of a light's keyframes, by name."""
-    table = KEYS["light"]
-    assert table.variants is not None
-    of_kind = Table(
-        table.name, table.doc, table.keys + table.variants[light.type_name], repeated=True
-    )
-    return _curves(of_kind, keys, between, label)
+    still, keys = take_keys(raw, label)
+    values = check_table(table, still, label)
+    between = values.pop("between", "smooth")
+    # Keyframes of a light have the keys of its type.
+    of = KEYS[table.name]
+    if of.variants is not None:
+        of = Table(of.name, of.doc, of.keys + of.variants[values[of.variant_key]], repeated=True)
+    return values, _curves(of, keys, between, label) if keys else {}
 
 
 def _curves(table: Table, keys: Sequence[Any], between: str, label: str) -> dict[str, Curve]:
@@ -105,7 +101,7 @@ def mesh_tracks(
             )
         still = {name: values[name] for name in _PLACES if name in values}
         placing = Placing(
-            curves("mesh", keys, values.get("between", "smooth"), label), still, upright
+            _curves(KEYS["mesh"], keys, values.get("between", "smooth"), label), still, upright
         )
     # The file's own animation goes on within that placement.
     if rigs:

@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 from .. import checks
-from ..keys import Check, Key, one_of
+from ..keys import BOOLEAN, NUMBER, PATH, TEXT, UNIT_VECTOR, VECTOR, Key, Kind, one_of, within
 from ..lights import TYPES
-from .toml_schema import Table, scale_vec3
+from .toml_schema import SCALE, Table
 
-TIME = Key("time_s", checks.number, "number", "when", "seconds", required=True)
-
-
-def above_zero(value: float, name: str) -> float:
-    """A number above zero, at most a million."""
-    return checks.number(value, name, low=1e-6, high=1e6)
+TIME = Key("time_s", NUMBER, "when", "seconds", required=True)
 
 
-def metered(value: object, name: str) -> float:
-    """Stops of exposure as a number: between keyframes there is no "auto"."""
-    return checks.number(value, name, low=-checks.MOST_STOPS, high=checks.MOST_STOPS)
+_ABOVE_ZERO = within(1e-6, 1e6)
+_METERED = within(-checks.MOST_STOPS, checks.MOST_STOPS)  # between keyframes there is no "auto"
 
 
-def _key(name: str, check: Check, kind: str, unit: str = "") -> Key:
-    return Key(name, check, kind, "as in the table above it", unit)
+def _key(name: str, kind: Kind, unit: str = "") -> Key:
+    return Key(name, kind, "as in the table above it", unit)
 
 
-_POSITION = _key("position", checks.vec3, "vector", "m")
+_POSITION = _key("position", VECTOR, "m")
 
 ANIMATION = Table(
     "animation",
@@ -33,17 +27,16 @@ ANIMATION = Table(
     "`[[environment.key]]`; density sequences are volumes. Before the first and after the last "
     "keyframe their values hold. A key that one of a table's keyframes sets, all of them set.",
     (
-        Key("start_s", checks.number, "number", "the first frame's time", "seconds", "0"),
-        Key("end_s", checks.number, "number", "when it ends", "seconds", "the last keyframe"),
-        Key("fps", above_zero, "number", "frames per second", "s^-1", "24"),
-        Key("loop", checks.boolean, "boolean", "time goes round", default="false"),
+        Key("start_s", NUMBER, "the first frame's time", "seconds", "0"),
+        Key("end_s", NUMBER, "when it ends", "seconds", "the last keyframe"),
+        Key("fps", _ABOVE_ZERO, "frames per second", "s^-1", "24"),
+        Key("loop", BOOLEAN, "time goes round", default="false"),
     ),
 )
 
 BETWEEN = Key(
     "between",
     one_of("smooth", "linear", "step"),
-    '"smooth", "linear" or "step"',
     'how keyframes are joined; "smooth": Catmull-Rom',
     default='"smooth"',
 )
@@ -56,10 +49,10 @@ KEYS: dict[str, Table] = {
         (
             TIME,
             _POSITION,
-            _key("target", checks.vec3, "vector", "m"),
-            _key("up", checks.unit_vec3, "vector"),
-            _key("fov_y_deg", checks.number, "number", "degrees"),
-            _key("exposure_stops", metered, "number", "stops"),
+            _key("target", VECTOR, "m"),
+            _key("up", UNIT_VECTOR),
+            _key("fov_y_deg", NUMBER, "degrees"),
+            _key("exposure_stops", _METERED, "stops"),
         ),
         repeated=True,
     ),
@@ -68,9 +61,9 @@ KEYS: dict[str, Table] = {
         "A keyframe of the last `[[mesh]]`: moves all that it brought. Not beside `matrix`.",
         (
             TIME,
-            _key("translate", checks.vec3, "vector", "m"),
-            _key("rotate_deg", checks.vec3, "vector", "degrees"),
-            _key("scale", scale_vec3, "number or vector"),
+            _key("translate", VECTOR, "m"),
+            _key("rotate_deg", VECTOR, "degrees"),
+            _key("scale", SCALE),
         ),
         repeated=True,
     ),
@@ -81,9 +74,7 @@ KEYS: dict[str, Table] = {
         repeated=True,
         variant_key="type",
         variants={
-            name: tuple(
-                _key(key.name, key.check, key.kind, key.unit) for key in cls.keys if key.moves
-            )
+            name: tuple(_key(key.name, key.kind, key.unit) for key in cls.keys if key.moves)
             for name, cls in TYPES.items()
         },
     ),
@@ -92,8 +83,8 @@ KEYS: dict[str, Table] = {
         "A keyframe of the environment.",
         (
             TIME,
-            _key("rotation_deg", checks.number, "number", "degrees"),
-            _key("scale", checks.number, "number"),
+            _key("rotation_deg", NUMBER, "degrees"),
+            _key("scale", NUMBER),
         ),
         repeated=True,
     ),
@@ -101,28 +92,26 @@ KEYS: dict[str, Table] = {
 """By the table that the keyframes stand under."""
 
 CLIP_KEYS = (
-    Key("clip", checks.text, "text", "which animation of the file", default="its first"),
-    Key("clip_start_s", checks.number, "number", "when it starts", "seconds", "0"),
-    Key("clip_speed", above_zero, "number", "how fast it runs", default="1"),
-    Key("clip_loop", checks.boolean, "boolean", "over and over", default="false"),
+    Key("clip", TEXT, "which animation of the file", default="its first"),
+    Key("clip_start_s", NUMBER, "when it starts", "seconds", "0"),
+    Key("clip_speed", _ABOVE_ZERO, "how fast it runs", default="1"),
+    Key("clip_loop", BOOLEAN, "over and over", default="false"),
 )
 """Of a [[mesh]] whose file is animated."""
 
 SEQUENCE_KEYS = (
     Key(
         "sequence",
-        checks.text,
-        "path",
+        PATH,
         "instead of a file: many, one after the other; a folder, or a pattern with `*`, sorted by "
         "the numbers in their names",
     ),
-    Key("sequence_fps", above_zero, "number", "files, or their times, per second", "s^-1", "24"),
-    Key("sequence_start_s", checks.number, "number", "the first file's time", "seconds", "0"),
-    Key("sequence_loop", checks.boolean, "boolean", "over and over", default="false"),
+    Key("sequence_fps", _ABOVE_ZERO, "files, or their times, per second", "s^-1", "24"),
+    Key("sequence_start_s", NUMBER, "the first file's time", "seconds", "0"),
+    Key("sequence_loop", BOOLEAN, "over and over", default="false"),
     Key(
         "between",
         one_of("linear", "step"),
-        '"linear" or "step"',
         'between two files: mixed, or the earlier one ("step")',
         default='"linear"',
     ),

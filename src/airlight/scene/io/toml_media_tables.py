@@ -8,25 +8,18 @@ from typing import Any
 
 from ...errors import SceneError, nearest
 from .. import checks
-from ..keys import Key
+from ..keys import BOOLEAN, BOUNDS, COLOUR, NUMBER, PATH, REFLECTANCE, TEXT, Key, Kind
 from .toml_keys import SEQUENCE_KEYS
-from .toml_schema import COLOUR, PLACEMENT, UP, Table, mean_cosine, unit_rgb
+from .toml_schema import MEAN_COSINE, PLACEMENT, UP, Table
 
 _SCATTERING = (
-    Key("sigma_t", checks.rgb, COLOUR, "extinction coefficient", "m^-1"),
-    Key("albedo", unit_rgb, COLOUR, "sigma_s / sigma_t; only with sigma_t", default="1"),
-    Key(
-        "sigma_s",
-        checks.rgb,
-        COLOUR,
-        "scattering coefficient, instead of sigma_t and albedo",
-        "m^-1",
-    ),
-    Key("sigma_a", checks.rgb, COLOUR, "absorption coefficient, beside sigma_s", "m^-1", "0"),
+    Key("sigma_t", COLOUR, "extinction coefficient", "m^-1"),
+    Key("albedo", REFLECTANCE, "sigma_s / sigma_t; only with sigma_t", default="1"),
+    Key("sigma_s", COLOUR, "scattering coefficient, instead of sigma_t and albedo", "m^-1"),
+    Key("sigma_a", COLOUR, "absorption coefficient, beside sigma_s", "m^-1", "0"),
     Key(
         "g",
-        mean_cosine,
-        COLOUR,
+        MEAN_COSINE,
         "mean cosine of Henyey-Greenstein scattering, in (-1, 1); above 0 forwards",
         default="0",
     ),
@@ -34,7 +27,6 @@ _SCATTERING = (
 
 _EMISSION = Key(
     "emission",
-    checks.rgb,
     COLOUR,
     "light that it gives off itself, at density 1 and in proportion to it",
     "W m^-3 sr^-1",
@@ -44,24 +36,14 @@ _EMISSION = Key(
 _COEFFICIENT_GRIDS = tuple(
     Key(
         f"{name}_grid",
-        checks.text,
-        "text",
+        TEXT,
         f"which of the file's named grids {meaning}; of one channel or of three",
     )
     for name, meaning in (
-        (
-            "sigma_t",
-            "extinction is in proportion to, not the density; sigma_t is then 1",
-        ),
+        ("sigma_t", "extinction is in proportion to, not the density; sigma_t is then 1"),
         ("albedo", "`albedo` is multiplied with, voxel by voxel: `Cd`"),
-        (
-            "sigma_s",
-            "scattering is in proportion to, not the density; sigma_s is then 1",
-        ),
-        (
-            "sigma_a",
-            "absorption is in proportion to, not the density; sigma_a is then 1",
-        ),
+        ("sigma_s", "scattering is in proportion to, not the density; sigma_s is then 1"),
+        ("sigma_a", "absorption is in proportion to, not the density; sigma_a is then 1"),
         ("g", "holds the mean cosine, instead of `g`"),
     )
 )
@@ -69,26 +51,23 @@ _COEFFICIENT_GRIDS = tuple(
 _EMISSION_GRIDS = (
     Key(
         "emission_grid",
-        checks.text,
-        "text",
+        TEXT,
         "which of the file's named grids the emission is in proportion to, instead of the density: "
         "`flame`, `heat`; then `emission` is 1 by default",
     ),
     Key(
         "temperature_grid",
-        checks.text,
-        "text",
+        TEXT,
         "which of them holds temperatures: the emission is that of black bodies, times `emission`, "
         "which is then in m^-1 and 1 by default",
     ),
     Key(
         "temperature_scale",
-        checks.number,
-        "number",
+        NUMBER,
         "kelvin are (value - temperature_offset) * temperature_scale",
         default="1",
     ),
-    Key("temperature_offset", checks.number, "number", "see temperature_scale", default="0"),
+    Key("temperature_offset", NUMBER, "see temperature_scale", default="0"),
 )
 
 SHAPES = ("box", "sphere")
@@ -113,24 +92,21 @@ def _shape(value: Any, name: str) -> str:
     )
 
 
+_SHAPE = Kind('"box", "sphere" or a path', _shape)
+
 MEDIUM = Table(
     "medium",
     "A homogeneous medium. Without bounds it fills the scene's bounds, the camera included.",
     (
         *_SCATTERING,
         _EMISSION,
-        Key("bounds", checks.bounds, "two corners", "the box it fills", "m"),
+        Key("bounds", BOUNDS, "the box it fills", "m"),
         Key(
-            "endless",
-            checks.boolean,
-            "boolean",
-            "it goes on sideways and downwards without an end",
-            default="false",
+            "endless", BOOLEAN, "it goes on sideways and downwards without an end", default="false"
         ),
         Key(
             "top",
-            checks.number,
-            "number",
+            NUMBER,
             "height above which there is none; only of an endless medium, by default the "
             "scene's and a quarter more",
             "m",
@@ -147,34 +123,24 @@ VOLUME = Table(
     (
         Key(
             "file",
-            checks.text,
-            "path",
+            PATH,
             "a density grid: NumPy .npy or .npz, Mitsuba .vol, NanoVDB .nvdb, OpenVDB .vdb, VTK "
             ".vti, NetCDF .nc, .zarr",
         ),
         Key(
             "shape",
-            _shape,
-            '"box", "sphere" or a path',
+            _SHAPE,
             "instead of a file: fills its bounds with density 1; of a mesh file, which has no "
             "bounds, what its meshes enclose together",
         ),
-        Key("grid", checks.text, "text", "which of a file's named grids", default='"density"'),
+        Key("grid", TEXT, "which of a file's named grids", default='"density"'),
         Key(
             "channels",
-            checks.text,
-            "text",
+            TEXT,
             'which channel holds the density: "density" (the only one), "r", "g", "b" or "a"',
             default='"density"',
         ),
-        Key(
-            "bounds",
-            checks.bounds,
-            "two corners",
-            "the world box that the grid or shape fills",
-            "m",
-            "the file's own",
-        ),
+        Key("bounds", BOUNDS, "the world box that the grid or shape fills", "m", "the file's own"),
         *SEQUENCE_KEYS,
         replace(UP, doc=f"{UP.doc}; NetCDF and zarr files say so themselves"),
         *PLACEMENT,
@@ -184,8 +150,7 @@ VOLUME = Table(
         *_COEFFICIENT_GRIDS,
         Key(
             "detail",
-            checks.number,
-            "number",
+            NUMBER,
             "finer noise than the grid's where it is drawn; about its deviation at density 1",
             default="0",
         ),

@@ -22,7 +22,7 @@ def _rows(keys: tuple[Key, ...]) -> str:
     lines = ["| key | value | unit | default | meaning |", "|---|---|---|---|---|"]
     for key in keys:
         default = "**required**" if key.required else key.default
-        cells = (f"`{key.name}`", key.kind, key.unit, default, key.doc)
+        cells = (f"`{key.name}`", key.kind.words, key.unit, default, key.doc)
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import SceneError, nearest
 from .. import checks
-from ..keys import Key, one_of
+from ..keys import VECTOR, Key, Kind, one_of
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Table:
         return f"[[{self.name}]]" if self.repeated else f"[{self.name}]"
 
 
-def scale_vec3(value: Any, name: str) -> checks.Vec3:
+def _scale_vec3(value: Any, name: str) -> checks.Vec3:
     """One factor or three, none of them zero."""
     # A boolean is an integer in Python, and no factor.
     grey = isinstance(value, (int, float)) and not isinstance(value, bool)
@@ -44,7 +44,7 @@ def scale_vec3(value: Any, name: str) -> checks.Vec3:
     return factors
 
 
-def matrix16(value: Any, name: str) -> checks.F64:
+def _matrix16(value: Any, name: str) -> checks.F64:
     """Sixteen numbers, row major, as an invertible affine (4, 4) float64."""
 
     if not isinstance(value, list) or len(value) != 16:
@@ -60,17 +60,7 @@ def matrix16(value: Any, name: str) -> checks.F64:
     return matrix
 
 
-def unit_rgb(value: Any, name: str) -> checks.Rgb:
-    """A colour with all channels in [0, 1]."""
-    return checks.rgb(value, name, high=1.0)
-
-
-def fraction(value: Any, name: str) -> float:
-    """A number in [0, 1]."""
-    return checks.number(value, name, low=0.0, high=1.0)
-
-
-def mean_cosine(value: Any, name: str) -> checks.Rgb:
+def _mean_cosine(value: Any, name: str) -> checks.Rgb:
     """g, one number or one per channel, each in (-1, 1)."""
     from ..medium import mean_cosine as checked
 
@@ -99,7 +89,7 @@ def check_table(table: Table, raw: Any, label: str) -> dict[str, Any]:
     for key in keys:
         if key.required and key.name not in raw:
             raise SceneError(f"{label}{of_variant} has no {key.name}", remedy=_explained(key))
-    return {name: known[name].check(value, f"{label}: {name}") for name, value in raw.items()}
+    return {name: known[name].kind.check(value, f"{label}: {name}") for name, value in raw.items()}
 
 
 def _keys_for(table: Table, raw: dict[str, Any], label: str) -> tuple[tuple[Key, ...], str]:
@@ -109,14 +99,14 @@ def _keys_for(table: Table, raw: dict[str, Any], label: str) -> tuple[tuple[Key,
     # The variant's own keys are known only by the value that selects it.
     (selector,) = (key for key in table.keys if key.name == table.variant_key)
     if selector.name not in raw:
-        raise SceneError(f"{label} has no {selector.name}", remedy=f"It is {selector.kind}.")
-    variant = selector.check(raw[selector.name], f"{label}: {selector.name}")
+        raise SceneError(f"{label} has no {selector.name}", remedy=f"It is {selector.kind.words}.")
+    variant = selector.kind.check(raw[selector.name], f"{label}: {selector.name}")
     return table.keys + table.variants[variant], f" ({variant})"
 
 
 def _explained(key: Key) -> str:
     unit = f", {key.unit}" if key.unit else ""
-    return f"It is {key.doc} ({key.kind}{unit})."
+    return f"It is {key.doc} ({key.kind.words}{unit})."
 
 
 @contextmanager
@@ -130,21 +120,21 @@ def inside(label: str) -> Iterator[None]:
         raise SceneError(f"{label}: {error.problem}", remedy=error.remedy) from None
 
 
-COLOUR = "colour"
-"""The kind of value that is three numbers, or one for grey."""
+MEAN_COSINE = Kind("colour", _mean_cosine)
+SCALE = Kind("number or vector", _scale_vec3)
+MATRIX = Kind("16 numbers", _matrix16)
 
 UP = Key(
     "up",
     one_of("y", "z"),
-    '"y" or "z"',
     "which axis of the file points upwards; it is turned before anything else",
     default='"y"',
 )
 
 PLACEMENT = (
-    Key("translate", checks.vec3, "vector", "moves it", "m", "[0, 0, 0]"),
-    Key("rotate_deg", checks.vec3, "vector", "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
-    Key("scale", scale_vec3, "number or vector", "stretches it", default="1"),
-    Key("matrix", matrix16, "16 numbers", "instead of those three: 4 x 4, row major"),
+    Key("translate", VECTOR, "moves it", "m", "[0, 0, 0]"),
+    Key("rotate_deg", VECTOR, "turns it: X, Y, Z", "degrees", "[0, 0, 0]"),
+    Key("scale", SCALE, "stretches it", default="1"),
+    Key("matrix", MATRIX, "instead of those three: 4 x 4, row major"),
 )
 """Where a mesh or a volume stands."""

@@ -12,7 +12,7 @@ from ..environment import Environment
 from ..scene import Scene
 from ..sun_sky import Sky, sky_at, zone_of
 from .toml_schema import check_table, inside
-from .toml_sky_keys import SKY
+from .toml_tables import SKY
 
 _ANGLES = ("elevation_deg", "azimuth_deg")
 _PLACE = ("latitude_deg", "longitude_deg", "date", "time")

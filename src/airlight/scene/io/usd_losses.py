@@ -7,11 +7,11 @@ OpenUSD does not know, and what moves are told as well.
 
 from __future__ import annotations
 
-import difflib
-from collections import Counter
 from typing import Any
 
 import numpy as np
+
+from ...errors import Kinds, left_out
 
 _LOST = {
     **dict.fromkeys(("cornerIndices", "creaseIndices"), "edges of subdivided meshes are smooth"),
@@ -54,9 +54,7 @@ class UsdLosses:
     def __init__(self, time: Any) -> None:
         self._time = time
         self._seen: set[str] = set()
-        self._first: dict[str, str] = {}
-        self._count: Counter[str] = Counter()
-        self._moving: list[str] = []
+        self._kinds, self._moving = Kinds(), Kinds()
 
     def look(self, prim: Any, *, moves: bool) -> None:
         """Take note of a prim; of one in a prototype only once. `moves`: its place may."""
@@ -76,13 +74,12 @@ class UsdLosses:
             name = str(prop.GetName())
             is_place = moves and name.startswith("xformOp:")
             if isinstance(prop, Usd.Attribute) and prop.GetNumTimeSamples() > 1 and not is_place:
-                self._moving.append(f"'{prim.GetPath()}' {name}")
+                at = f"what moves stands as at {self._at()}: "
+                self._moving.note("", f"{at}'{prim.GetPath()}' {name}")
             if name in known:
                 self._check(prim, prop, name, read=read)
             elif name.startswith("inputs:") and "inputs:intensity" in known:
-                close = difflib.get_close_matches(name, known, n=1)
-                meant = f". Did you mean '{close[0]}'?" if close else ""
-                self._note(name, prim, f"the input '{name}' is unknown and left out{meant}")
+                self._note(name, prim, left_out("input", name, known))
 
     def look_hidden(self, prim: Any) -> None:
         """Take note of a prim that is not shown now, and may appear later; of none below it."""
@@ -97,14 +94,7 @@ class UsdLosses:
 
     def texts(self) -> list[str]:
         """The warnings: each kind once, with how many more there are."""
-        told = [
-            text + (f" (and {self._count[key] - 1:,} more)" if self._count[key] > 1 else "")
-            for key, text in self._first.items()
-        ]
-        if not self._moving:
-            return told
-        more = f" (and {len(self._moving) - 1:,} more)" if len(self._moving) > 1 else ""
-        return [f"what moves stands as at {self._at()}: {self._moving[0]}{more}", *told]
+        return [*self._moving.texts(), *self._kinds.texts()]
 
     def _at(self) -> str:
         return (
@@ -147,8 +137,7 @@ class UsdLosses:
         return _LOST.get(name, "left out" if is_of_family else "")
 
     def _note(self, key: str, prim: Any, text: str) -> None:
-        self._first.setdefault(key, f"'{prim.GetPath()}': {text}")
-        self._count[key] += 1
+        self._kinds.note(key, f"'{prim.GetPath()}': {text}")
 
 
 def _is_set(prim: Any, name: str, value: Any) -> bool:
@@ -195,9 +184,7 @@ def surface_losses(shader: Any, time: Any) -> list[str]:
         value = ends[0].Get(time) if ends else None
         # Inputs that are no part of the surface, those that are read only as usual, and those read.
         if name not in (*_INPUTS, *_USUAL_INPUTS, *_ASIDE):
-            close = difflib.get_close_matches(name, _INPUTS, n=1)
-            meant = f". Did you mean '{close[0]}'?" if close else ""
-            told.append(f"the input '{name}' is unknown and left out{meant}")
+            told.append(left_out("input", name, _INPUTS))
         elif name in _USUAL_INPUTS:
             is_connected = any(UsdShade.Output.IsOutput(a) for a in sources)
             if is_connected or (value is not None and value not in _USUAL_INPUTS[name]):

@@ -8,16 +8,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import SceneError
+from ...maths.arrays import F32, F64, I64
 from .. import shapes
-from ..checks import F64
 from ..mesh import Geometry, smooth_normals, unit_or_up
 from .normals import compact, creased_normals
 from .polygons import triangulated
-
-I64 = NDArray[np.int64]
 
 
 def prim_geometries(prim: Any, time: Any, uv_name: Any) -> Iterator[tuple[Geometry, Any]]:
@@ -270,12 +267,12 @@ def _numbers(values: Any, where: str) -> I64:
     raise SceneError(f"'{where}': its faces are no whole numbers")
 
 
-def _image_uvs(uvs: F64) -> NDArray[np.float32]:
+def _image_uvs(uvs: F64) -> F32:
     """USD's v runs upwards, airlight's downwards."""
     return np.stack([uvs[:, 0], 1.0 - uvs[:, 1]], axis=1).astype(np.float32)
 
 
-def _rgba(colors: F64) -> NDArray[np.float32]:
+def _rgba(colors: F64) -> F32:
     return np.concatenate([np.maximum(colors, 0.0), np.ones((len(colors), 1))], axis=1).astype(
         np.float32
     )

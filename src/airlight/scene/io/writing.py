@@ -14,7 +14,7 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,6 +25,7 @@ from .ledger import check_output, note_written
 _STANDARD = {"/dev/stdout": 1, "/dev/stderr": 2}
 _DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d{1,9})")
 _SPECIAL = {stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket", stat.S_IFBLK: "a disk"}
+_CACHE_REMEDY = "Set AIRLIGHT_CACHE to a folder that can be written."
 _STEM_LETTERS, _SUFFIX_LETTERS = 40, 16  # of a name that may itself be as long as names can be
 
 
@@ -154,6 +155,22 @@ def _inherit(part: Path, state: os.stat_result | None) -> None:
             os.chown(part, state.st_uid, state.st_gid)
     with suppress(OSError):
         part.chmod(stat.S_IMODE(state.st_mode))
+
+
+def keep(path: Path, what: str, write: Callable[[Path], None]) -> str:
+    """Have `write(part)` create the file at `path` in the cache, whole or not at all.
+
+    Returns an empty text, or a warning that names `what` is not cached, and why: a cache that
+    cannot be written costs its user that and the same work next time, never the result.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(path) as part:
+            write(part)
+    except (OSError, OutputError) as error:
+        said = error.problem if isinstance(error, OutputError) else error.strerror or error
+        return f"{what} is not kept for the next time: {path}: {said}. {_CACHE_REMEDY}"
+    return ""
 
 
 @contextmanager

@@ -10,9 +10,10 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from ...maths.sampling import orthonormal_frame
+from ...maths.transforms import placed_points
 from .. import checks
 from ..checks import F64, Rgb, Vec3
-from ..keys import one_of, within
+from ..keys import BOOLEAN, COLOUR, REFLECTANCE, UNIT_VECTOR, Kind, one_of, within
 from .emitters import Colour, Emitter, Point, Value
 from .light_key import DIRECTION, POSITION, Control, LightKey
 from .light_type import LightRow, LightType
@@ -33,16 +34,12 @@ def _two_lengths(value: Any, name: str) -> tuple[float, float]:
     return checks.pair(value, name, low=_LEAST_M, high=checks.MOST_M)
 
 
-def _reflectance(value: Any, name: str) -> Rgb:
-    return checks.rgb(value, name, high=1.0)
-
-
+_TWO_LENGTHS = Kind("two numbers", _two_lengths)
 _KEYS = (
     POSITION,
     LightKey(
         "radiance",
-        checks.rgb,
-        "colour",
+        COLOUR,
         "radiance",
         "W m^-2 sr^-1",
         required=True,
@@ -53,7 +50,6 @@ _KEYS = (
     LightKey(
         "shape",
         one_of(*AREA_SHAPES),
-        '"rectangle", "disk" or "sphere"',
         "what gives the light; `position` is its middle",
         default='"rectangle"',
         control=Control("choice", "shape", AREA_SHAPES),
@@ -66,8 +62,7 @@ _KEYS = (
     ),
     LightKey(
         "up",
-        checks.unit_vec3,
-        "vector",
+        UNIT_VECTOR,
         "the direction of a rectangle's height, as far as it lies in its plane",
         default="[0, 0, -1]",
         stands_for="direction",
@@ -76,8 +71,7 @@ _KEYS = (
     ),
     LightKey(
         "size",
-        _two_lengths,
-        "two numbers",
+        _TWO_LENGTHS,
         "a rectangle's width and height",
         "m",
         "[1, 1]",
@@ -87,7 +81,6 @@ _KEYS = (
     LightKey(
         "radius",
         within(_LEAST_M, checks.MOST_M),
-        "number",
         "of a disk or a sphere",
         "m",
         "0.5",
@@ -96,24 +89,21 @@ _KEYS = (
     ),
     LightKey(
         "reflectance",
-        _reflectance,
-        "colour",
+        REFLECTANCE,
         "of its surface, which is matte, where it is seen",
         default="0",
         control=Control("colour", "reflectance"),
     ),
     LightKey(
         "two_sided",
-        checks.boolean,
-        "boolean",
+        BOOLEAN,
         "the back gives light, too",
         default="false",
         control=Control("flag", "both sides give light"),
     ),
     LightKey(
         "visible",
-        checks.boolean,
-        "boolean",
+        BOOLEAN,
         "false: it is not seen, and casts no shadow",
         default="true",
         control=Control("flag", "it is seen"),
@@ -187,7 +177,7 @@ class AreaLight(LightType):
             facing = replace(self, shape="disk", direction=(x, y, z))
         # The unit shape's corners, placed.
         placed = world_from_unit(facing)
-        corners: F64 = 0.5 * unit @ placed[:3, :3].T + placed[:3, 3]
+        corners: F64 = placed_points(0.5 * unit, placed)
         return corners
 
     def moved(self, matrix: F64) -> Self:

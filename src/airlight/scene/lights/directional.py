@@ -6,16 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from .. import checks
 from ..checks import Rgb, Vec3
+from ..keys import COLOUR
 from .emitters import Colour, Emitter, Vector
 from .light_key import DIRECTION, Control, LightKey
 from .light_type import LightRow, LightType, Punctual
 
 _IRRADIANCE = LightKey(
     "irradiance",
-    checks.rgb,
-    "colour",
+    COLOUR,
     "irradiance on a surface that faces it",
     "W m^-2",
     required=True,

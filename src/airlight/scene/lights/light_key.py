@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from .. import checks
-from ..keys import Key, within
+from ..keys import COLOUR, VECTOR, Key, Kind, within
 
 Widget = Literal[
     "point", "choice", "sky", "line", "angle", "length", "lengths", "strength", "colour", "flag"
@@ -38,12 +38,11 @@ class LightKey(Key):
     control: Control | None = None
 
 
-UNIT_VECTOR = "unit vector (normalised for you)"
+_TRAVEL = Kind("unit vector (normalised for you)", checks.unit_vec3)
 
 POSITION = LightKey(
     "position",
-    checks.vec3,
-    "vector",
+    VECTOR,
     "where it is",
     "m",
     required=True,
@@ -53,8 +52,7 @@ POSITION = LightKey(
 )
 DIRECTION = LightKey(
     "direction",
-    checks.unit_vec3,
-    UNIT_VECTOR,
+    _TRAVEL,
     "of travel: away from the light",
     required=True,
     stands_for="direction",
@@ -62,8 +60,7 @@ DIRECTION = LightKey(
 )
 INTENSITY = LightKey(
     "intensity",
-    checks.rgb,
-    "colour",
+    COLOUR,
     "intensity (of a spot: on its axis)",
     "W sr^-1",
     required=True,
@@ -74,7 +71,6 @@ INTENSITY = LightKey(
 RADIUS = LightKey(
     "radius",
     within(0.0, checks.MOST_M),
-    "number",
     "of the sphere it comes from: soft shadows",
     "m",
     "0",

@@ -86,7 +86,7 @@ class LightType:
     def __post_init__(self) -> None:
         # The check of each field is the one that scene files have.
         for key in self.keys:
-            checked = key.check(getattr(self, key.name), f"light {key.name}")
+            checked = key.kind.check(getattr(self, key.name), f"light {key.name}")
             object.__setattr__(self, key.name, checked)
 
     @property

@@ -19,12 +19,11 @@ from .light_type import NO_RADIUS_IN_GLTF, LightRow, LightType, Punctual
 SPOT_PX = 1024
 _NARROWEST = 1e-4  # cosines that the fade spans at least, as in light_kinds.wgsl
 _INNER = LightKey(
-    "inner_deg", within(0.0, 89.0), "number", "half angle lit in full", "degrees", "20", moves=True
+    "inner_deg", within(0.0, 89.0), "half angle lit in full", "degrees", "20", moves=True
 )
 _OUTER = LightKey(
     "outer_deg",
     within(0.1, 89.0),
-    "number",
     "half angle of the cone",
     "degrees",
     "30",

@@ -6,8 +6,8 @@ import errno
 
 import pytest
 
-from airlight.app import cache
 from airlight.errors import OutputError
+from airlight.scene.io.writing import keep
 
 REMEDY = "Set AIRLIGHT_CACHE to a folder that can be written."
 
@@ -18,21 +18,21 @@ def written(part):
 
 def test_what_is_kept_is_there_whole(tmp_path):
     path = tmp_path / "new" / "cache" / "a.bin"
-    assert cache.keep(path, "it", written) == ""
+    assert keep(path, "it", written) == ""
     assert path.read_bytes() == b"costly"
 
 
 def test_a_file_is_no_cache_folder(tmp_path):
     (tmp_path / "file").write_bytes(b"mine")
     path = tmp_path / "file" / "references" / "a.bin"
-    assert cache.keep(path, "the reference", written) == (
+    assert keep(path, "the reference", written) == (
         f"the reference is not kept for the next time: {path}: Not a directory. {REMEDY}"
     )
     assert (tmp_path / "file").read_bytes() == b"mine"
 
 
 def test_a_name_too_long_is_no_cache_folder(tmp_path):
-    assert "File name too long" in cache.keep(tmp_path / ("x" * 300) / "a", "it", written)
+    assert "File name too long" in keep(tmp_path / ("x" * 300) / "a", "it", written)
 
 
 @pytest.mark.parametrize(
@@ -40,13 +40,13 @@ def test_a_name_too_long_is_no_cache_folder(tmp_path):
 )
 def test_a_full_disk_leaves_what_was_kept_before(tmp_path, error):
     path = tmp_path / "a.bin"
-    assert cache.keep(path, "it", written) == ""
+    assert keep(path, "it", written) == ""
 
     def full(part):
         part.write_bytes(b"half")
         raise error
 
-    said = cache.keep(path, "it", full)
+    said = keep(path, "it", full)
     assert said.startswith(f"it is not kept for the next time: {path}: ") and said.endswith(REMEDY)
     assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"costly"]
 
@@ -56,4 +56,4 @@ def test_an_unwritable_folder_is_said(tmp_path, monkeypatch):
         raise PermissionError(errno.EACCES, "Permission denied")
 
     monkeypatch.setattr("pathlib.Path.mkdir", denied)
-    assert "Permission denied" in cache.keep(tmp_path / "cache" / "a.bin", "it", written)
+    assert "Permission denied" in keep(tmp_path / "cache" / "a.bin", "it", written)

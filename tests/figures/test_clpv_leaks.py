@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from airlight.figures.leaks import dark_places, leak_image, leaked, leaked_share
+from airlight.figures.clpv_leaks import dark_places, leak_image, leaked, leaked_share
 
 
 @pytest.fixture

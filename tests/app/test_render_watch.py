@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from airlight.app import watching
+from airlight.app import render
 from airlight.app.cli import run
 from airlight.errors import SceneError
 from airlight.scene.io.ledger import note_read
@@ -40,12 +40,10 @@ def test_each_save_is_one_more_piece_of_work(tmp_path, monkeypatch, capsys):
         if len(done) == 4:
             raise Stop
 
-    monkeypatch.setattr(watching.time, "sleep", later)
-    monkeypatch.setattr(
-        watching, "Watch", lambda path: _watch(path, lambda: clock[0]), raising=True
-    )
+    monkeypatch.setattr(render.time, "sleep", later)
+    monkeypatch.setattr(render, "Watch", lambda path: _watch(path, lambda: clock[0]), raising=True)
     with pytest.raises(Stop):
-        watching.watched(str(file), work)
+        render.watched(str(file), work)
     assert done == ["one", "saved at 2.0", "saved at 5.0", "saved at 5.0"]
     said = capsys.readouterr().err
     assert "error: " in said and "is broken" in said

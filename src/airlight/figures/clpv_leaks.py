@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..app.compare.images import U8, shown
+from ..app.compare.images import shown
+from ..maths.arrays import U8
 from ..maths.colour import luminance, srgb_encode
 from ..reference.metrics_display import displayed
 from ..scene.builtin import cornell, room
