@@ -52,6 +52,8 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
 _NO_RADIUS = ("radius", 0.0)
 _MOST_EMITTERS = 20
 """As many as techniques tell apart by default."""
+_MOST_LISTED = 50
+"""Numbers that a line lists; --json has all of them."""
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
@@ -132,10 +134,12 @@ def grid_facts(scene: Scene) -> dict[str, Any]:
 def _file_facts(path: Path, scene: Scene) -> dict[str, Any]:
     """How many files a folder or pattern names, which one is shown, and the grids that it has."""
     from ..scene.io.grid_series import series_of
+    from ..scene.io.grid_times import time_axes_of
 
     files, shown = series_of(path), Path(scene.volumes[0].source)
     counted = {"files": len(files), "shown": shown.name} if files else {}
-    return {**counted, **_named_grids(shown)}
+    axes = time_axes_of(files or (shown,))
+    return {**counted, **_named_grids(shown), **({"time_axes": axes} if axes else {})}
 
 
 def _named_grids(path: Path) -> dict[str, Any]:
@@ -246,7 +250,10 @@ def _inline(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         if not value:
             return "none"
-        return "(" + ", ".join(_inline(entry) for entry in value) + ")"
+        told = [_inline(entry) for entry in value]
+        if len(told) > _MOST_LISTED:
+            told = [*told[:_MOST_LISTED], f"... {len(told):,} in all ...", told[-1]]
+        return "(" + ", ".join(told) + ")"
     if isinstance(value, float):
         return f"{value:.6g}"
     return "none" if value is None else one_line(str(value))

@@ -25,12 +25,12 @@ polygons, normals   faces of many corners cut into triangles; normals of what ha
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
                  texture_bake draws one again where gltf_frames brings coordinates together
-volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree, vti
-                 and netcdf, netcdf_* (_coordinates and _axes: where cells are, and which way they
-                 go, gridded: in metres, cloud_water: their units) -> dense_grid; upright: which way
-                 is up; coefficient_files, emission_files: the grids beside a density; grid_series:
-                 those of a folder; grid_times: those of a sequence; volume_scene: grids as a scene,
-                 volume_times: that follow each other
+volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree,
+                 vti with vti_values, and netcdf, netcdf_* (_coordinates and _axes: where cells are,
+                 and which way they go, gridded: in metres, cloud_water: their units) -> dense_grid;
+                 upright: which way is up; coefficient_files, emission_files: the grids beside a
+                 density; grid_series: those of a folder; grid_times: those of a sequence;
+                 volume_scene: grids as a scene, volume_times: that follow each other
 model_options    what may be asked for beside each kind of file
 defaults         a camera where there is none: framing, viewpoint, by the scene's outline, or the
                  dense_part of air; where there is no light a studio, in rooms daylight; ground
@@ -64,9 +64,10 @@ _BUILTIN = "For a scene that ships with airlight, write builtin:NAME."
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
 _AS_GRIDS = {
     **dict.fromkeys(
-        (".vtk", ".vtu", ".vtr", ".vts", ".pvti", ".pvd"),
+        (".vtk", ".vtu", ".vtr", ".vts", ".pvti"),
         "Save it as .vti: ParaView's filter Resample To Image makes a grid of it.",
     ),
+    ".pvd": "Name the folder of the .vti files that it lists: those say when they are.",
     **dict.fromkeys((".grib", ".grib2", ".grb", ".grb2"), "Write it as .nc, by xarray and cfgrib."),
     **dict.fromkeys((".h5", ".hdf5", ".hdf"), "Write it as .nc, by xarray's to_netcdf."),
     **dict.fromkeys(
