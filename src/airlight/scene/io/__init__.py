@@ -97,10 +97,10 @@ def load(
     Of a mesh file or a density grid, `up` is the axis that points upwards (None: y, unless the file
     says it) and `scale` how many metres its unit is; of a glTF file `variant` names one of its
     material variants. `grid` and `channels` choose among several grids of a file, and of grids that
-    follow each other `sequence_fps` are shown in a second (None: 24, of NetCDF and zarr 12), as
-    keys of a [[volume]] have it. Scene files say so themselves. Coefficients of a grid are per
-    metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
-    $names in a Mitsuba file; they win over its defaults.
+    follow each other `sequence_fps` are shown in a second (None: 24; 12 of NetCDF, zarr and .vti
+    that say when they are), as keys of a [[volume]] have it. Scene files say so themselves.
+    Coefficients of a grid are per metre of the world, whatever the scale. `parameters` are values,
+    as text or numbers, of the $names in a Mitsuba file; they win over its defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
     True: a mesh file or a grid that shows no room, has no floor and gets its light here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.
