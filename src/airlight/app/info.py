@@ -176,8 +176,13 @@ def _textures(material: Material) -> list[Texture]:
 
 
 def _light_facts(light: Light) -> dict[str, Any]:
-    # A radius of 0 is none.
-    known = {name: value for name, value in vars(light).items() if (name, value) != _NO_RADIUS}
+    # A radius of 0 is none, and what its shape has no use for is left out.
+    idle = {key.name for key in light.keys if key.control} - {k.name for k, _ in light.controls()}
+    known = {
+        name: value
+        for name, value in vars(light).items()
+        if (name, value) != _NO_RADIUS and name not in idle
+    }
     return {"type": type(light).__name__.removesuffix("Light").lower(), **known}
 
 
