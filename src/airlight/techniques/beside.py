@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any
 
 from ..area.lighting import AreaShadows
-from ..fields import Frame
 from ..gather.settings import GatherSettings
 from ..gpu.commands import Commands
 from ..gpu.device import Gpu
@@ -48,15 +47,18 @@ class Beside(Technique):
     def solve(
         self, commands: Commands, scene: Scene, *, is_still: bool = False, lags: bool = False
     ) -> None:
-        """Take the solution of the first one, which is of this scene."""
-        kit, first = self.kit, self._first
-        assert first.fields is not None, "the first one solves first"
-        scene = kit.lit(scene)
-        kit.box = first.kit.box
-        kit.rays.take(scene, *kit.box)
+        """Take what the first one has solved: its frame, of this scene, and its fields.
+
+        Nothing that both have is written, as the first one may be solving another scene by now;
+        then nobody wants what this draws.
+        """
+        kit, frame, fields = self.kit, self._first.frame, self._first.fields
+        assert frame is not None and fields is not None, "the first one solves first"
+        kit.box = frame.bounds
+        kit.rays.take(frame.scene, *kit.box)
         # Solvers of views are told what scene it is; none of them adds a field.
         for solver in self.solvers:
-            solver.solve(commands, Frame(scene, *kit.box, is_still=is_still), first.fields)
+            solver.solve(commands, replace(frame, is_still=is_still), fields)
 
     def draw(self, commands: Commands, view: View) -> None:
         """Draw the view's surfaces."""

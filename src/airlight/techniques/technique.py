@@ -63,6 +63,7 @@ class Technique:
             self.translucent = Translucent(kit.gpu, kit.context.size, most)
         self._seen: dict[str, Texture] | None = None  # through translucent surfaces
         self.fields: Fields | None = None
+        self.frame: Frame | None = None  # that was solved last
         self._added: dict[int, dict[str, Any]] = {}  # by each solver, in the last frame it solved
 
     def solve(
@@ -87,7 +88,7 @@ class Technique:
                 continue
             before, fields = fields, solver.solve(commands, frame, fields)
             self._added[index] = _changes(before, fields)
-        self.fields = fields
+        self.fields, self.frame = fields, frame
 
     def draw(self, commands: Commands, view: View) -> None:
         """Draw the view's surfaces, then the media in front of them."""

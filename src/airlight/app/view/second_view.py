@@ -10,6 +10,8 @@ from ...gpu.commands import Commands
 from ...lighting.view import View
 from ...rendering import Renderer
 from ...sampled_view import SampledView
+from ...scene.nearby import Nearby
+from ...scene.scene import Scene
 from ...techniques.beside import OF_VIEWS, Beside
 
 
@@ -35,9 +37,13 @@ class SecondView(Renderer):
         made.callback(first._lend())
         self.commands = Commands(gpu)
         self.meshes, self.made_for = first.meshes, first.made_for
-        # Scenes are the same objects for both: what one has moved the other need not.
-        self._shown, self._nearby = first._shown, first._nearby
+        self._nearby = Nearby(first.origin)
         self.technique = Beside(first.technique, gpu, self.size, self._changes)
         made.callback(self.technique.release)
         self.view = View(gpu, self.size)
         self._sampled = SampledView(self.view, self.technique, self.commands, self._nearby)
+
+    def show(self, scene: Scene) -> Scene:
+        """Make `scene` the one that is shown, as `first` shows it: meshes have moved for both."""
+        self.scene = scene
+        return scene
