@@ -208,6 +208,10 @@ def timed(path, time: float | None, *, form: str = "ascii", more: float = 0.0) -
     elif form == "appended":
         appended = b'<AppendedData encoding="raw">_' + packed(stored, "") + b"</AppendedData>"
         said, offset = "", 'offset="0"'
+    elif form == "base64":
+        text = in_base64(packed(stored, ""), "") + in_base64(packed(VALUES.tobytes(), ""), "")
+        appended = b'<AppendedData encoding="base64">_' + text + b"</AppendedData>"
+        said, form, offset = "", "appended", 'offset="0"'
     field = (
         f'<DataArray type="Float64" Name="TimeValue" format="{form}" {offset}>{said}</DataArray>'
     )
@@ -217,13 +221,24 @@ def timed(path, time: float | None, *, form: str = "ascii", more: float = 0.0) -
     path.write_bytes(raw.replace(b"<Piece", held + b"<Piece", 1))
 
 
-@pytest.mark.parametrize("form", ["ascii", "binary", "appended"])
+@pytest.mark.parametrize("form", ["ascii", "binary", "appended", "base64"])
 def test_the_time_of_a_file_is_read_however_it_is_stored(tmp_path, form):
     timed(tmp_path / "a.vti", 0.25, form=form)
     assert vti_time(tmp_path / "a.vti") == 0.25
     timed(tmp_path / "a.vti", None)
     assert vti_time(tmp_path / "a.vti") is None
     assert read_volume(tmp_path / "a.vti").density.max() == 23.0
+
+
+def test_the_time_of_a_large_file_is_read_from_its_head(tmp_path):
+    timed(tmp_path / "a.vti", 0.25)
+    raw = (tmp_path / "a.vti").read_bytes()
+    begin = raw.index(b"<PointData")
+    (tmp_path / "a.vti").write_bytes(raw[:begin] + b" " * (1 << 21) + raw[begin:])
+    assert vti_time(tmp_path / "a.vti") == 0.25
+    # Nothing behind is looked at: a file that is cut off says its time.
+    (tmp_path / "a.vti").write_bytes(raw[:begin])
+    assert vti_time(tmp_path / "a.vti") == 0.25
 
 
 def test_files_that_say_when_they_are_follow_each_other_by_that(tmp_path):

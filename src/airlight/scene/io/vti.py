@@ -13,7 +13,7 @@ import re
 import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from xml.etree import ElementTree
 
 import numpy as np
@@ -27,6 +27,8 @@ from .vti_values import TYPES, VtiFile, values_of
 
 _APPENDED = re.compile(rb"<AppendedData\b([^>]*)>")
 _LONGEST_HEAD = 1 << 20  # bytes of XML before appended data
+_FIELD_END = b"</FieldData>"
+_ONE_VALUE = 4096  # bytes: more than one number takes, packed or not; whole groups of base64
 _LIKELY = ("density", "Density", "smoke", "rho")
 
 
@@ -74,24 +76,40 @@ def vti_names(path: Path) -> list[str]:
 def vti_time(path: Path) -> float | None:
     """When a file says it is of: its TimeValue, in whatever unit it has; None where it says none.
 
-    Raises SceneError for what is no .vti that is read.
+    Of a file of any size no more than its head is read. Raises SceneError for what is no .vti.
     """
     try:
         with opened(path) as stream:
             raw = stream.read(_LONGEST_HEAD)
-            # A small value lies in the head, or close behind it.
-            if not _APPENDED.search(raw):
-                raw += stream.read()
-            file = _parsed(raw)
+            end = raw.find(_FIELD_END)
+            if end < 0:
+                return None
+            # What stands before the pieces, as a file of its own.
+            file = _parsed(raw[: end + len(_FIELD_END)] + b"</ImageData></VTKFile>")
             element = file.image.find("FieldData/DataArray[@Name='TimeValue']")
             if element is None:
                 return None
             if element.get("format") == "appended":
-                file = _parsed(raw + stream.read())
+                file = replace(file, **_appended(stream, raw, int(element.get("offset", "0"))))
+                element.set("offset", "0")
             found = float(values_of(file, element, 1)[0])
     except (ElementTree.ParseError, KeyError, ValueError, zlib.error, lzma.LZMAError):
         return None
     return found if math.isfinite(found) else None
+
+
+def _appended(stream: BinaryIO, raw: bytes, offset: int) -> dict[str, Any]:
+    """The first of the appended data from `offset` on, and whether they are raw; `raw`: the head.
+
+    Raises ValueError where the head has not ended yet.
+    """
+    found = _APPENDED.search(raw)
+    begin = -1 if found is None else raw.find(b"_", found.end())
+    if found is None or begin < 0:
+        raise ValueError("its head is too long")
+    stream.seek(begin + 1 + offset)
+    is_raw, data = b"raw" in found[1], stream.read(_ONE_VALUE)
+    return {"appended": data if is_raw else data.partition(b"<")[0], "is_raw": is_raw}
 
 
 class _Builder(ElementTree.TreeBuilder):
