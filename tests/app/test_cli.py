@@ -203,3 +203,16 @@ def test_a_sky_that_does_not_fit_names_its_file_and_size(tmp_path):
     assert "sky.png: its image of 12000 x 12000 pixels does not fit into memory" in said
     said, code = _render_within(6_000_000_000, scene, tmp_path)
     assert code == 0, said
+
+
+def test_parameters_of_mitsubas_files_are_told_from_settings(tmp_path, capsys):
+    """Mitsuba's -D sets $names of a file; here --param does."""
+    path = tmp_path / "a.xml"
+    path.write_text('<scene version="3.0.0"><default name="spp" value="$spp"/></scene>')
+    for name, has_hint in (("spp", True), ("nonsense", False)):
+        words = ["render", str(path), "-o", str(tmp_path / "a.png"), "-t", "lpv", "-D"]
+        assert cli.run([*words, f"{name}=16"]) == 2
+        error = capsys.readouterr().err
+        assert f"unknown setting '{name}'" in error
+        hint = f"$spp is a parameter of {path}: --param spp=VALUE sets it."
+        assert (hint in error) is has_hint

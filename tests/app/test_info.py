@@ -133,3 +133,15 @@ def test_the_sun_of_an_environment_map_is_told():
     (sun,) = told["sun_in_environment"]
     assert sun["type"] == "directional"
     assert scene_facts(Scene(environment=Environment()))["sun_in_environment"] == []
+
+
+def test_area_lights_are_told_with_what_their_shape_has(tmp_path, capsys):
+    text = '[[mesh]]\nshape = "box"\n'
+    for shape, more in (("rectangle", "size = [1, 2]"), ("sphere", "radius = 2")):
+        text += f'[[light]]\ntype = "area"\nshape = "{shape}"\n{more}\nposition = [0, 3, 0]\n'
+        text += "radiance = 3\n"
+    (tmp_path / "a.toml").write_text(text)
+    assert cli.run(["info", str(tmp_path / "a.toml"), "--json"]) == 0
+    rectangle, sphere = json.loads(capsys.readouterr().out)["lights"]
+    assert rectangle["size"] == [1.0, 2.0] and "radius" not in rectangle
+    assert sphere["radius"] == 2.0 and not {"size", "up"} & set(sphere)

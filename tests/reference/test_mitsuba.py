@@ -26,6 +26,7 @@ from airlight.scene import (
     Texture,
     Volume,
 )
+from airlight.scene.io import load
 from airlight.scene.shapes import box
 
 pytestmark = pytest.mark.needs("mitsuba")
@@ -483,3 +484,31 @@ def test_layers_of_media_without_llvm_are_refused() -> None:
     clear = air_scene(sigma_t=0.0)
     direct = mitsuba.render_layers(clear, ("direct",), size=(4, 4), spp=4, variant="scalar_rgb")
     assert direct["direct"].radiance.shape == (4, 4, 3)
+
+
+WALLS = ('<translate z="-1"/>', '<rotate y="1" angle="90"/><translate x="-1"/>')
+WALLS += ('<rotate y="1" angle="-90"/><translate x="1"/>',)
+ROOM = f"""<scene version="3.0.0">
+<sensor type="perspective"><float name="fov" value="39.3"/>
+<transform name="to_world"><lookat origin="0, 0, 3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
+</sensor>
+{
+    "".join(
+        f'<shape type="rectangle"><transform name="to_world">{at}</transform>'
+        '<bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>'
+        for at in WALLS
+    )
+}
+<shape type="rectangle"><transform name="to_world"><scale x="0.25" y="0.2"/>
+<rotate x="1" angle="90"/><translate y="0.99"/></transform>
+<emitter type="area"><rgb name="radiance" value="18, 14, 7"/></emitter></shape>
+</scene>"""
+
+
+def test_a_light_seen_along_its_own_plane_has_finite_layers(tmp_path: Path) -> None:
+    """Of walls beside a light the densities of directions towards it have no bound."""
+    (tmp_path / "a.xml").write_text(ROOM)
+    scene = load(tmp_path / "a.xml")
+    images = mitsuba.render_layers(scene, ("all", "direct"), size=(128, 128), spp=64, seed=2)
+    for image in images.values():
+        assert np.isfinite(image.radiance).all() and image.stats["approximations"] == []

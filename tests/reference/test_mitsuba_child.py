@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from airlight.errors import ReferenceFailure
 from airlight.reference import mitsuba, mitsuba_child
 from airlight.reference.mitsuba_child import LlvmFailure, run_job
-from airlight.reference.mitsuba_process import Job, read_job
+from airlight.reference.mitsuba_process import Job, _Batches, read_job
 from airlight.scene import Environment, Scene
 
 pytestmark = pytest.mark.needs("mitsuba")
@@ -90,3 +91,20 @@ def test_a_broken_llvm_falls_back_to_the_scalar_variant(monkeypatch: pytest.Monk
     assert tried == ["llvm_ad_rgb", "scalar_rgb"]
     assert image.stats["variant"] == "scalar_rgb"
     assert image.radiance.mean() == pytest.approx(1.0)
+
+
+def test_samples_that_are_no_numbers_cost_their_batch(tmp_path: Path) -> None:
+    """The mean is that of a pixel's other batches; what has none stays none."""
+    sums = _Batches(job(tmp_path, ""))
+    images = np.random.default_rng(1).random((4, 4, 4, 3), np.float32)
+    images[2, 0, 1] = np.nan
+    images[:, 3, 3, 0] = np.inf
+    for image in images:
+        sums._add({"all": image, "direct": image})
+    found = sums.results()
+    others = images[[0, 1, 3], 0, 1].astype(np.float64)
+    np.testing.assert_allclose(found["all"][0, 1], others.mean(axis=0), rtol=1e-6)
+    spread = others.var(axis=0, ddof=1) / 3.0
+    np.testing.assert_allclose(found["direct.variance"][0, 1], spread, rtol=1e-5)
+    np.testing.assert_allclose(found["all"][1], images[:, 1].mean(axis=0), rtol=1e-5)
+    assert np.isnan(found["all"][3, 3]).all() and sums.left_out == 1

@@ -9,17 +9,19 @@ from __future__ import annotations
 import contextlib
 import importlib
 import importlib.util
+import re
 import shlex
 import sys
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, NoReturn, cast
 
 import click
 
 from .. import __version__, env, interrupts
-from ..errors import AirlightError, SettingsWarning, memory_wanted, nearest, one_line
+from ..errors import AirlightError, SettingsError, SettingsWarning, memory_wanted, nearest, one_line
 from .streams import ClosedPipe, guarded, let_go, say
 
 COMMANDS: tuple[str, ...] = (
@@ -105,6 +107,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         if error.__cause__ is not None and env.is_on("AIRLIGHT_DEBUG"):
             traceback.print_exception(error)
         say(f"error: {error}")
+        _hint_at_parameters(sys.argv[1:] if arguments is None else arguments, error)
         return 2
     except click.ClickException as error:
         with contextlib.suppress(OSError):
@@ -148,6 +151,20 @@ def _hint_at_quotes(error: click.ClickException) -> None:
     """Where a shell has made many files of a pattern, say how to keep it from that."""
     if error.message.startswith("Got unexpected extra argument"):
         say("A pattern of files stands in quotes: 'smoke_*.vdb'.")
+
+
+def _hint_at_parameters(arguments: Sequence[str], error: AirlightError) -> None:
+    """Where -D names a parameter of a Mitsuba file, as Mitsuba's does, say which option does."""
+    found = re.search(r"setting '(\w+)'", error.problem)
+    files = [text for text in arguments if text.lower().endswith(".xml")]
+    if not (found and files and isinstance(error, SettingsError)):
+        return
+    name = found[1]
+    with contextlib.suppress(OSError, AirlightError):
+        from ..scene.io.files import read_bytes
+
+        if f"${name}".encode() in read_bytes(Path(files[0])):
+            say(f"${name} is a parameter of {files[0]}: --param {name}=VALUE sets it.")
 
 
 def _report(error: Exception) -> int:

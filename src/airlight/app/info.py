@@ -52,6 +52,8 @@ def command(file: str, as_json: bool, model: dict[str, Any]) -> None:
 _NO_RADIUS = ("radius", 0.0)
 _MOST_EMITTERS = 20
 """As many as techniques tell apart by default."""
+_MOST_LISTED = 50
+"""Numbers that a line lists; --json has all of them."""
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
@@ -134,10 +136,12 @@ def grid_facts(scene: Scene) -> dict[str, Any]:
 def _file_facts(path: Path, scene: Scene) -> dict[str, Any]:
     """How many files a folder or pattern names, which one is shown, and the grids that it has."""
     from ..scene.io.grid_series import series_of
+    from ..scene.io.grid_times import time_axes_of
 
     files, shown = series_of(path), Path(scene.volumes[0].source)
     counted = {"files": len(files), "shown": shown.name} if files else {}
-    return {**counted, **_named_grids(shown)}
+    axes = time_axes_of(files or (shown,))
+    return {**counted, **_named_grids(shown), **({"time_axes": axes} if axes else {})}
 
 
 def _named_grids(path: Path) -> dict[str, Any]:
@@ -164,8 +168,13 @@ def image_facts(path: Path) -> dict[str, Any]:
 
 
 def _light_facts(light: Light) -> dict[str, Any]:
-    # A radius of 0 is none.
-    known = {name: value for name, value in vars(light).items() if (name, value) != _NO_RADIUS}
+    # A radius of 0 is none, and what its shape has no use for is left out.
+    idle = {key.name for key in light.keys if key.control} - {k.name for k, _ in light.controls()}
+    known = {
+        name: value
+        for name, value in vars(light).items()
+        if (name, value) != _NO_RADIUS and name not in idle
+    }
     return {"type": type(light).__name__.removesuffix("Light").lower(), **known}
 
 
@@ -238,7 +247,10 @@ def _inline(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         if not value:
             return "none"
-        return "(" + ", ".join(_inline(entry) for entry in value) + ")"
+        told = [_inline(entry) for entry in value]
+        if len(told) > _MOST_LISTED:
+            told = [*told[:_MOST_LISTED], f"... {len(told):,} in all ...", told[-1]]
+        return "(" + ", ".join(told) + ")"
     if isinstance(value, float):
         return f"{value:.6g}"
     return "none" if value is None else one_line(str(value))

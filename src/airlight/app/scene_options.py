@@ -87,7 +87,7 @@ def _file_options() -> Iterator[Decorator]:
         type=Number(1e-3, 1e4),
         metavar="N",
         help="Of grids that follow each other, files or a file's times: how many are shown in a "
-        "second.  [default: 24; of NetCDF and zarr 12]",
+        "second.  [default: 24; of NetCDF, zarr and .vti that say when they are 12]",
     )
     yield _grouped(
         "model",

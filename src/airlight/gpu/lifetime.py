@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from types import TracebackType
 from typing import Self
@@ -39,6 +39,26 @@ class OneThread:
         self._held.release()
 
 
+class Made:
+    """What was made, until its owner and all to whom it was lent have given it back; any thread."""
+
+    def __init__(self, made: ExitStack) -> None:
+        self._made, self._users, self._lock = made, 1, threading.Lock()
+
+    def lend(self) -> None:
+        """One user more."""
+        with self._lock:
+            self._users += 1
+
+    def give_back(self) -> None:
+        """One user less; the last one releases it."""
+        with self._lock:
+            self._users -= 1
+            is_last = self._users == 0
+        if is_last:
+            self._made.close()
+
+
 class DeviceLifetime(ABC):
     """What holds a device and all that is made on it; a context that closes it at its end.
 
@@ -52,7 +72,7 @@ class DeviceLifetime(ABC):
         """`what` it is, for messages: "this Renderer"."""
         self._what, self._one_thread = what, OneThread(what)
         self._is_closed, self._is_torn = False, True
-        self._made = ExitStack()
+        self._made = Made(ExitStack())
 
     @abstractmethod
     def _open(self) -> Gpu:
@@ -69,12 +89,20 @@ class DeviceLifetime(ABC):
         with gpu.guarded(), ExitStack() as made:
             made.callback(gpu.release)
             self._create(made)
-            self._made = made.pop_all()
+            self._made = Made(made.pop_all())
         self._is_torn = False
 
     def _remake(self) -> None:
-        self._made.close()
+        before, self._made = self._made, Made(ExitStack())
+        before.give_back()
         self._make()
+
+    def _lend(self) -> Callable[[], None]:
+        """What is made on the device stays until the returned function is called, too."""
+        self._check_open()
+        made = self._made
+        made.lend()
+        return made.give_back
 
     @contextmanager
     def used(self) -> Iterator[None]:
@@ -105,7 +133,7 @@ class DeviceLifetime(ABC):
             return
         with self._one_thread:
             self._is_closed = True
-            self._made.close()
+            self._made.give_back()
 
     def __enter__(self) -> Self:
         return self

@@ -220,6 +220,8 @@ def _render_once(scene: Scene, request: _Request, progress: Progress | None) -> 
         arrays[layer] = np.full(shape, float(layer == "transmittance"), np.float32)
         arrays[f"{layer}.variance"] = np.zeros(shape, np.float32)
     notes = tuple(note for note in exported.notes if note != VISIBLE_ENVIRONMENT)
+    if count := int(arrays["left_out"]):
+        notes = (*notes, f"samples that are no numbers are left out, with their batch: {count} px")
     return _Part(arrays, job.variant, job.integrator, notes)
 
 

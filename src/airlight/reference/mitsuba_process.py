@@ -86,6 +86,7 @@ def main(job_file: str) -> None:
     result = Path(job.result)
     partial = result.with_suffix(".part.npz")
     arrays: dict[str, Any] = {"spp": sums.spp, "seconds": time.perf_counter() - start}
+    arrays["left_out"] = sums.left_out
     arrays.update(sums.results())
     np.savez(partial, **arrays)
     partial.replace(result)
@@ -124,32 +125,48 @@ class _Batches:
         self.count = max(4, round(job.spp / batch_spp))
         self.batch_spp = max(1, round(job.spp / self.count))
         self.spp = self.count * self.batch_spp
+        # Batches of each pixel (H, W, 1), without those in which a sample was no number.
+        self._taken: NDArray[np.float64] = np.zeros((job.height, job.width, 1))
         self._mean: dict[str, NDArray[np.float64]] = {}
         self._m2: dict[str, NDArray[np.float64]] = {}
+
+    @property
+    def left_out(self) -> int:
+        """How many pixels lack a batch, and have others."""
+        return int(((self._taken > 0) & (self._taken < self.count)).sum())
 
     def run(self) -> None:
         renderer = _layered if self.job.integrator == "airlight_layers" else _Stock(self.job)
         for index in range(self.count):
             # Jobs of neighbouring seeds share no seed of a batch.
             seed = (self.job.seed * 1_000_003 + index) % 2**32
-            for name, image in renderer(self.job, seed, self.batch_spp).items():
-                self._add(name, image.astype(np.float64), index + 1)
+            self._add(renderer(self.job, seed, self.batch_spp))
             _say(f"progress {(index + 1) / self.count:.4f}")
 
-    def _add(self, name: str, x: NDArray[np.float64], n: int) -> None:
-        """Welford's running moments."""
-        if n == 1:
-            self._mean[name], self._m2[name] = x, np.zeros_like(x)
-            return
-        delta = x - self._mean[name]
-        self._mean[name] += delta / n
-        self._m2[name] += delta * (x - self._mean[name])
+    def _add(self, images: dict[str, NDArray[np.float32]]) -> None:
+        """Welford's running moments, of the pixels whose samples are all numbers."""
+        parts = np.stack([np.isfinite(x).all(axis=-1, keepdims=True) for x in images.values()])
+        is_whole = parts.all(axis=0)
+        self._taken += is_whole
+        n = np.maximum(self._taken, 1.0)
+        for name, image in images.items():
+            mean = self._mean.setdefault(name, np.zeros(image.shape))
+            m2 = self._m2.setdefault(name, np.zeros(image.shape))
+            x = np.where(is_whole, image, mean).astype(np.float64)
+            delta = x - mean
+            mean += delta / n
+            m2 += delta * (x - mean)
 
     def results(self) -> dict[str, NDArray[np.float32]]:
         """NAME and NAME.variance (of the mean), float32, per layer."""
-        # The variance of the mean: squared deviations over n (n - 1).
-        scale = 1.0 / ((self.count - 1) * self.count)
-        means = {name: mean.astype(np.float32) for name, mean in self._mean.items()}
+        # The variance of the mean: squared deviations over n (n - 1). Pixels without a number stay
+        # so.
+        scale = 1.0 / np.maximum((self._taken - 1.0) * self._taken, 1.0)
+        has_any = self._taken > 0
+        means = {
+            name: np.where(has_any, mean, np.nan).astype(np.float32)
+            for name, mean in self._mean.items()
+        }
         spread = {f"{n}.variance": (m2 * scale).astype(np.float32) for n, m2 in self._m2.items()}
         return means | spread
 

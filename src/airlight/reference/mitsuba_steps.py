@@ -16,9 +16,9 @@ from .mitsuba_brdf import dr, mi
 
 
 def mis_weight(pdf: Any, other: Any) -> Any:
-    """Power heuristic."""
-    a, b = dr.square(pdf), dr.square(other)
-    return dr.select(pdf > 0.0, a / (a + b), 0.0)
+    """Power heuristic: pdf^2 / (pdf^2 + other^2)."""
+    # By their ratio: squares of densities overflow, of a light seen along its own plane.
+    return dr.select(pdf > 0.0, dr.rcp(1.0 + dr.square(other / pdf)), 0.0)
 
 
 def pick_channel(sampler: Any, active: Any) -> Any:

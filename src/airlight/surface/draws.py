@@ -78,7 +78,7 @@ class Culling:
         """The world boxes (N, 2, 3), metres, of the instances in their order."""
         self.low, self.high = boxes[:, 0], boxes[:, 1]
         self._middles, self._halves = boxes.mean(axis=1), 0.5 * (boxes[:, 1] - boxes[:, 0])
-        self._visible.clear()
+        self._visible = {}  # another one: what a second thread is finding is of the boxes before
 
     def visible(self, clip_from_world: F64) -> Visible:
         """The draws in view: of their instances those that no plane of the clip box excludes.
@@ -87,12 +87,12 @@ class Culling:
         tested, because what stands before a light's near plane still casts a shadow.
         """
         # The oldest view makes room.
-        key = clip_from_world.tobytes()
-        found = self._visible.get(key)
+        key, cached = clip_from_world.tobytes(), self._visible
+        found = cached.get(key)
         if found is None:
-            if len(self._visible) >= MOST_CACHED_VIEWS:
-                self._visible.pop(next(iter(self._visible)))
-            found = self._visible[key] = self._culled(clip_from_world)
+            if len(cached) >= MOST_CACHED_VIEWS:
+                cached.pop(next(iter(list(cached)), b""), None)
+            found = cached[key] = self._culled(clip_from_world)
         return found
 
     def _culled(self, clip_from_world: F64) -> Visible:

@@ -11,6 +11,7 @@ auto         the recipe that suits the scene
 
     recipes    which solvers each technique is made of
     technique  how a frame runs through them: solve -> fields -> draw
+    beside     another view of what a technique has solved
     settings   the settings of each, joined from its parts
     auto       which recipe suits a scene
     volumes    what volumes do to a lattice of reflected light

@@ -44,7 +44,7 @@ def direct(context: Context, settings: SurfaceSettings) -> Technique:
 
     There is no indirect light, and there are no media.
     """
-    return Technique("direct", Kit(context, settings))
+    return Technique("direct", Kit(context, settings), views=lambda kit, settings: [])
 
 
 def lpv(context: Context, settings: LpvTechniqueSettings) -> Technique:
@@ -56,12 +56,12 @@ def lpv(context: Context, settings: LpvTechniqueSettings) -> Technique:
     """
     from ..lpv.solver import LpvSolver
 
+    def views(kit: Kit, settings: LpvTechniqueSettings) -> list[Solver]:
+        is_paper = settings.scheme == "paper"  # whose lookup is what it is there to show
+        return [] if is_paper else _gathering(kit, settings, bounces=settings.bounces)
+
     kit = Kit(context, settings, cascades_nest(context.scene, settings))
-    solvers: list[Solver] = [LpvSolver(kit, settings)]
-    # The paper's lookup is what its scheme is there to show.
-    if settings.scheme != "paper":
-        solvers += _gathering(kit, settings, bounces=settings.bounces)
-    return Technique("lpv", kit, solvers)
+    return Technique("lpv", kit, [LpvSolver(kit, settings), *views(kit, settings)], views=views)
 
 
 def _gathering(

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 SceneFilter = Callable[[Scene], Scene]
 Layers = Callable[[View], dict[str, Texture]]
+Views = Callable[[Kit, Any], list[Solver]]
 
 
 class Technique:
@@ -41,14 +42,17 @@ class Technique:
         media: Media | None = None,
         scene_filter: SceneFilter | None = None,
         layers: Layers | None = None,
+        views: Views | None = None,
     ) -> None:
         """`name`: of the recipe. `media`: the one of the solvers that draws media, if any does.
 
         `scene_filter`: what solvers are given in place of the scene. `layers`: the textures of a
-        view that make its image; by default all that `media`, or else surfaces, wrote.
+        view that make its image; by default all that `media`, or else surfaces, wrote. `views`: of
+        a kit and settings, the solvers that other views of the same solution have of their own
+        (`beside`); None where stills have another solution, or solvers write what an eye sees.
         """
         self.name, self.kit, self.solvers, self.media = name, kit, tuple(solvers), media
-        self._scene_filter = scene_filter or (lambda scene: scene)
+        self._scene_filter, self.views = scene_filter or (lambda scene: scene), views
         # What draws: surfaces in media, and translucent ones before them.
         attenuation = media.on_device if media else None
         self.surfaces = Surfaces(kit, kit.context.scene, attenuation)
@@ -59,6 +63,7 @@ class Technique:
             self.translucent = Translucent(kit.gpu, kit.context.size, most)
         self._seen: dict[str, Texture] | None = None  # through translucent surfaces
         self.fields: Fields | None = None
+        self.frame: Frame | None = None  # that was solved last
         self._added: dict[int, dict[str, Any]] = {}  # by each solver, in the last frame it solved
 
     def solve(
@@ -83,7 +88,7 @@ class Technique:
                 continue
             before, fields = fields, solver.solve(commands, frame, fields)
             self._added[index] = _changes(before, fields)
-        self.fields = fields
+        self.fields, self.frame = fields, frame
 
     def draw(self, commands: Commands, view: View) -> None:
         """Draw the view's surfaces, then the media in front of them."""

@@ -284,6 +284,13 @@ def test_a_broken_cache_is_rendered_again(truth, tmp_path):
     kept.write_bytes(kept.read_bytes()[:1000])
     assert reference_for(scene, SIZE, 16).spp == 16
     assert len(truth.asked) == 2
+    # So is one with pixels that are no numbers.
+    with np.load(kept) as archive:
+        arrays = dict(archive)
+    arrays["radiance"][0, 0] = np.nan
+    np.savez(kept, **arrays)
+    assert np.isfinite(reference_for(scene, SIZE, 16).image.radiance).all()
+    assert len(truth.asked) == 3
 
 
 @pytest.mark.parametrize(

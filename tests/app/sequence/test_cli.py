@@ -167,7 +167,8 @@ def test_a_full_disk_loses_nothing(gpu, scene, tmp_path, monkeypatch, capsys):
     error = capsys.readouterr().err
     assert error.splitlines()[-1] == (
         f"error: {tmp_path / 'out' / 'frame-00003.png'}: cannot be written (No space left on "
-        "device). Choose another folder, or check its permissions and free space."
+        "device). Choose another folder, or check its permissions and free space. What was made "
+        "stays: --resume goes on."
     )
     assert len(frames(tmp_path / "out")) == 3 and not list((tmp_path / "out").glob(".*"))
     monkeypatch.undo()

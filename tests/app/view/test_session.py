@@ -14,6 +14,7 @@ from airlight.app.view.save import Saver
 from airlight.app.view.session import Session
 from airlight.errors import SettingsError
 from airlight.gpu.memory import Texture
+from airlight.lpv.solver import LpvSolver
 from airlight.maths.tone import auto_exposure, display_srgb8
 from airlight.rendering import Renderer
 from airlight.scene import Medium
@@ -663,3 +664,33 @@ def test_a_moving_image_that_stays_has_its_exposure_at_once(screen, monkeypatch)
     expected = auto_exposure(image)
     assert abs(expected - before) > 0.5
     assert float(meter.stops.read()[0]) == pytest.approx(expected, abs=0.1)
+
+
+def test_light_is_solved_once_for_all_images_of_a_view(gpu, scene_file, monkeypatch):
+    """The finest image shows what the frames' renderer has solved, before and after a change."""
+    solved: list[str] = []
+    inner = LpvSolver._fill
+    monkeypatch.setattr(LpvSolver, "_fill", lambda *a: (solved.append("lpv"), inner(*a)))
+    settings = {**SMALL, "gather_rays": 2, "map_resolution": 32}
+    session = Session(load(scene_file), technique="lpv", settings=settings)
+    screen = Screen(gpu, session)
+    screen.settle()
+    for turn in range(2):
+        end = time.monotonic() + 240.0
+        while not session.fine.samples:
+            assert time.monotonic() < end
+            if not screen.frame(0.3):
+                time.sleep(0.02)
+        assert len(solved) == 1 + turn
+        session.state.scene = replace(
+            session.state.scene, lights=tuple(map(brighter, session.state.scene.lights))
+        )
+        screen.frame(0.3)
+    saved = session.image(samples=2)
+    with Renderer(session.scene_now(), "lpv", SIZE, settings=settings) as alone:
+        assert np.array_equal(saved.radiance, alone.frame(samples=2).radiance)
+    session.close()
+
+
+def brighter(light):
+    return replace(light, irradiance=tuple(2.0 * x for x in light.irradiance))

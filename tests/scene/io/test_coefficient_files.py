@@ -65,7 +65,7 @@ def test_a_file_on_its_own_has_its_colours(tmp_path):
     [
         ('sigma_t = 2\nalbedo_grid = "Cd"', {}, "has no array 'Cd'"),
         ('sigma_t = 2\nalbedo_grid = "c"', {"c": 2.0 * COLOURS}, r"must lie in \[0, 1\]"),
-        ('sigma_t = 2\nalbedo_grid = "c"', {"c": COLOURS * np.nan}, "NaN or infinite"),
+        ('sigma_t = 2\nalbedo_grid = "c"', {"c": COLOURS * np.inf}, "infinite values"),
         ('sigma_t = 2\nalbedo_grid = "c"', {"c": COLOURS[..., :2]}, "has one or three"),
         ('sigma_t = 2\ng = 0.5\ng_grid = "c"', {"c": DENSITY}, "has g and g_grid"),
         ('sigma_s_grid = "c"', {"c": -DENSITY}, "sigma_s must lie in"),

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from airlight.scene import Camera, Medium, Scene
+from airlight.scene import Camera, Material, Medium, Mesh, Scene
 from airlight.scene.io import load
 from airlight.scene.io.doubts import doubts
+from airlight.scene.shapes import box
 
 
 def scene(eye_m: float, **medium: object) -> Scene:
@@ -47,3 +48,24 @@ def test_fog_that_hides_a_room_from_inside_is_doubted():
     (line,) = doubts(thick)
     assert "optical depths: nothing else" in line
     assert doubts(replace(foggy, medium=Medium(sigma_t=1.0))) == ()
+
+
+def open_scene(eye_y: float = 1.5, **medium: object) -> Scene:
+    cube = Mesh(box(), Material())
+    return Scene((cube,), camera=Camera((3.0, eye_y, 4.0), (0, 0, 0)), medium=Medium(**medium))
+
+
+def test_fog_that_ends_before_the_sky_is_doubted():
+    (line,) = doubts(open_scene(sigma_t=0.3))
+    assert line.endswith("endless = true in [medium] lets it go on")
+    assert doubts(open_scene(sigma_t=0.01)) == ()  # thin: nobody sees it end
+    assert doubts(open_scene(sigma_t=0.3, bounds=((-2, 0, -2), (2, 1, 2)))) == ()
+    # Where walls are all around, fog ends at them.
+    assert doubts(scene(0.5, sigma_t=0.3)) == ()
+
+
+def test_a_camera_above_endless_fog_is_told_where_that_ends():
+    (line,) = doubts(open_scene(sigma_t=0.3, endless=True))
+    assert line.startswith("the camera is 0.75 m above the fog, which ends at a height of 0.75 m")
+    assert doubts(open_scene(sigma_t=0.3, endless=True, top=1.0)) == ()
+    assert doubts(open_scene(0.2, sigma_t=0.3, endless=True)) == ()

@@ -49,7 +49,7 @@ def test_a_flame_grid_is_multiplied(tmp_path) -> None:
     ("keys", "arrays", "problem"),
     [
         ('emission_grid = "flame"', {}, "has no array 'flame'"),
-        ('temperature_grid = "t"', {"t": np.full((3, 4, 5), np.nan)}, "60 values that are NaN"),
+        ('temperature_grid = "t"', {"t": np.full((3, 4, 5), np.inf)}, "infinite"),
         ('temperature_grid = "t"', {"t": np.full((3, 4, 5), -5.0)}, "negative: down to -5 K"),
         ('emission_grid = "t"', {"t": np.full((3, 4, 5), -5.0)}, "negative (down to -5)"),
         ('temperature_grid = "t"', {"t": np.ones((3, 4, 5, 3))}, "a temperature has one"),

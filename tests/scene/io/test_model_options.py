@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from airlight.errors import SceneError
-from airlight.scene.io.model_options import fitting_options, model_keys
+from airlight.scene.io.model_options import fitting_options, left_open, model_keys
 
 ALL = {"up": "z", "scale": 2.0, "grid": "ql", "channels": "r", "variant": "red"}
 ALL["sequence_fps"] = 6.0
@@ -31,3 +31,27 @@ def test_each_kind_has_options_of_its_own(file, names):
     for name in set(ALL) - names - {"sun", "ground"}:
         with pytest.raises(SceneError, match=f"{name} (is|are) for"):
             model_keys(file, **{name: ALL[name]})
+
+
+@pytest.mark.parametrize(
+    ("file", "names"),
+    [
+        ("a.obj", ("up", "scale")),
+        ("a.STL", ("up", "scale")),
+        ("a.vdb", ("up", "scale")),
+        ("a.vti", ("up", "scale")),
+        ("a.glb", ()),
+        ("a.usda", ()),
+        ("a.nc", ()),
+        ("a.xml", ()),
+        ("a.toml", ()),
+        ("builtin:smoke", ()),
+    ],
+)
+def test_what_files_leave_open(file, names):
+    assert left_open(file) == names
+
+
+def test_a_height_that_was_taken_is_open():
+    told = "a.nc: the first of its axes is taken as the height (--up y takes y as up)"
+    assert left_open("a.nc", (told,)) == ("up",)

@@ -116,7 +116,8 @@ def test_the_first_of_several_times_is_read_and_missing_values_are_none(tmp_path
     data["ql"].values[0, 0, 0, 1] = np.nan
     grid = read_volume(written(data, tmp_path / "a.nc"))
     assert grid.density.max() == 23 and grid.density[2, 0, 1] == 0
-    told = 'a.nc has 2 times, the first is read (grid = "ql[-1]" takes the last)'
+    told = 'a.nc has 2 times, the first is read (--grid "ql[-1]", in a [[volume]] grid, takes the '
+    told += "last; airlight info lists them)"
     assert told in grid.warnings
     assert "a.nc: 'ql' has 1 missing values, taken as 0" in grid.warnings
 

@@ -10,6 +10,7 @@ import pytest
 from airlight.app.cli import run
 from airlight.errors import SceneError
 from airlight.scene.io import load, netcdf
+from airlight.scene.io.grid_times import time_axes_of
 from airlight.scene.io.toml_text import scene_text
 from airlight.scene.io.volume_scene import FPS
 
@@ -148,6 +149,8 @@ def test_info_names_the_grids_of_a_file_and_their_times(tmp_path, capsys):
     facts = json.loads(capsys.readouterr().out)
     assert sorted(facts["grids"]) == ["hot", "smoke", "tint"]
     assert facts["times"] == {"smoke": 3, "hot": 2}
+    axes = [(axis["name"], axis["grids"]) for axis in facts["time_axes"]]
+    assert axes == [("time3", ["smoke"]), ("time2", ["hot"])]
     assert facts["animation"]["frames"] == 3
     np.savez(tmp_path / "a.npz", smoke=RAMP)
     assert run(["info", str(tmp_path / "a.npz"), "--grid", "smoke", "--json"]) == 0
@@ -164,3 +167,14 @@ def test_names_with_brackets_are_found(tmp_path, name):
         (tmp_path / "run[3].nc").rename(tmp_path / "run3.nc")
     scene = scene_of(tmp_path, f'sequence = "{name}"\ngrid = "smoke"')
     assert scene.animation is not None
+
+
+def test_axes_of_times_have_units_and_values(tmp_path):
+    import xarray
+
+    said = {"units": "seconds since 2020-01-01"}
+    data = {"smoke": (["time", "z", "y", "x"], by_time(1, 2))}
+    times = {"time": ("time", [0.5, 2.0], said)}
+    xarray.Dataset(data, coords=times).to_netcdf(tmp_path / "a.nc", engine="scipy")
+    (axis,) = time_axes_of((tmp_path / "a.nc",))
+    assert axis == {"name": "time", **said, "values": [0.5, 2.0], "grids": ["smoke"]}

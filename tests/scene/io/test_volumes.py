@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from airlight.errors import SceneError
-from airlight.scene.io.volumes import LARGEST_VALUE_COUNT, read_volume
+from airlight.scene.io.volumes import LARGEST_VALUE_COUNT, read_values, read_volume
 
 SHIPPED = Path(__file__).parents[3] / "../shared/data/volume"
 
@@ -144,13 +144,13 @@ DAMAGED = [
     ("a.npy", npy_bytes(np.ones((0, 2, 2))), "is empty: its shape is (0, 2, 2)"),
     (
         "a.npy",
-        npy_bytes(np.array([[[1.0, np.nan, np.inf]]])),
-        "2 of its 3 values are NaN or infinite. Repair it: numpy.nan_to_num makes them 0.",
+        npy_bytes(np.array([[[np.nan, -np.inf, np.inf]]])),
+        "2 of its 3 values are infinite. Repair it. NaN, no value, is read as 0.",
     ),
     (
         "a.npy",
         npy_bytes(np.array([[[1.0, -np.inf]]])),
-        "1 of its 2 values is NaN or infinite. Repair it: numpy.nan_to_num makes them 0.",
+        "1 of its 2 values is infinite. Repair it. NaN, no value, is read as 0.",
     ),
     (
         "a.npy",
@@ -242,3 +242,16 @@ def test_sides_that_devices_do_not_take_are_averaged(tmp_path):
     assert grid.warnings[-1] == (
         "a.npy has 5000 x 3 x 2 voxels, averaged to 1667 x 3 x 2: at most 2048 on a side"
     )
+
+
+def test_what_is_no_number_is_no_density_in_any_file(tmp_path):
+    values = np.ones((2, 3, 4), np.float32)
+    values[0, 0, :2] = np.nan
+    np.save(tmp_path / "a.npy", values)
+    np.savez(tmp_path / "a.npz", smoke=values)
+    for name, grid in (("a.npy", "density"), ("a.npz", "smoke")):
+        found = read_volume(tmp_path / name, grid)
+        assert found.density.min() == 0.0 and found.density.sum() == 22.0
+        told = [text for text in found.warnings if "missing" in text]
+        assert told == [f"{name}: '{grid}' has 2 missing values, taken as 0"]
+    assert read_values(tmp_path / "a.npz", "smoke").values.sum() == 22.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import lzma
 import struct
 import zlib
@@ -10,9 +11,12 @@ import zlib
 import numpy as np
 import pytest
 
+from airlight.app.cli import run
 from airlight.errors import SceneError
 from airlight.scene.io import load
+from airlight.scene.io.grid_times import in_time
 from airlight.scene.io.volumes import grid_names, read_values, read_volume
+from airlight.scene.io.vti import vti_time
 
 VALUES = np.arange(24, dtype="<f4").reshape(2, 3, 4)  # z, y, x
 BLOCK = 40  # bytes: 96 of values are two blocks and 16 left
@@ -182,3 +186,95 @@ def test_a_spacing_that_means_nothing_and_a_flat_image_are_told(tmp_path):
     flat = " ".join(f"{v:g}" for v in VALUES[0].ravel())
     path.write_bytes(vti(element("ascii", flat), extent="0 3 0 2 0 0"))
     assert "a.vti is flat: it has one layer along z" in read_volume(path).warnings
+
+
+def test_values_that_are_no_numbers_are_none(tmp_path):
+    text = " ".join("nan" if v < 2 else f"{v:g}" for v in VALUES.ravel())
+    (tmp_path / "a.vti").write_bytes(vti(element("ascii", text)))
+    grid = read_volume(tmp_path / "a.vti")
+    assert grid.density.min() == 0.0 and grid.density.max() == 23.0
+    told = [warning for warning in grid.warnings if "missing" in warning]
+    assert told == ["a.vti: 'smoke' has 2 missing values, taken as 0"]
+
+
+def timed(path, time: float | None, *, form: str = "ascii", more: float = 0.0) -> None:
+    """A grid whose values are `more` than usual, of a time."""
+    head, appended = 'header_type="UInt32"', b""
+    said = "" if time is None else f"{time}"
+    stored = struct.pack("<d", 0.0 if time is None else time)
+    offset = ""
+    if form == "binary":
+        said = in_base64(packed(stored, ""), "").decode()
+    elif form == "appended":
+        appended = b'<AppendedData encoding="raw">_' + packed(stored, "") + b"</AppendedData>"
+        said, offset = "", 'offset="0"'
+    elif form == "base64":
+        text = in_base64(packed(stored, ""), "") + in_base64(packed(VALUES.tobytes(), ""), "")
+        appended = b'<AppendedData encoding="base64">_' + text + b"</AppendedData>"
+        said, form, offset = "", "appended", 'offset="0"'
+    field = (
+        f'<DataArray type="Float64" Name="TimeValue" format="{form}" {offset}>{said}</DataArray>'
+    )
+    numbers = " ".join(f"{v + more:g}" for v in VALUES.ravel())
+    raw = vti(element("ascii", numbers), head=head, appended=appended)
+    held = b"" if time is None else f"<FieldData>{field}</FieldData>".encode()
+    path.write_bytes(raw.replace(b"<Piece", held + b"<Piece", 1))
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary", "appended", "base64"])
+def test_the_time_of_a_file_is_read_however_it_is_stored(tmp_path, form):
+    timed(tmp_path / "a.vti", 0.25, form=form)
+    assert vti_time(tmp_path / "a.vti") == 0.25
+    timed(tmp_path / "a.vti", None)
+    assert vti_time(tmp_path / "a.vti") is None
+    assert read_volume(tmp_path / "a.vti").density.max() == 23.0
+
+
+def test_the_time_of_a_large_file_is_read_from_its_head(tmp_path):
+    timed(tmp_path / "a.vti", 0.25)
+    raw = (tmp_path / "a.vti").read_bytes()
+    begin = raw.index(b"<PointData")
+    (tmp_path / "a.vti").write_bytes(raw[:begin] + b" " * (1 << 21) + raw[begin:])
+    assert vti_time(tmp_path / "a.vti") == 0.25
+    # Nothing behind is looked at: a file that is cut off says its time.
+    (tmp_path / "a.vti").write_bytes(raw[:begin])
+    assert vti_time(tmp_path / "a.vti") == 0.25
+
+
+def test_files_that_say_when_they_are_follow_each_other_by_that(tmp_path):
+    for k, time in enumerate((4.0, 2.0, 0.0)):
+        timed(tmp_path / f"s{k}.vti", time, more=k)
+    files, times, told = in_time(tuple(tmp_path / f"s{k}.vti" for k in range(3)))
+    assert [f.name for f in files] == ["s2.vti", "s1.vti", "s0.vti"] and times == (0.0, 2.0, 4.0)
+    assert told == (
+        "s0.vti and those after it follow each other by their TimeValue, not by the numbers in "
+        "their names",
+    )
+    # A bare folder and a scene file show them so; twelve a second, as simulations are.
+    scene = load(tmp_path)
+    assert scene.animation.fps == 12.0 and set(told) < set(scene.warnings)
+    (tmp_path / "a.toml").write_text(
+        '[[volume]]\nsequence = "s*.vti"\nsequence_fps = 1\nsigma_t = 1\n'
+    )
+    for moving, step_s in ((scene, 1 / 12), (load(tmp_path / "a.toml"), 1.0)):
+        peaks = [moving.at(k * step_s).volumes[0].density.max() for k in range(3)]
+        assert peaks == [25.0, 24.0, 23.0]
+
+
+def test_uneven_times_are_told_and_files_without_one_go_by_their_names(tmp_path):
+    paths = tuple(tmp_path / f"s{k}.vti" for k in range(3))
+    for path, time in zip(paths, (0.0, 1.0, 5.0), strict=True):
+        timed(path, time)
+    uneven = "s0.vti and those after it: TimeValue is not evenly spaced: a sequence shows its times"
+    assert in_time(paths) == (paths, (0.0, 1.0, 5.0), (f"{uneven} evenly",))
+    timed(paths[1], None)
+    assert in_time(paths) == (paths, (), ())
+    assert load(tmp_path).animation.fps == 24.0
+
+
+def test_info_lists_the_times_of_files(tmp_path, capsys):
+    for k in range(3):
+        timed(tmp_path / f"s{k}.vti", 0.5 * k)
+    assert run(["info", str(tmp_path), "--json"]) == 0
+    axes = json.loads(capsys.readouterr().out)["time_axes"]
+    assert axes == [{"name": "TimeValue", "values": [0.0, 0.5, 1.0]}]

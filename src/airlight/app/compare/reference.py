@@ -189,7 +189,8 @@ def _read(path: Path, names: tuple[str, ...]) -> Reference | None:
         image = Image(arrays.pop("radiance"), arrays)
         cached = Reference(image, about["spp"], about["seconds"], True, tuple(about["notes"]))
         wanted = ("variance", *names[1:], *(f"{name}_variance" for name in names[1:]))
-        return cached if all(name in arrays for name in wanted) else None
+        is_whole = all(name in arrays for name in wanted) and np.isfinite(image.radiance).all()
+        return cached if is_whole else None
     except (AirlightError, ValueError, KeyError, TypeError, RecursionError):
         return None
 

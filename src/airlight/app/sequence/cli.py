@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import closing
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -181,7 +181,8 @@ def make_frames(
     if folder.metered_stops is not None:
         plan = replace(plan, exposure_stops=folder.metered_stops)
     # Here by one renderer, or each frame by a worker of the cluster.
-    with counted("frames", len(plan.frames), len(plan.frames) - len(missing), quiet=quiet) as count:
+    there = len(plan.frames) - len(missing)
+    with _resumable(), counted("frames", len(plan.frames), there, quiet=quiet) as count:
         if farm is None:
             with closing(FrameMaker(plan, scene)) as maker:
                 _note_device(folder, maker.renderer.gpu.info.name)
@@ -191,6 +192,16 @@ def make_frames(
             warn(maker.doubts)
         else:
             _farmed(farm, plan, scene, folder, missing, count)
+
+
+@contextmanager
+def _resumable() -> Iterator[None]:
+    """Whatever cannot be written says how to go on."""
+    try:
+        yield
+    except OutputError as error:
+        remedy = f"{error.remedy} What was made stays: --resume goes on.".lstrip()
+        raise OutputError(error.problem, where=error.where, remedy=remedy) from None
 
 
 def _farmed(

@@ -7,6 +7,7 @@ state, controls, quality, panel    what is shown and what input asks for; no too
 gizmos, projection, free_space     lights in the image; points and pixels; where the eye may go
 drawn, build, making, fine, finer  a renderer and its scene; others created in the background
 renderers                          which of them there are, and which are wanted
+second_view                        one that shows what another one has solved
 session                            a frame from all of these; shown: on which texture
 canvas, window, browser, notebook  where it is shown; guard, messages, uploads: who may send what
 widgets, sections, scene_sections  the panel, declared; air_section: its media and grids, with

@@ -18,6 +18,7 @@ from .widgets import Widget
 
 _LEAST_SIGMA, _MOST_SIGMA = 1e-4, 1e3  # 1/m, in a scene of some metres
 _LEAST_DEPTH, _MOST_DEPTH = 1e-2, 1e4  # mean free paths across a small or large scene
+_ENDLESS = "It goes on sideways and downwards; else it fills the scene's box and the camera's place"
 _TIP = "Bars: how often densities are, logarithmic. Line: as what they are rendered"
 
 
@@ -40,6 +41,7 @@ def air(state: ViewState) -> Iterator[Widget]:
         yield Widget("fog.add", "button", "add fog", None, add)
     else:
         yield from _scattering("fog", "fog: ", scene.medium, put_fog, ends)
+        yield Widget("fog.endless", "flag", "fog without an end", *_endless(state), tip=_ENDLESS)
         yield Widget("fog.clear", "button", "no fog", None, clear)
     for index, volume in enumerate(scene.volumes):
         head = f"volume {index + 1}: " if len(scene.volumes) > 1 else "volume: "
@@ -48,6 +50,23 @@ def air(state: ViewState) -> Iterator[Widget]:
         yield from _scattering(f"volume.{index}", head, volume, put_volume, ends, top)
         if volume.density is not None:
             yield from _slice(state, index)
+
+
+def _endless(state: ViewState) -> tuple[bool, Callable[[Any], None]]:
+    """Whether fog goes on around the scene, and what changes that: its top is above scene and
+    camera then."""
+    scene, fog = state.scene, state.scene.medium
+    assert fog is not None
+
+    def put(is_endless: Any) -> None:
+        now = replace(fog, endless=False, top=None)
+        if is_endless:
+            low, high = (float(corner[1]) for corner in scene.bounds)
+            top = max(high, scene.camera.position[1]) + 0.25 * (high - low)
+            now = replace(now, bounds=None, endless=True, top=top)
+        state.scene = replace(scene, medium=now)
+
+    return fog.endless, put
 
 
 def _volume_putter(state: ViewState, index: int) -> Callable[[Any], None]:

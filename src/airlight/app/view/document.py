@@ -82,6 +82,22 @@ class Document:
         self.controls = CameraControls(scene.camera, reach_m(scene), FreeSpace(scene))
         self.history = History(self.state)
 
+    def read_as(self, **model: Any) -> None:
+        """Read the file again with other options, as which axis is up; what was changed here and is
+        not of the file stays. What goes wrong becomes the message."""
+        before, state = self.source.loaded, self.state
+        try:
+            self.source = self.source.read_as(**model)
+        except AirlightError as error:
+            state.message = str(error)
+            return
+        # Everything lies elsewhere: the camera is the file's again, and nothing can be undone.
+        scene = self.source.loaded
+        state.take(before, scene)
+        state.notice, state.look = "", replace(state.look, reach_m=reach_m(scene) / 4.0)
+        self.controls = CameraControls(scene.camera, reach_m(scene), FreeSpace(scene))
+        self.history = History(state)
+
     def drop(self, name: str, *, stays: bool = True) -> None:
         """Open a file that a person brought: a map becomes the environment, else it is a scene.
 

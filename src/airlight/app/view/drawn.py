@@ -77,6 +77,14 @@ class Drawn:
             if not lags:
                 self._lattices_ms, self._lattices_s = self.solve_ms, end
 
+    def finish(self, scene: Scene) -> None:
+        """Solve `scene` wholly where that was not done yet: other views may show it then."""
+        r = self.renderer
+        with r.used(), r.whole():
+            self.give(scene)
+            self.solve(r.commands)
+            r.commands.submit()
+
     def draw(
         self,
         commands: Commands,

@@ -13,6 +13,18 @@ from .drawn import Drawn
 
 Structure = tuple[Any, ...]
 
+PREVIEW = ("preview",)
+"""The structure of what is seen until the technique's first image is there."""
+PREVIEW_TECHNIQUE = "direct"
+PREVIEW_SETTINGS = {
+    "ambient_occlusion": False,
+    "shadow_resolution": 256,
+    "sky_lights": 6,
+    "resolution": 8,
+    "area_samples": 4,
+}
+"""Living room, CPU adapter: 4.9 s of processor time from scene to image; 9 with `lpv`."""
+
 
 class BackgroundRenderer(Renderer):
     """One that leaves the device to others until it is asked for a solution, pass by pass."""

@@ -12,13 +12,15 @@ from ...rendering import Renderer
 from ...scene.placing import camera_at
 from ...scene.scene import Scene
 from ...techniques import checked_settings
+from ...techniques.beside import settings_of_views
 from .build import Turns, said
 from .document import Document
 from .drawn import Drawn
 from .fine import SAMPLES, Fine, Seen, Shot
 from .finer import finer_settings
-from .making import BackgroundRenderer, Making
+from .making import PREVIEW, PREVIEW_SETTINGS, PREVIEW_TECHNIQUE, BackgroundRenderer, Making
 from .quality import STILL_SAMPLES, Quality
+from .second_view import SecondView, can_show
 from .shown import Shown
 from .source import Source
 from .state import ViewState, boxes, structure
@@ -34,17 +36,6 @@ _LEAD = 2
 """Samples that the compared image may have more than the finer one."""
 GATHER_HISTORY = 16
 """Frames that those of a moving view go on from where they gather."""
-PREVIEW = ("preview",)
-"""The structure of what is seen until the technique's first image is there."""
-PREVIEW_TECHNIQUE = "direct"
-PREVIEW_SETTINGS = {
-    "ambient_occlusion": False,
-    "shadow_resolution": 256,
-    "sky_lights": 6,
-    "resolution": 8,
-    "area_samples": 4,
-}
-"""Living room, CPU adapter: 4.9 s of processor time from scene to image; 9 with `lpv`."""
 
 
 class Renderers(Document):
@@ -77,6 +68,7 @@ class Renderers(Document):
         self._made: tuple[Any, ...] | None = None
         self._eye: tuple[float, float, float] | None = None  # that lattices in fog reach to
         self._refused: tuple[Any, ...] | None = None
+        self._finest_of: object = None  # the technique whose solution the finest image shows
         # Moving frames gather on GPUs, until they prove too slow for it.
         self._gathers_moving = not self.gpu.is_cpu
 
@@ -228,14 +220,27 @@ class Renderers(Document):
         if self.fine.is_shown and self._is_compared_awaited:
             self.fine.hold()
             return
-        make = self._maker(self._size, self.state.technique, self._finer())
         assert self._drawn is not None
-        solver = self._drawn.renderer.technique.find(GatherSolver)
+        technique = self._drawn.renderer.technique
+        if self._finest_of is not technique:
+            self.fine, self._finest_of = self._emptied(self.fine), technique
+        self._drawn.finish(self.scene_now())
+        solver = technique.find(GatherSolver)
         gathers = solver is not None and solver.settings.gather == "always"
         # What is seen now, which the finer image has to be better than.
         q = self.quality
         seen = Seen(q.full_samples, is_refined=not q.is_coarse, gathers=gathers)
-        self.fine.begin(make, self._shot_now(), seen)
+        self.fine.begin(self._finest(self._drawn.renderer), self._shot_now(), seen)
+
+    def _finest(self, live: Renderer) -> Callable[[], Renderer]:
+        """Makes what draws the finest image: a view of what `live` has solved, where that will do,
+        else a renderer with a finer solution."""
+        state, size, finer = self.state, self._size, self._finer()
+        if not can_show(live, finer):
+            return self._maker(size, state.technique, finer)
+        # As a still's settings are, not as those of a view that moves.
+        now = checked_settings(state.technique, state.scene, {**state.chosen_settings, **finer})
+        return lambda: SecondView(live, size, settings_of_views(now))
 
     def _compare(self) -> None:
         """Go on with the other technique's image of the static view, as fine as the own one.

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...maths.tone import TONE_CURVES
+from ...scene.io.volumes import UPRIGHT_SUFFIXES
 from ...techniques import TECHNIQUES, settings_class
 from .air_section import air
 from .document import reach_m
@@ -19,6 +21,16 @@ from .session import Session
 from .widgets import Section, Widget
 
 NONE = "none"
+UNITS = {
+    "micrometres": 1e-6,
+    "millimetres": 1e-3,
+    "centimetres": 1e-2,
+    "inches": 0.0254,
+    "feet": 0.3048,
+    "metres": 1.0,
+    "kilometres": 1e3,
+}
+"""Of models and grids, metres."""
 
 
 def sections(session: Session, saver: Saver) -> list[Section]:
@@ -205,6 +217,7 @@ def _files(session: Session, saver: Saver) -> Iterator[Widget]:
         tip="Shipped scenes, and files beside the one that was opened. A file that is dropped on "
         "the image is opened, too: a scene, a model, or an environment map",
     )
+    yield from _placing(session)
     if saver.can_ask:
         yield Widget("ask", "button", "open ...", None, lambda _: saver.ask())
     yield Widget("undo", "button", "undo", None, lambda _: session.undo(), tip="control-z")
@@ -212,6 +225,37 @@ def _files(session: Session, saver: Saver) -> Iterator[Widget]:
         "redo", "button", "redo", None, lambda _: session.redo(), tip="control-y", beside=True
     )
     yield from _saves(saver)
+
+
+def _placing(session: Session) -> Iterator[Widget]:
+    """Which axis is up and how long the unit is, where the file leaves that open."""
+    source = session.source
+    if "up" in source.left_open:
+        # The first axis of a grid without names stands for the height.
+        usual = "z" if Path(source.name).suffix.lower() in UPRIGHT_SUFFIXES else "y"
+        at = source.model.get("up") or usual
+        yield Widget(
+            "up",
+            "choice",
+            "axis that is up",
+            at,
+            lambda up: session.read_as(up=up),
+            choices=("y", "z"),
+            tip="The file does not say it; --up of the command line",
+        )
+    if "scale" in source.left_open:
+        scale = float(source.model.get("scale", 1.0))
+        units = UNITS if scale in UNITS.values() else {f"{scale:g} m": scale, **UNITS}
+        name = next(name for name, metres in units.items() if metres == scale)
+        yield Widget(
+            "unit",
+            "choice",
+            "its unit",
+            name,
+            lambda name: session.read_as(scale=units[name]),
+            choices=tuple(units),
+            tip="How long 1 is in the file; --scale METRES of the command line",
+        )
 
 
 def _saves(saver: Saver) -> Iterator[Widget]:

@@ -196,10 +196,11 @@ class Session(Renderers):
             raise AirlightError(self.state.message)
         # Where the finer solution is shown, it is what is saved.
         drawn = self._drawn
+        assert drawn is not None
         if self.fine.is_shown:
             self.fine.halt()
+            drawn.finish(self.scene_now())
             drawn = self.fine.drawn or drawn
-        assert drawn is not None
         # Its samples replace those on screen, which begin again.
         with self._turns.frame():
             drawn.give(self.scene_now())

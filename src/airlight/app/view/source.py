@@ -9,7 +9,7 @@ from typing import Any
 from ...scene.builtin import BUILTIN
 from ...scene.io import BUILTIN_PREFIX, SCENE_SUFFIXES, VOLUME_SUFFIXES, load
 from ...scene.io.ledger import Stamp, noted, stamps_read
-from ...scene.io.model_options import fitting_options
+from ...scene.io.model_options import fitting_options, left_open
 from ...scene.scene import Scene
 from .watch import Watch
 
@@ -22,6 +22,7 @@ class Source:
     """A scene and its file. `loaded` is what the file said last.
 
     `name` is empty for a scene that has none; `model`: the options that models are read with.
+    `left_open`: which of up and scale the file leaves open, or were asked for.
     `read`: the files that it was loaded from, as they were then; else what the command has read.
     """
 
@@ -37,6 +38,7 @@ class Source:
         # Files are as they were when they were read: what was saved since is an edit.
         self.watch = Watch(Path(name), read=read or stamps_read()) if is_file else None
         self._first = Path(name).parent if is_file else None
+        self.left_open = self._left_open()
 
     def again(self) -> Scene:
         """The scene as its file has it now. Raises AirlightError."""
@@ -49,12 +51,25 @@ class Source:
 
     def opened(self, name: str) -> Source:
         """Another scene, with those options of this one that its kind has. Raises AirlightError."""
-        model = fitting_options(name, self.model)
+        return self._read(name, self.model)
+
+    def read_as(self, **model: Any) -> Source:
+        """The same scene, read with these options. Raises AirlightError."""
+        return self._read(self.name, {**self.model, **model})
+
+    def _read(self, name: str, model: Mapping[str, Any]) -> Source:
         with noted() as files:
-            loaded = load(name, **model)
-        made = Source(name, loaded, self.model, files.stamps)
+            loaded = load(name, **fitting_options(name, model))
+        made = Source(name, loaded, model, files.stamps)
         made._first = self._first
         return made
+
+    def _left_open(self) -> tuple[str, ...]:
+        if self.watch is None:
+            return ()
+        asked = fitting_options(self.name, self.model)
+        found = left_open(self.name, self.loaded.warnings)
+        return tuple(name for name in ("up", "scale") if name in found or name in asked)
 
     def places(self) -> tuple[str, ...]:
         """What can be opened by name: this scene, files beside the first one, shipped scenes."""

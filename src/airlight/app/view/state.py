@@ -219,7 +219,7 @@ def structure(state: ViewState) -> tuple[Any, ...]:
         repr(sorted(chosen.items())),
         id(scene.meshes),
         tuple(light.fixed for light in scene.lights),
-        scene.medium is None,
+        scene.medium and scene.medium.endless,
         tuple((v.shape, id(v.density), v.bounds) for v in scene.volumes),
         scene.environment is None,
         _map_of(scene),

@@ -25,12 +25,12 @@ polygons, normals   faces of many corners cut into triangles; normals of what ha
 images           textures, radiance maps, images: rgbe, exr, ktx2; image_sizes bounds them, cube
                  reads tables of colours, texture_files finds them, texture_mix packs two into one,
                  texture_bake draws one again where gltf_frames brings coordinates together
-volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree, vti
-                 and netcdf, netcdf_* (_coordinates and _axes: where cells are, and which way they
-                 go, gridded: in metres, cloud_water: their units) -> dense_grid; upright: which way
-                 is up; coefficient_files, emission_files: the grids beside a density; grid_series:
-                 those of a folder; grid_times: those of a sequence; volume_scene: grids as a scene,
-                 volume_times: that follow each other
+volumes          density grids of every kind: numpy_files, vol, nanovdb, openvdb, openvdb_tree,
+                 vti with vti_values, and netcdf, netcdf_* (_coordinates and _axes: where cells are,
+                 and which way they go, gridded: in metres, cloud_water: their units) -> dense_grid;
+                 upright: which way is up; coefficient_files, emission_files: the grids beside a
+                 density; grid_series: those of a folder; grid_times: those of a sequence;
+                 volume_scene: grids as a scene, volume_times: that follow each other
 model_options    what may be asked for beside each kind of file
 defaults         a camera where there is none: framing, viewpoint, by the scene's outline, or the
                  dense_part of air; where there is no light a studio, in rooms daylight; ground
@@ -64,9 +64,10 @@ _BUILTIN = "For a scene that ships with airlight, write builtin:NAME."
 _EXPORT = "Export it as glTF (.glb) from the program that made it."
 _AS_GRIDS = {
     **dict.fromkeys(
-        (".vtk", ".vtu", ".vtr", ".vts", ".pvti", ".pvd"),
+        (".vtk", ".vtu", ".vtr", ".vts", ".pvti"),
         "Save it as .vti: ParaView's filter Resample To Image makes a grid of it.",
     ),
+    ".pvd": "Name the folder of the .vti files that it lists: those say when they are.",
     **dict.fromkeys((".grib", ".grib2", ".grb", ".grb2"), "Write it as .nc, by xarray and cfgrib."),
     **dict.fromkeys((".h5", ".hdf5", ".hdf"), "Write it as .nc, by xarray's to_netcdf."),
     **dict.fromkeys(
@@ -96,10 +97,10 @@ def load(
     Of a mesh file or a density grid, `up` is the axis that points upwards (None: y, unless the file
     says it) and `scale` how many metres its unit is; of a glTF file `variant` names one of its
     material variants. `grid` and `channels` choose among several grids of a file, and of grids that
-    follow each other `sequence_fps` are shown in a second (None: 24, of NetCDF and zarr 12), as
-    keys of a [[volume]] have it. Scene files say so themselves. Coefficients of a grid are per
-    metre of the world, whatever the scale. `parameters` are values, as text or numbers, of the
-    $names in a Mitsuba file; they win over its defaults.
+    follow each other `sequence_fps` are shown in a second (None: 24; 12 of NetCDF, zarr and .vti
+    that say when they are), as keys of a [[volume]] have it. Scene files say so themselves.
+    Coefficients of a grid are per metre of the world, whatever the scale. `parameters` are values,
+    as text or numbers, of the $names in a Mitsuba file; they win over its defaults.
     `sun` (a Sky, or text as for `--sun`) replaces directional lights and the environment. `ground`
     True: a mesh file or a grid that shows no room, has no floor and gets its light here stands
     on one, and a warning says why if it does not; None: mesh files do, without a word.

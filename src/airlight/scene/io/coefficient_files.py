@@ -124,5 +124,5 @@ def _read(path: Path, grid: str, name: str, time: int | None) -> GridValues:
                 f"'{grid}' has {found.values.shape[3]} channels, {name} has one or three"
             )
         if not np.isfinite(found.values).all():
-            raise SceneError(f"'{grid}' holds NaN or infinite values")
+            raise SceneError(f"'{grid}' holds infinite values")
     return found

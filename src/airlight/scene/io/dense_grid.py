@@ -88,19 +88,28 @@ def chosen_name(wanted: str, names: list[str], likely: tuple[str, ...]) -> str:
     return found[0]
 
 
+def without_missing(
+    values: NDArray[Any], name: str, file: str
+) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """Values that are NaN, which say that there is none, as 0; and what to tell of them."""
+    if values.dtype.kind != "f" or not values.size or not math.isnan(float(values.min())):
+        return values, ()
+    is_missing = np.isnan(values)
+    text = f"{file}: '{name}' has {int(is_missing.sum()):,} missing values, taken as 0"
+    return np.where(is_missing, values.dtype.type(0), values), (text,)
+
+
 def warnings_of(density: F32, path: Path) -> tuple[str, ...]:
     """Warnings of values that mean nothing. Raises SceneError for those that cannot be used."""
     if density.size == 0:
         raise SceneError(f"is empty: its shape is {density.shape}", where=path)
-    # A minimum and a maximum see NaN as well, without a mask of the whole grid.
     least, most = float(density.min()), float(density.max())
     if not math.isfinite(least) or not math.isfinite(most):
         count = int((~np.isfinite(density)).sum())
         raise SceneError(
-            f"{count:,} of its {density.size:,} values {'is' if count == 1 else 'are'} NaN or "
-            "infinite",
+            f"{count:,} of its {density.size:,} values {'is' if count == 1 else 'are'} infinite",
             where=path,
-            remedy="Repair it: numpy.nan_to_num makes them 0.",
+            remedy="Repair it. NaN, no value, is read as 0.",
         )
     if least < 0.0:
         raise SceneError(

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from ...errors import SceneError
 from .coefficient_files import main_grid
 from .files import naming
-from .netcdf import likeliest, time_counts
-from .netcdf_times import name_and_number
+from .netcdf import likeliest, time_axes, time_counts
+from .netcdf_times import name_and_number, uneven
 from .volumes import UPRIGHT_SUFFIXES, grid_names
+from .vti import vti_time
 
 Times = tuple[int | None, ...]
 """Of each frame which of its file's times it is, None where that has but one."""
@@ -32,6 +36,30 @@ def frames_of(
     return tuple(path for path, _ in frames), tuple(time for _, time in frames)
 
 
+def in_time(files: tuple[Path, ...]) -> tuple[tuple[Path, ...], tuple[float, ...], tuple[str, ...]]:
+    """Files that say when they are, by that; their times, none where one does not; what to tell.
+
+    `files` follow each other by the numbers in their names. Raises SceneError.
+    """
+    if len(files) < 2 or any(path.suffix.lower() != ".vti" for path in files):
+        return files, (), ()
+    said: list[float] = []
+    for path in files:
+        with naming(path):
+            time = vti_time(path)
+        if time is None:
+            return files, (), ()
+        said.append(time)
+    order = sorted(range(len(files)), key=lambda k: said[k])
+    times = tuple(said[k] for k in order)
+    sorted_files, told = tuple(files[k] for k in order), list[str]()
+    if sorted_files != files:
+        text = f"{files[0].name} and those after it follow each other by their TimeValue, not by "
+        told.append(text + "the numbers in their names")
+    told += uneven(np.array(times), f"{files[0].name} and those after it: TimeValue")
+    return sorted_files, times, tuple(told)
+
+
 def counted_grids(path: Path) -> dict[str, int]:
     """The named grids of a file, and how many times each has: 1 where it is static.
 
@@ -41,6 +69,26 @@ def counted_grids(path: Path) -> dict[str, int]:
         return dict.fromkeys(grid_names(path), 1)
     with naming(path):
         return time_counts(path)
+
+
+def time_axes_of(files: tuple[Path, ...]) -> list[dict[str, Any]]:
+    """The axes of times of a file, or of those that follow each other: name, units, values, grids.
+
+    Raises SceneError.
+    """
+    # Files of one time each are an axis together, a file of several has its own.
+    if all(path.suffix.lower() == ".vti" for path in files):
+        with naming(files[0]):
+            times = in_time(files)[1] or tuple(t for t in map(vti_time, files[:1]) if t is not None)
+        return [{"name": "TimeValue", "values": list(times)}] if times else []
+    if len(files) > 1 or files[0].suffix.lower() not in UPRIGHT_SUFFIXES:
+        return []
+    with naming(files[0]):
+        found = time_axes(files[0])
+    return [
+        {"name": name, "units": units, "values": values, "grids": grids}
+        for name, units, values, grids in found
+    ]
 
 
 def _count(path: Path, grid: str, grids: Mapping[str, str], glowing: str | None) -> int:

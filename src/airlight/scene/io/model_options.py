@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ...errors import SceneError
-from . import MESH_SUFFIXES, VOLUME_SUFFIXES
+from . import GLTF_SUFFIXES, MESH_SUFFIXES, USD_SUFFIXES, VOLUME_SUFFIXES
 from .grid_series import kind_of
+from .volumes import UPRIGHT_SUFFIXES
 
 _BOTH = ("mesh files and density grids", (*MESH_SUFFIXES, *VOLUME_SUFFIXES))
 _GRIDS = ("density grids", VOLUME_SUFFIXES)
@@ -61,6 +62,22 @@ def model_keys(
 def fitting_options(path: str, options: Mapping[str, Any]) -> dict[str, Any]:
     """Those options of `load` that files of this kind have."""
     return {name: value for name, value in options.items() if _is_of(path, name)}
+
+
+def left_open(path: str, told: Iterable[str] = ()) -> tuple[str, ...]:
+    """Which of up and scale a file says nothing of; `told`: the warnings of its scene.
+
+    There are none of what is no file, and of scene files, whose parts have keys of their own.
+    """
+    try:
+        kind = kind_of(path)
+    except SceneError:
+        return ()
+    if kind in UPRIGHT_SUFFIXES:
+        # Coordinates have units; where no axis says that it is the height, that was told.
+        return ("up",) if any("(--up " in text for text in told) else ()
+    is_open = _is_of(path, "up") and kind not in (*GLTF_SUFFIXES, *USD_SUFFIXES)
+    return ("up", "scale") if is_open else ()
 
 
 def _is_of(path: str, name: str) -> bool:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...errors import SceneError
 from ..checks import F64
 from .cloud_water import as_opaque, is_length, optical, radius_of
-from .dense_grid import DenseGrid, check_count, chosen_name
+from .dense_grid import DenseGrid, check_count, chosen_name, without_missing
 from .gridded import placed
 from .netcdf_axes import Axis, lettered
 from .netcdf_coordinates import axis_of
@@ -82,6 +82,27 @@ def time_counts(path: Path) -> dict[str, int]:
     """How many times each of `xarray_names` has; 1 of those that are static. Raises SceneError."""
     with opened_dataset(path) as dataset:
         return {name: _count(dataset[name]) for name in _names(dataset)}
+
+
+def time_axes(path: Path) -> list[tuple[str, str, list[float], list[str]]]:
+    """Of each axis of times its name, units and values, and the grids that have several along it.
+
+    An axis without values has none. Raises SceneError.
+    """
+    found: dict[str, list[str]] = {}
+    with opened_dataset(path) as dataset:
+        for name in _names(dataset):
+            axis = _time_axis(dataset[name])
+            if axis is not None and _count(dataset[name]) > 1:
+                found.setdefault(axis, []).append(name)
+        return [(axis, *_told(dataset.get(axis)), names) for axis, names in found.items()]
+
+
+def _told(times: Any) -> tuple[str, list[float]]:
+    """The units and the values of a coordinate, where those are numbers."""
+    if times is None or times.ndim != 1 or times.dtype.kind not in "fiu":
+        return "", []
+    return str(times.attrs.get("units", "")), np.asarray(times.values, np.float64).tolist()
 
 
 def likeliest(wanted: str, names: list[str]) -> str:
@@ -202,20 +223,16 @@ def _mended(
     values: NDArray[np.float32], name: str, file: str
 ) -> tuple[NDArray[np.float32], tuple[str, ...]]:
     """Missing values as none, and what rounding left below 0."""
-    told = []
     # What was never written holds a number of its own, that xarray takes for a value.
-    is_missing = np.isnan(values) | (values == _NEVER_WRITTEN)
-    missing = int(is_missing.sum())
-    if missing:
-        values = np.where(is_missing, np.float32(np.nan), values)
-        values = np.nan_to_num(values, nan=0.0, posinf=np.inf, neginf=-np.inf)
-        told.append(f"{file}: '{name}' has {missing:,} missing values, taken as 0")
+    never = values == _NEVER_WRITTEN
+    values = np.where(never, np.float32(np.nan), values) if never.any() else values
+    values, told = without_missing(values, name, file)
     least, most = float(values.min(initial=0.0)), float(values.max(initial=0.0))
     # Values a little below 0 are what rounding leaves, no mistake of the file.
     if 0.0 > least >= -1e-3 * most:
         values = np.maximum(values, np.float32(0.0))
-        told.append(f"{file}: '{name}' has values of rounding below 0, taken as 0")
-    return values, tuple(told)
+        told = (*told, f"{file}: '{name}' has values of rounding below 0, taken as 0")
+    return values, told
 
 
 _GRAVITY = 9.81  # m s^-2, as WRF has it

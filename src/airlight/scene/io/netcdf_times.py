@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import SceneError
 from .dense_grid import check_count
@@ -59,7 +60,8 @@ def at_one_time(
     if count == 1:
         return found, 0, ()
     which = f"number {chosen} is read, the first that holds any" if chosen else "the first is read"
-    text = f'{file} has {count} times, {which} (grid = "{variable.name}[-1]" takes the last)'
+    how = f'--grid "{variable.name}[-1]", in a [[volume]] grid, takes the last'
+    text = f"{file} has {count} times, {which} ({how}; airlight info lists them)"
     return found, chosen, (text, *_unevenly(variable, axis, file))
 
 
@@ -68,10 +70,15 @@ def _unevenly(variable: Any, axis: str, file: str) -> tuple[str, ...]:
     times = variable.coords.get(axis)
     if times is None or times.ndim != 1 or times.dtype.kind not in "fiu" or times.size < 3:
         return ()
-    steps = np.diff(np.asarray(times.values, np.float64))
-    if np.ptp(steps) <= 0.01 * abs(float(steps.mean())):
+    return uneven(np.asarray(times.values, np.float64), f"{file}: '{axis}'")
+
+
+def uneven(times: NDArray[np.float64], what: str) -> tuple[str, ...]:
+    """What to tell of `times` that are not evenly spaced: a sequence shows them evenly."""
+    steps = np.diff(times)
+    if len(steps) < 2 or np.ptp(steps) <= 0.01 * abs(float(steps.mean())):
         return ()
-    return (f"{file}: '{axis}' is not evenly spaced: a sequence shows its times evenly",)
+    return (f"{what} is not evenly spaced: a sequence shows its times evenly",)
 
 
 def _holds_any(variable: Any) -> bool:

@@ -104,7 +104,7 @@ SEQUENCE_KEYS = (
         "sequence",
         PATH,
         "instead of a file: many, one after the other; a folder, or a pattern with `*`, sorted by "
-        "the numbers in their names",
+        "the numbers in their names, .vti by their TimeValue where all have one",
     ),
     Key("sequence_fps", _ABOVE_ZERO, "files, or their times, per second", "s^-1", "24"),
     Key("sequence_start_s", NUMBER, "the first file's time", "seconds", "0"),

@@ -16,7 +16,7 @@ from ..volume import Volume
 from .coefficient_files import NAMES, density_or_first, read_coefficients, taken_grids
 from .emission_files import taken_emission
 from .files import named_file
-from .grid_times import Times, frames_of
+from .grid_times import Times, frames_of, in_time
 from .ledger import note_read
 from .toml_animation import file_sequence, volume_files
 from .toml_keys import SEQUENCE_KEYS
@@ -65,7 +65,9 @@ def placed_volume(
     note_read(*files)  # of a sequence those that are read later, too
     times: Times = (None,)
     glowing = values.get("emission_grid", values.get("temperature_grid"))
+    ordered: tuple[str, ...] = ()
     if not is_file:
+        files, _, ordered = in_time(files)
         files, times = frames_of(files, values.get("grid", "density"), grids, glowing)
     first, grid = _first_filled(files, times, values, grids)
     # Emission and coefficients, of that time, may need a larger box than the density's.
@@ -82,7 +84,7 @@ def placed_volume(
         volume = Volume(density=grid.density, source=written, emission=emission, **values)
         if first:  # a sequence may begin empty
             volume = sequence.of(volume, sequence.start_s)
-    return volume, (*told, *warnings), None if is_file else sequence
+    return volume, (*ordered, *told, *warnings), None if is_file else sequence
 
 
 def _in_its_box(

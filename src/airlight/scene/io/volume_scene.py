@@ -21,6 +21,7 @@ from .coefficient_files import colours_of
 from .dense_grid import Optics
 from .emission_files import on_one_grid, told_beside
 from .grid_series import series_name
+from .grid_times import in_time
 from .ledger import note_read
 from .volume_times import Series, with_times
 from .volumes import (
@@ -78,9 +79,11 @@ def load_series_scene(
     keys = keys or {}
     note_read(*files)  # those, too, that are read later
     scene, grid = _shown(_fullest(files, keys), keys)
-    usual = FPS if files[0].suffix.lower() in UPRIGHT_SUFFIXES else DEFAULT_FPS
+    files, times, told = in_time(files)
+    # Files that say when they are come from simulations, as those do that hold their times.
+    usual = FPS if times or files[0].suffix.lower() in UPRIGHT_SUFFIXES else DEFAULT_FPS
     fps = keys.get("sequence_fps", usual)
-    scene = replace(scene, name=series_name(named))
+    scene = replace(scene, name=series_name(named), warnings=(*scene.warnings, *told))
     beside = keys_of(scene.volumes[0], Path(scene.volumes[0].source))
     return with_times(scene, Series(files, str(named), fps), grid, keys, beside)
 

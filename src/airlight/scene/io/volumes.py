@@ -16,7 +16,7 @@ from ...errors import SceneError, nearest
 from .. import checks
 from ..checks import F32, F64, Bounds
 from ..one_grid import LONGEST_SIDE
-from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, warnings_of
+from .dense_grid import LARGEST_VALUE_COUNT, DenseGrid, Optics, warnings_of, without_missing
 from .files import is_file, is_folder, naming
 from .nanovdb import SparseGrid, read_nanovdb
 from .netcdf import read_xarray, xarray_names
@@ -72,8 +72,9 @@ def read_volume(
     with naming(path):
         # Sparse grids say where they are; of vectors one channel is the density.
         if suffix in _SPARSE:
-            read = _SPARSE[suffix](path, grid)
-            sparse = replace(_from_sparse(read), warnings=_other_name(path, grid, read.name))
+            read, told = _sparse(path, grid)
+            other = _other_name(path, grid, read.name)
+            sparse = replace(_from_sparse(read), warnings=(*other, *told))
             if sparse.density.ndim == 4:
                 sparse = replace(sparse, density=_density(sparse.density, channels))
             return _fitting(sparse, path)
@@ -85,11 +86,11 @@ def read_volume(
         density = _density(found.values, channels)
         placed = _in_own_box(density, path)
         if found.bounds is not None:
-            placed = VolumeGrid(density, found.bounds, found.warnings, found.world_from_volume)
+            placed = VolumeGrid(density, found.bounds, (), found.world_from_volume)
         named = _unnamed(path, grid)
         shown = found.time if time is None else time
         placed = replace(placed, optics=found.optics, time=shown, upright=found.upright)
-        return _fitting(replace(placed, warnings=(*placed.warnings, *named)), path)
+        return _fitting(replace(placed, warnings=(*found.warnings, *placed.warnings, *named)), path)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,12 +112,12 @@ def read_values(path: Path, grid: str, time: int | None = None) -> GridValues:
     with naming(path):
         suffix = path.suffix.lower()
         if suffix in _SPARSE:
-            sparse = _SPARSE[suffix](path, grid)
+            sparse, told = _sparse(path, grid)
             # A single grid is found by any name, so its own is checked here.
             if sparse.name not in ("", grid):
                 raise SceneError(f"has no grid '{grid}', only '{sparse.name}'")
             found = _from_sparse(sparse)
-            return GridValues(found.density, found.bounds, found.world_from_volume)
+            return GridValues(found.density, found.bounds, found.world_from_volume, told)
         if suffix not in _DENSE:
             known = ", ".join((*_DENSE, *_SPARSE))
             raise SceneError("is not a grid", remedy=f"Known endings: {known}.")
@@ -136,9 +137,17 @@ def read_values(path: Path, grid: str, time: int | None = None) -> GridValues:
 def _dense(path: Path, grid: str, time: int | None) -> DenseGrid:
     suffix = path.suffix.lower()
     # Only files of simulations hold times.
-    return (
-        read_xarray(path, grid, time) if suffix in UPRIGHT_SUFFIXES else _DENSE[suffix](path, grid)
-    )
+    if suffix in UPRIGHT_SUFFIXES:
+        return read_xarray(path, grid, time)
+    found = _DENSE[suffix](path, grid)
+    values, told = without_missing(found.values, grid, path.name)
+    return replace(found, values=values, warnings=(*found.warnings, *told))
+
+
+def _sparse(path: Path, grid: str) -> tuple[SparseGrid, tuple[str, ...]]:
+    found = _SPARSE[path.suffix.lower()](path, grid)
+    values, told = without_missing(found.values, found.name or grid, path.name)
+    return replace(found, values=values), told
 
 
 def grid_names(path: Path) -> list[str]:

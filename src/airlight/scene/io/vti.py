@@ -7,15 +7,13 @@ has no reader of it.
 
 from __future__ import annotations
 
-import base64
-import binascii
 import lzma
 import math
 import re
 import zlib
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from xml.etree import ElementTree
 
 import numpy as np
@@ -23,41 +21,15 @@ from numpy.typing import NDArray
 
 from ...errors import SceneError
 from ..checks import Bounds
-from .dense_grid import DenseGrid, box_of, check_count, chosen_name
-from .files import read_bytes
+from .dense_grid import DenseGrid, box_of, check_count, chosen_name, without_missing
+from .files import opened, read_bytes
+from .vti_values import TYPES, VtiFile, values_of
 
-_TYPES = {
-    "Int8": "i1",
-    "UInt8": "u1",
-    "Int16": "i2",
-    "UInt16": "u2",
-    "Int32": "i4",
-    "UInt32": "u4",
-    "Int64": "i8",
-    "UInt64": "u8",
-    "Float32": "f4",
-    "Float64": "f8",
-}
 _APPENDED = re.compile(rb"<AppendedData\b([^>]*)>")
 _LONGEST_HEAD = 1 << 20  # bytes of XML before appended data
-_MOST_BLOCKS = 1 << 24
+_FIELD_END = b"</FieldData>"
+_ONE_VALUE = 4096  # bytes: more than one number takes, packed or not; whole groups of base64
 _LIKELY = ("density", "Density", "smoke", "rho")
-_UNPACKERS: dict[str, Any] = {
-    "vtkZLibDataCompressor": zlib.decompressobj,
-    "vtkLZMADataCompressor": lzma.LZMADecompressor,
-}
-
-
-@dataclass(frozen=True)
-class _File:
-    """The parsed head, how binary values are stored, and the appended ones."""
-
-    image: ElementTree.Element
-    order: str
-    header: str
-    compressor: str
-    appended: bytes
-    is_raw: bool
 
 
 @dataclass(frozen=True)
@@ -83,7 +55,8 @@ def read_vti(path: Path, wanted: str) -> DenseGrid:
         grid = _grid(file, arrays[name], warned)
         flat = " and ".join(a for a, n in zip("zyx", grid.values.shape, strict=False) if n == 1)
         told = (f"{path.name} is flat: it has one layer along {flat}",) if flat else ()
-        return replace(grid, warnings=(*warned, *told))
+        values, missed = without_missing(grid.values, name, path.name)
+        return replace(grid, values=values, warnings=(*warned, *told, *missed))
     except (ElementTree.ParseError, KeyError, ValueError, zlib.error, lzma.LZMAError) as error:
         raise SceneError(
             f"is not a readable .vti: {error}", remedy="Copy or export it again."
@@ -100,12 +73,51 @@ def vti_names(path: Path) -> list[str]:
         ) from None
 
 
+def vti_time(path: Path) -> float | None:
+    """When a file says it is of: its TimeValue, in whatever unit it has; None where it says none.
+
+    Of a file of any size no more than its head is read. Raises SceneError for what is no .vti.
+    """
+    try:
+        with opened(path) as stream:
+            raw = stream.read(_LONGEST_HEAD)
+            end = raw.find(_FIELD_END)
+            if end < 0:
+                return None
+            # What stands before the pieces, as a file of its own.
+            file = _parsed(raw[: end + len(_FIELD_END)] + b"</ImageData></VTKFile>")
+            element = file.image.find("FieldData/DataArray[@Name='TimeValue']")
+            if element is None:
+                return None
+            if element.get("format") == "appended":
+                file = replace(file, **_appended(stream, raw, int(element.get("offset", "0"))))
+                element.set("offset", "0")
+            found = float(values_of(file, element, 1)[0])
+    except (ElementTree.ParseError, KeyError, ValueError, zlib.error, lzma.LZMAError):
+        return None
+    return found if math.isfinite(found) else None
+
+
+def _appended(stream: BinaryIO, raw: bytes, offset: int) -> dict[str, Any]:
+    """The first of the appended data from `offset` on, and whether they are raw; `raw`: the head.
+
+    Raises ValueError where the head has not ended yet.
+    """
+    found = _APPENDED.search(raw)
+    begin = -1 if found is None else raw.find(b"_", found.end())
+    if found is None or begin < 0:
+        raise ValueError("its head is too long")
+    stream.seek(begin + 1 + offset)
+    is_raw, data = b"raw" in found[1], stream.read(_ONE_VALUE)
+    return {"appended": data if is_raw else data.partition(b"<")[0], "is_raw": is_raw}
+
+
 class _Builder(ElementTree.TreeBuilder):
     def doctype(self, name: str, pubid: str | None, system: str | None) -> None:
         raise SceneError("a document type (<!DOCTYPE ...>) is refused", remedy="Remove it.")
 
 
-def _parsed(raw: bytes) -> _File:
+def _parsed(raw: bytes) -> VtiFile:
     """The file without its appended data, which need not be XML, and those."""
     # Appended data may be raw bytes, which no XML parser takes: cut off first.
     found = _APPENDED.search(raw)
@@ -134,8 +146,8 @@ def _parsed(raw: bytes) -> _File:
         )
     # How numbers are stored in all of the file.
     order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
-    header = _TYPES[root.get("header_type", "UInt32")]
-    return _File(image, order, order + header, root.get("compressor", ""), appended, is_raw)
+    header = TYPES[root.get("header_type", "UInt32")]
+    return VtiFile(image, order, order + header, root.get("compressor", ""), appended, is_raw)
 
 
 def _arrays(image: ElementTree.Element) -> tuple[dict[str, _Array], list[str]]:
@@ -156,7 +168,7 @@ def _arrays(image: ElementTree.Element) -> tuple[dict[str, _Array], list[str]]:
     return found, active
 
 
-def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
+def _grid(file: VtiFile, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
     """All pieces of an array in one grid, and its place."""
     # The whole image, of which each piece says its part.
     whole = _numbers(file.image, "WholeExtent", 6, int)
@@ -170,7 +182,7 @@ def _grid(file: _File, array: _Array, warned: tuple[str, ...]) -> DenseGrid:
         first = extent[::2] - whole[::2]
         if (first < 0).any() or any(a + n > m for a, n, m in zip(first, own, count, strict=True)):
             raise ValueError(f"a piece of '{array.name}' lies outside of the whole")
-        flat = _values(file, element, math.prod(own) * channels)
+        flat = values_of(file, element, math.prod(own) * channels)
         # x is fastest in the file, as in the grid.
         block = flat.reshape(*own[::-1], channels)
         # The first piece says of which type the whole is.
@@ -232,68 +244,3 @@ def _numbers(
     if len(values) != count:
         raise ValueError(f"its {name} has {len(values)} numbers, not {count}")
     return values
-
-
-def _values(file: _File, element: ElementTree.Element, count: int) -> NDArray[Any]:
-    """The `count` values of a DataArray element."""
-    dtype = np.dtype(file.order + _TYPES[element.get("type", "Float32")])
-    form = element.get("format", "ascii")
-    if form == "ascii":
-        values = np.array((element.text or "").split(), np.float64)
-        if len(values) != count:
-            raise ValueError(f"it has {len(values):,} values, its extent asks for {count:,}")
-        return values.astype(dtype)
-    # Appended data lie behind all elements, binary ones within them; either is packed in the same
-    # blocks.
-    if form == "appended":
-        stored = file.appended[int(element.get("offset", "0")) :]
-        stored = stored if file.is_raw else _from_base64(stored)
-    elif form == "binary":
-        stored = _from_base64((element.text or "").encode())
-    else:
-        raise ValueError(f"its format '{form}' is unknown")
-    raw = _unpacked(file, stored, count * dtype.itemsize)
-    return np.frombuffer(raw, dtype).astype(dtype.newbyteorder("="))
-
-
-def _from_base64(text: bytes) -> bytes:
-    """Bytes of one or more base64 texts on end: a header is often padded on its own."""
-    try:
-        return b"".join(
-            base64.b64decode(part, validate=True)
-            for part in re.findall(rb"[^=]+=*", b"".join(text.split()))
-        )
-    except binascii.Error as error:
-        raise ValueError(f"its base64 is damaged ({error})") from None
-
-
-def _unpacked(file: _File, stored: bytes, wanted: int) -> bytes:
-    """`wanted` bytes behind their header: their number, or of blocks the number and all sizes."""
-    size = np.dtype(file.header).itemsize
-    # Plain values follow their number of bytes.
-    if not file.compressor:
-        length = int(np.frombuffer(stored, file.header, 1)[0])
-        if length != wanted or len(stored) < size + wanted:
-            raise ValueError(f"it has {min(length, len(stored)):,} bytes of values, not {wanted:,}")
-        return stored[size : size + wanted]
-    if file.compressor not in _UNPACKERS:
-        raise SceneError(
-            f"is packed by {file.compressor}, only zlib and LZMA are read",
-            remedy="Write it with zlib, or not packed.",
-        )
-    # Of packed blocks, the header says how many there are, how large, and how long each is packed.
-    blocks, block_size, last = (int(n) for n in np.frombuffer(stored, file.header, 3))
-    expected = blocks * block_size - (block_size - last if last else 0)
-    if blocks > _MOST_BLOCKS or expected != wanted:
-        raise ValueError(f"its blocks hold {expected:,} bytes of values, not {wanted:,}")
-    # No block may unpack to more than it says: a small file could fill the memory.
-    packed = np.frombuffer(stored, file.header, blocks, 3 * size).astype(np.int64)
-    at, parts = (3 + blocks) * size, []
-    for length in packed.tolist():
-        unpacker = _UNPACKERS[file.compressor]()
-        parts.append(unpacker.decompress(stored[at : at + length], block_size + 1))
-        at += length
-    made = b"".join(parts)
-    if len(made) != wanted:
-        raise ValueError(f"its blocks hold {len(made):,} bytes of values, not {wanted:,}")
-    return made
