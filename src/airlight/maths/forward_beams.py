@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 from .arrays import F64
 
-SPREAD, BACK = 0.29, 0.58
-"""Of a path in a medium, m: the deviation across it over sqrt(2 (1 - g)), and how far back light is
-deflected: the root mean square, 1/sqrt(3) of a path that deflects alike everywhere."""
+SPREAD, BACK = 0.41, 0.58
+"""Root mean squares over a path in a medium that deflects alike everywhere, of its length: across
+it, over sqrt(2 (1 - g)), 1/sqrt(6); and how far back light is deflected, 1/sqrt(3)."""
 INSIDE = 0.8
 """Of the sides of a medium's box: where light comes from to paths that pass the medium by."""
 

@@ -3,9 +3,9 @@
 The lattice solves for the reduced medium (see `reduced`), in which light that is scattered forwards
 counts as unscattered. Marching scatters its irradiance Phi T' towards the eye by fused_phase; the
 part that the true medium would have attenuated, Phi (T' - T), lights surfaces. Light of directional
-lights is blurred across their direction by .29 sqrt(2 (1 - g)) of its path in the medium. It
-arrives slantwise from where it was deflected, .58 of that path back (the root mean square where
-every place deflects alike), as far as walls let it.
+lights was deflected once, anywhere on its path in the medium alike: some way back along its
+direction, and by sqrt(1 - g) of that aside (the deviation along each axis; Henyey and Greenstein's
+mean squared deflection is about 2 (1 - g)). What lies behind a wall does not come.
 Source: ours. differs: Billeter2012 knows isotropic media only.
 """
 

@@ -43,22 +43,32 @@ fn slant_aside(k: u32, tap: u32) -> vec2f {
     return sqrt(-2.0 * log(1.0 - share)) * vec2f(cos(turn), sin(turn));
 }
 
+// How far back light of a tap was deflected, over the root mean square of that: anywhere on its path alike.
+fn back_share(k: u32, tap: u32) -> f32 {
+    let number = f32(tap * 8u + ((3u * k + 1u) & 7u)) + 0.5;
+    return 1.7320508 * select(fract(number * 0.7548776662), number / 8.0, params.taps == 1u);
+}
+
 // Deflected light comes slantwise from a beam beside p, whose light is looked up where it was deflected. At lattice
 // coordinates `start`; `depths` on the straight path.
-fn slanted(light: LightData, i: u32, start: vec3f, deviations: vec2f, depths: Depths) -> vec3f {
+fn slanted(light: LightData, i: u32, start: vec3f, k: u32, tap: u32, depths: Depths) -> vec3f {
     let across = normalize(cross(light.direction,
         select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(light.direction.y) < 0.7)));
     let radius = depths.deviation / lattice.cell;
-    let ring = min(radius, BLUR_CELLS) * deviations;
+    let far = back_share(k, tap);
+    let ring = far * min(radius, BLUR_CELLS) * slant_aside(k, tap);
     let aside = lattice_from_world(lattice, ring.x * across + ring.y * cross(light.direction, across));
-    let back = depths.back / lattice.cell * min(1.0, BLUR_CELLS / radius);
+    let back = far * depths.back / lattice.cell * min(1.0, BLUR_CELLS / radius);
     let offset = aside - back * lattice_from_world(lattice, light.direction);
-    let moved = moved_freely(start, offset);
-    let share = length(moved - start) / length(offset);
+    // What was deflected behind a wall does not come here.
+    let passed = passed_walls(start, offset);
+    if (passed <= 0.0) {
+        return vec3f(0.0);
+    }
     // As much medium as there is before the point beside this one; lit if the beam is where it was deflected.
-    let beside = depths_towards(light, i, world_point(start + share * aside), false);
-    let p = world_point(moved);
-    return gained_at(light, p, lit_point(light, -light.direction, p), beside);
+    let beside = depths_towards(light, i, world_point(start + aside), false);
+    let p = world_point(start + offset);
+    return passed * gained_at(light, p, lit_point(light, -light.direction, p), beside);
 }
 
 struct Part {
@@ -89,7 +99,7 @@ fn slanted_alone(light: LightData, i: u32, id: vec3u, span: CellSpan) -> vec3f {
     var sum = vec3f(0.0);
     for (var n = 0u; n < 8u * params.taps; n++) {
         let start = vec3f(id) + octant_middle(n & 7u);
-        sum += slanted(light, i, start, slant_aside(n & 7u, n >> 3u), depths);
+        sum += slanted(light, i, start, n & 7u, n >> 3u, depths);
     }
     return sum / f32(8u * params.taps);
 }
@@ -116,7 +126,7 @@ fn forward_part(light: LightData, i: u32, id: vec3u, span: CellSpan, k: u32) -> 
     }
     var gained = vec3f(0.0);
     for (var tap = 0u; tap < params.taps; tap++) {
-        gained += slanted(light, i, vec3f(id) + half, slant_aside(k, tap), depths);
+        gained += slanted(light, i, vec3f(id) + half, k, tap, depths);
     }
     return Part(seen.straight, gained / f32(params.taps), depth);
 }

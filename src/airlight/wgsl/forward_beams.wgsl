@@ -1,7 +1,7 @@
 // Light that media only scatter forwards; see maths/forward_beams.py.
 //! use medium
 
-const SPREAD = 0.29;
+const SPREAD = 0.41;
 const BACK = 0.58;
 const INSIDE = 0.8;
 
