@@ -3,8 +3,8 @@
 //! use lattice_space
 //! use cell_order
 
-// How open the face is that a hop crosses into a cell; beyond the lattice no walls are known.
-fn openness(cell: vec3i, hop: u32) -> f32 {
+// Visibility of the face that a hop crosses into a cell; beyond the lattice no walls are known.
+fn visibility_of_face(cell: vec3i, hop: u32) -> f32 {
     if (any(cell < vec3i(0)) || any(cell >= vec3i(lattice.count))) {
         return 1.0;
     }
@@ -28,7 +28,7 @@ fn passed_walls(start: vec3f, offset: vec3f) -> f32 {
         cell += select(vec3i(0), steps, along);
         next += select(vec3f(0.0), between, along);
         // Visibility is of the hops that enter a cell: + of a pair first.
-        passed *= openness(cell, 2u * axis + select(1u, 0u, any(along & (steps > vec3i(0)))));
+        passed *= visibility_of_face(cell, 2u * axis + select(1u, 0u, any(along & (steps > vec3i(0)))));
     }
     return passed;
 }
