@@ -22,7 +22,7 @@ fn passed_walls(start: vec3f, offset: vec3f) -> f32 {
     var passed = 1.0;
     loop {
         let part = min(next.x, min(next.y, next.z));
-        if (part >= 1.0 || passed <= 0.0) { break; }
+        if (!(part < 1.0) || passed <= 0.0) { break; }
         let axis = select(select(2u, 1u, next.y == part), 0u, next.x == part);
         let along = vec3u(axis) == vec3u(0u, 1u, 2u);
         cell += select(vec3i(0), steps, along);
