@@ -32,9 +32,9 @@ def relative_error(gpu, commands, lattice, kind, depth, cells, plan, photons, al
 OURS = {
     ("point", 0.1): (0.19, 0.23),
     ("beam", 0.1): (0.24, 0.26),
-    ("point", 0.3): (0.11, 0.13),
-    ("beam", 0.3): (0.18, 0.19),
-    ("point", 1.0): (0.13, 0.14),
+    ("point", 0.3): (0.13, 0.13),
+    ("beam", 0.3): (0.19, 0.19),
+    ("point", 1.0): (0.14, 0.14),
     ("beam", 1.0): (0.23, 0.23),
     ("point", 3.0): (0.21, 0.22),
     ("beam", 3.0): (0.30, 0.30),
