@@ -13,6 +13,7 @@ calibration  how bright lattices' light is beside what paths trace
 far        how long rays must be for their light to come from afar
 sums       their light, lit as pixels are (lighting.hits), and what lies outside (sky_cells);
            found: the same without what single rays found by luck
+later      what later segments bring, the mean of all paths that met the same place
 guide      patches that lights shine on, from their maps; guided: rays towards them
 sky        more rays towards what is bright outside
 mirrors    rays of smooth surfaces' pixels, and what they mirror (mirror_passes, mirror_batches);

@@ -20,6 +20,7 @@ from .filtering import Filtering
 from .found import FoundSums
 from .guided import GuidedRays
 from .history import History
+from .later import LaterLight
 from .paths import Paths
 from .points import Points
 from .seen_cells import FIRST, TURNS, SeenCells, seen_cells
@@ -30,7 +31,7 @@ from .thinning import SegmentEnds
 from .upsample import Upsampling
 
 MOST_HITS = 1 << 20
-"""Of a batch: 270 bytes for each, with those of later segments."""
+"""Of a batch: 290 bytes for each, with those of later segments."""
 
 
 class ViewBatches:
@@ -59,6 +60,7 @@ class ViewBatches:
         guided = settings.gather_guided
         self.guided = GuidedRays(gpu, self.points, rays, guided, has_air=has_air)
         # What becomes of their light.
+        self.later = LaterLight(gpu, self.points, self.batch, rays)
         self.sums, self.found = Sums(gpu, self.points), FoundSums(gpu, self.points, rays)
         self.filtering = Filtering(gpu, self.points, rays)
         self.upsampling = Upsampling(gpu, kit, self.points, rays)

@@ -47,6 +47,11 @@ class PathSegments:
         """Those that lead rays, as `LightGuide.patches`."""
         return self._guide.patches
 
+    @property
+    def is_any_later(self) -> bool:
+        """Whether paths have more than one segment."""
+        return self._bounces and self.settings.gather_bounces > 1
+
     def guided(self, commands: Commands, sized: ViewBatches, fields: Fields) -> int:
         """Find what lights shine on that points see; how many rays of each point go there."""
         if not sized.guided.count:

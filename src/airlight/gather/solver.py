@@ -73,6 +73,7 @@ class GatherSolver(Solver):
         self._occlusion = Occlusion(kit.gpu) if is_occluded else None
         self._albedos: Albedos | None = None
         self._scene, self._is_changing = kit.context.scene, False
+        self._is_relit = False
         # What the first image of a sample found: sums of points, and light in media.
         self._found: tuple[Texture, dict[str, Any]] | None = None
         # What smooth surfaces mirror is lit apart: images of another size.
@@ -85,7 +86,9 @@ class GatherSolver(Solver):
     def solve(self, commands: Commands, frame: Frame, fields: Fields) -> Fields:
         """Nothing that does not depend on a view."""
         # Frames go on from those before as long as light stays the same.
-        self._is_changing |= not lit_alike(frame.scene, self._scene)
+        is_other = not lit_alike(frame.scene, self._scene)
+        self._is_changing |= is_other
+        self._is_relit |= is_other
         self._scene = frame.scene
         self._cells.take(frame.scene.environment)
         return fields
@@ -172,19 +175,27 @@ class GatherSolver(Solver):
         # Batches of paths: traced, lit segment by segment, added up.
         rays = self.settings.gather_rays
         sample = range(number * rays, (number + 1) * rays)
+        # What cells know of later segments' light is of this image, as long as that stays the same.
+        if view.sample == 0 or self._is_relit:
+            sized.later.begin(commands)
+            self._is_relit = False
         for first in range(sample.start, sample.stop, sized.batch):
             numbers = range(first, min(first + sized.batch, sample.stop))
-            later = range(0)
+            later, passed = None, sized.later.passed
             for segment in self._paths.followed(commands, sized, numbers, fields, guided):
                 if segment.index == 0:
                     with commands.stage("gather lighting"):
-                        sized.sums.encode(commands, view, sized.paths, numbers, sample)
+                        sized.sums.encode(commands, view, sized.paths, passed, numbers, sample)
+                    later = 0
                 elif segment.index == 1:
-                    later = segment.numbers
+                    later = len(segment.numbers)
             # What later segments found counts once per batch, of the rays that have them.
-            if later:
-                with commands.stage("gather lighting"):
-                    sized.sums.encode_later(commands, view, sized.paths, later)
+            if later is not None and self._paths.is_any_later:
+                with commands.stage("gather later light"):
+                    hits = sized.ends.of(0).hits
+                    sized.later.encode(
+                        commands, view, sized.paths, hits, numbers, later, sized.sums
+                    )
         # Rays towards lit patches share with the others what both may find.
         if guided:
             self._paths.add_guided(commands, sized, number, fields)

@@ -66,24 +66,13 @@ class _Sums(ComputePass):
         texture("places", "2d", "unfilterable-float"),
         texture("normals", "2d", "unfilterable-float"),
         storage("paths", "vec4f", "read_write"),
+        storage("passed", "vec4f", "read_write"),
         storage("met", "u32"),
         storage("far", "f32"),
         storage("sums", PointSums, "read_write"),
     )
     workgroup = (8, 8, 1)
     file = "sums.wgsl"
-
-
-class _LaterSums(ComputePass):
-    slots = (
-        uniform("params", SumParams),
-        texture("normals", "2d", "unfilterable-float"),
-        storage("paths", "vec4f"),
-        storage("far", "f32"),
-        storage("sums", PointSums, "read_write"),
-    )
-    workgroup = (8, 8, 1)
-    file = "later_sums.wgsl"
 
 
 def sums_image(gpu: Gpu, label: str, points: Points) -> Texture:
@@ -111,12 +100,18 @@ class Sums:
     """`PointSums` for each point of a view."""
 
     def __init__(self, gpu: Gpu, points: Points) -> None:
-        self._points, self._far = points, Far(gpu, points)
-        self._pass, self._later = _Sums(gpu), _LaterSums(gpu)
+        self._points, self.far = points, Far(gpu, points)
+        self._pass = _Sums(gpu)
         self.buffer = Buffer(gpu, "gathered sums", PointSums.dtype.itemsize * points.count)
 
     def encode(
-        self, commands: Commands, view: View, paths: Paths, numbers: range, sample: range
+        self,
+        commands: Commands,
+        view: View,
+        paths: Paths,
+        passed: Buffer,
+        numbers: range,
+        sample: range,
     ) -> None:
         """Add what the first segments of the `paths` of the rays of these `numbers` found.
 
@@ -124,7 +119,7 @@ class Sums:
         """
         # Where far begins is found once for all batches of a sample.
         if numbers.start == sample.start:
-            self._far.encode(commands, view)
+            self.far.encode(commands, view)
         self._pass.dispatch(
             commands,
             self._points.reduced,
@@ -132,20 +127,9 @@ class Sums:
             places=self._points.places,
             normals=self._points.normals,
             paths=paths.buffer,
+            passed=passed,
             met=paths.met,
-            far=self._far.buffer,
-            sums=self.buffer,
-        )
-
-    def encode_later(self, commands: Commands, view: View, paths: Paths, numbers: range) -> None:
-        """Add what all later segments found."""
-        self._later.dispatch(
-            commands,
-            self._points.reduced,
-            params=self._params(view, numbers, numbers),
-            normals=self._points.normals,
-            paths=paths.buffer,
-            far=self._far.buffer,
+            far=self.far.buffer,
             sums=self.buffer,
         )
 

@@ -72,6 +72,7 @@ fn with_nearness(sums: PointSums, side: vec4f, inverse_m: f32, most_m: f32) -> P
         sum = with_nearness(sum, unpack4x8snorm(met[point + k * count]), path.w, most_m);
         // The path goes on without what is added here.
         paths[row] = vec4f(vec3f(0.0), path.w);
+        passed[point + k * count] = paths[row + 1u];
         k++;
     }
     sum.open = facing.w;
