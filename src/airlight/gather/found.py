@@ -14,7 +14,7 @@ from .sums import PointSums, sums_image, written_sums
 
 _TILE = 8
 """Points along a side of what the brightness of rays around is taken from, nine of these."""
-_MOST = 48.0
+_MOST = 24.0
 """Times the mean of the rays around that one ray counts at most where points have sixteen."""
 
 
