@@ -90,8 +90,9 @@ SHADERS = {path.relative_to(ROOT).as_posix(): path for path in sorted(ROOT.rglob
 MODULES = {path.relative_to(ROOT).as_posix(): path for path in sorted(ROOT.rglob("*.py"))}
 ALL = interfaces(ROOT)
 _WORDS = (
-    "abs acos all any array arrayLength asin atan atan2 atomic atomicAdd atomicExchange "
-    "atomicLoad atomicMax atomicMin atomicOr atomicStore binding bitcast bool builtin ceil "
+    "abs acos all any array arrayLength asin atan atan2 atomic atomicAdd "
+    "atomicCompareExchangeWeak atomicExchange atomicLoad atomicMax atomicMin atomicOr "
+    "atomicStore binding bitcast bool builtin ceil "
     "clamp cos countOneBits countTrailingZeros cross determinant distance dot dpdx dpdy exp "
     "exp2 extractBits f32 firstLeadingBit firstTrailingBit floor fma fn for fract group i32 "
     "if insertBits interpolate inverseSqrt length location log log2 loop mat2x2f mat2x3f "
